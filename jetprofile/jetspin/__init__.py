@@ -1,0 +1,1 @@
+"""JETSPIN output files."""

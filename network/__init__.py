@@ -1,0 +1,4 @@
+"""."""
+
+if __name__ != "spinline.network":
+    raise ImportError("import spinline.network, not network")

@@ -1,0 +1,4 @@
+"""."""
+
+if __name__ != "spinline.rheology":
+    raise ImportError("import spinline.rheology, not rheology")

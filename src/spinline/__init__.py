@@ -1,0 +1,65 @@
+"""The polymer network inside an electrospinning jet, and the microstructure it leaves.
+
+>>> import spinline as sl
+>>> jet = sl.jetprofile.PowerLaw(radius=125e-6, flow_rate=8.9e-10, k=1.0, beta=0.47)
+>>> walk = sl.network.random_walk(velocity_ratio=jet.velocity_ratio(1e-3), volume_fraction=0.05)
+
+The four physics packages stand alone (`jetprofile`, `rheology`, `network`, `xray`); `scene`, `solve`,
+`results`, `figures` and `report` tie them together. Importing this module imports nothing heavy.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from spinline import figures, jetprofile, network, report, results, rheology, scene, solve, units, xray
+    from spinline.errors import InputError, SpinlineWarning
+    from spinline.results import open_result
+    from spinline.scene import Scene, load_scene
+    from spinline.solve import run
+
+__version__ = "0.1.0"
+
+_MODULES = frozenset(
+    "figures jetprofile network report results rheology scene solve units xray".split()
+)
+_NAMES = {
+    "InputError": "errors",
+    "Scene": "scene",
+    "SpinlineWarning": "errors",
+    "load_scene": "scene",
+    "open_result": "results",
+    "run": "solve",
+}
+
+__all__ = [
+    "InputError",
+    "Scene",
+    "SpinlineWarning",
+    "__version__",
+    "figures",
+    "jetprofile",
+    "load_scene",
+    "network",
+    "open_result",
+    "report",
+    "results",
+    "rheology",
+    "run",
+    "scene",
+    "solve",
+    "units",
+    "xray",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"spinline.{name}")
+    if name in _NAMES:
+        return getattr(import_module(f"spinline.{_NAMES[name]}"), name)
+    raise AttributeError(f"module 'spinline' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
