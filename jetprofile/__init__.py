@@ -1,4 +1,17 @@
-"""How the jet moves: analytic profiles, tables, fits, and imported Lagrangian jets."""
+"""How the jet moves: analytic profiles, tables, fits, and imported Lagrangian jets.
+
+=================  ============================================================================
+name               what it is, and when to take it
+=================  ============================================================================
+`PowerLaw`         Eq. (31): the asymptote far from the nozzle; what published jets are fitted with
+`Hyperbolic`       Fig. 35: smooth from the nozzle on; exponent 1 far away
+`Table`            measured or computed samples; monotone, bounded strain rate
+`LagrangianJet`    beads of any simulator, bent or not
+`read_jetspin`     the output of a JETSPIN run
+`fit_power_law`    k and beta of a measured profile, and where a power law holds
+`estimate_k`       k from the process conditions, to a factor of order one
+=================  ============================================================================
+"""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -7,14 +20,43 @@ if __name__ != "spinline.jetprofile":
     raise ImportError("import spinline.jetprofile, not jetprofile")
 
 if TYPE_CHECKING:
+    from spinline.jetprofile.fit import PowerLawFit, fit_power_law
+    from spinline.jetprofile.hyperbolic import Hyperbolic
     from spinline.jetprofile.jetspin import iter_jetspin, read_jetspin
+    from spinline.jetprofile.k_estimate import estimate_k
+    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.power_law import PowerLaw
+    from spinline.jetprofile.straight import Jet, StraightJet
+    from spinline.jetprofile.table import Table
 
+# name: module; loaded when first asked for, since the readers are heavier than the laws
 _NAMES = {
+    "Hyperbolic": "hyperbolic",
+    "Jet": "straight",
+    "LagrangianJet": "lagrangian",
+    "PowerLaw": "power_law",
+    "PowerLawFit": "fit",
+    "StraightJet": "straight",
+    "Table": "table",
+    "estimate_k": "k_estimate",
+    "fit_power_law": "fit",
     "iter_jetspin": "jetspin",
     "read_jetspin": "jetspin",
 }
 
-__all__ = ["iter_jetspin", "read_jetspin"]
+__all__ = [
+    "Hyperbolic",
+    "Jet",
+    "LagrangianJet",
+    "PowerLaw",
+    "PowerLawFit",
+    "StraightJet",
+    "Table",
+    "estimate_k",
+    "fit_power_law",
+    "iter_jetspin",
+    "read_jetspin",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,52 @@
+"""The hyperbolic jet of Fig. 35: ``r / r_0 = 1 / (1 + s / p)``, so ``V = (1 + s / p)^2``.
+
+Smooth from the nozzle on, exponent beta = 1 far away; measured p = 23.1. It is not the k = 1 power law of the same
+figure (V = 7.46 against 32.1 at s = 40): the two published fits meet near s = 20 only for k near 0.48.
+"""
+
+import numpy as np
+
+from spinline.checks import FloatArray, positive
+from spinline.jetprofile.straight import StraightJet
+
+__all__ = ["Hyperbolic"]
+
+
+class Hyperbolic(StraightJet):
+    """Jet that thins as ``r / r_0 = 1 / (1 + s / p)``.
+
+    Parameters
+    ----------
+    radius : float
+        Initial radius r_0, m, > 0.
+    flow_rate : float
+        Q, m3/s, > 0.
+    p : float
+        Distance, in initial radii, over which the radius halves; > 0.
+
+    Examples
+    --------
+    >>> jet = Hyperbolic(radius=125e-6, flow_rate=8.9e-10, p=23.1)
+    >>> round(float(jet.velocity_ratio(40 * 125e-6)), 2)
+    7.46
+    """
+
+    def __init__(self, *, radius: float, flow_rate: float, p: float) -> None:
+        super().__init__(radius, flow_rate)
+        self.p = positive("p", p)
+
+    def _parameters(self) -> dict[str, object]:
+        return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "p": self.p}
+
+    def _ratio(self, s: FloatArray) -> FloatArray:
+        return (1 + s / self.p) ** 2
+
+    def _slope(self, s: FloatArray) -> FloatArray:
+        return 2 / self.p * (1 + s / self.p)
+
+    def _time(self, s: FloatArray) -> FloatArray:
+        return s / (1 + s / self.p)
+
+    def _inverse(self, ratio: FloatArray) -> FloatArray:
+        # sqrt(V) - 1 without the difference of near numbers
+        return np.where(ratio >= 1, self.p * (ratio - 1) / (np.sqrt(ratio) + 1), np.nan)

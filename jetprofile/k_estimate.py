@@ -1,0 +1,63 @@
+"""Estimate of the power-law prefactor k from the process, text under Eq. (31).
+
+::
+
+    k = r_0^(2/3) v_0^(-2/3) sigma_e^(1/4) mu^(-5/12) E^(5/6)        (Gaussian CGS)
+
+In SI, multiply by ``(4 pi eps_0)^(1/6)``. Its prefactor of order one is unknown: an estimate, not a measurement.
+The other estimate printed there, from the tangential shear stress, keeps a unit (its velocity gradient should be
+``v_0 k^2 / r_0``) and is not offered.
+
+References
+----------
+Reznik and Zussman, Phys. Rev. E 81, 026313 (2010).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spinline.checks import FloatArray, real
+
+__all__ = ["estimate_k"]
+
+_EPS0 = 8.8541878188e-12  # F/m, CODATA 2022
+
+
+def estimate_k(
+    *,
+    radius: ArrayLike,
+    flow_rate: ArrayLike,
+    conductivity: ArrayLike,
+    viscosity: ArrayLike,
+    electric_field: ArrayLike,
+) -> FloatArray:
+    """Prefactor k of Eq. (31) from the process conditions, to a factor of order one.
+
+    Parameters
+    ----------
+    radius, flow_rate, conductivity, viscosity, electric_field : array_like
+        r_0 (m), Q (m3/s), sigma_e (S/m), mu (Pa s), E (V/m), all > 0.
+
+    Returns
+    -------
+    ndarray, dimensionless.
+
+    Examples
+    --------
+    >>> round(float(estimate_k(radius=125e-6, flow_rate=3.2e-6 / 3600, conductivity=0.01,
+    ...                        viscosity=2.0, electric_field=6e4)), 8)
+    1.80625169
+    """
+    r = real("radius", radius, above=0.0, unit="m")
+    velocity = real("flow_rate", flow_rate, above=0.0, unit="m3/s") / (np.pi * r**2)
+    sigma = real("conductivity", conductivity, above=0.0, unit="S/m")
+    mu = real("viscosity", viscosity, above=0.0, unit="Pa s")
+    field = real("electric_field", electric_field, above=0.0, unit="V/m")
+    k: FloatArray = (
+        (4 * np.pi * _EPS0) ** (1 / 6)
+        * (r / velocity) ** (2 / 3)
+        * sigma**0.25
+        * mu ** (-5 / 12)
+        * field ** (5 / 6)
+    )
+    return k

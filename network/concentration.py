@@ -1,0 +1,189 @@
+"""Network radius and polymer fraction in the jet's core, Eqs. (39)-(40), in three forms.
+
+::
+
+    r_P / r       = xi_perp / xi_0                                             Eq. (39)
+    walk          phi_p = phi (xi_0 / xi_perp)^2                               Eq. (40), left
+    eq40          phi_p = (phi / 9) [cosh(f_0 V) + 2]^2                        Eq. (40), right
+    conservative  phi_p = phi (T xi_0 / xi_perp)^2 V / (xi_par / (T xi_0)),    T = tanh(f_0) / f_0
+
+They differ at rest (0.050752, 0.050376 and 0.05 for phi = 0.05) because the walk's rest state is ``T xi_0``,
+not ``xi_0``. The conservative form is normalised there and keeps the polymer flux exactly, with a network that
+moves at ``v_0 xi_par / xi_par(V = 1)``. All grow without bound, which a volume fraction cannot: `saturate` holds
+them at 1 and says where, and past that point the network radius is the one that carries the polymer,
+``r_P / r = phi^(1/2)``, or ``[phi V / (xi_par / xi_par(1))]^(1/2)`` for the conservative form.
+
+The review's other expression, ``b^3 N_s / (xi_par xi_perp^2)``, equals the conservative form when xi_perp is the
+lateral mesh of the contracted network, not the walk's xi_perp; it is not offered.
+
+References
+----------
+Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (39)-(40).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spinline.checks import FloatArray, real
+from spinline.network import _twofold
+from spinline.network.lattice_walk import Conformation
+from spinline.network.mesh import SolventQuality, rest_force
+
+__all__ = [
+    "compaction_velocity_ratio",
+    "conservative_radius_ratio",
+    "log_fraction_conservative",
+    "log_fraction_eq40",
+    "log_fraction_walk",
+    "saturate",
+]
+
+_LOG_9 = np.log(9.0)
+
+
+def log_fraction_walk(conformation: Conformation, volume_fraction: ArrayLike) -> FloatArray:
+    """Natural logarithm of ``phi (xi_0 / xi_perp)^2``: Eq. (40), left, with the exact walk.
+
+    Parameters
+    ----------
+    conformation : Conformation
+        From `random_walk` or `stretched_walk`.
+    volume_fraction : array_like
+        phi of the solution, in (0, 1).
+
+    Returns
+    -------
+    ndarray
+        inf where the strand is at its contour (no lateral extension left).
+    """
+    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    return np.log(phi) - 2 * conformation.log_radial_contraction
+
+
+def log_fraction_eq40(
+    velocity_ratio: ArrayLike, volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
+) -> FloatArray:
+    """Natural logarithm of ``(phi / 9) [cosh(f_0 V) + 2]^2``: Eq. (40), right, as printed.
+
+    Parameters
+    ----------
+    velocity_ratio : array_like
+        V > 0. The form assumes the affine force ``f_z = f_0 V``.
+    volume_fraction, solvent_quality
+        As for `random_walk`; f_0 is ``3 phi`` in a theta solvent, the case printed.
+
+    Returns
+    -------
+    ndarray
+    """
+    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    v = real("velocity_ratio", velocity_ratio, above=0.0, most=1e150)
+    rest, rest_error = rest_force(phi, solvent_quality)
+    force, error = _twofold.product(rest, v)
+    error = error + rest_error * v
+    bracket = force + np.log((1 + np.exp(-2 * force)) / 2 + 2 * np.exp(-force))
+    # d ln(cosh f + 2)/df, for the rounding of f
+    slope = -np.expm1(-2 * force) / (1 + np.exp(-2 * force) + 4 * np.exp(-force))
+    value: FloatArray = np.log(phi) - _LOG_9 + 2 * (bracket + slope * error)
+    return value
+
+
+def log_fraction_conservative(
+    conformation: Conformation,
+    velocity_ratio: ArrayLike,
+    volume_fraction: ArrayLike,
+    solvent_quality: SolventQuality = "theta",
+) -> FloatArray:
+    """Natural logarithm of the flux-conserving fraction (see the module's text).
+
+    Parameters
+    ----------
+    conformation : Conformation
+        Strands at the same points.
+    velocity_ratio : array_like
+        V > 0 of the solution.
+    volume_fraction, solvent_quality
+        As for `random_walk`.
+
+    Returns
+    -------
+    ndarray
+        ``log(phi)`` at V = 1 with the affine force.
+    """
+    v = real("velocity_ratio", velocity_ratio, above=0.0)
+    rest, _ = rest_force(volume_fraction, solvent_quality)
+    slip = np.log(v) - np.log(conformation.axial_stretch)
+    return log_fraction_walk(conformation, volume_fraction) + 3 * np.log(np.tanh(rest) / rest) + slip
+
+
+def conservative_radius_ratio(
+    conformation: Conformation,
+    velocity_ratio: ArrayLike,
+    volume_fraction: ArrayLike,
+    solvent_quality: SolventQuality = "theta",
+) -> tuple[FloatArray, FloatArray]:
+    """Network radius over jet radius that carries the polymer flux, and its value when compacted.
+
+    Parameters
+    ----------
+    conformation, velocity_ratio, volume_fraction, solvent_quality
+        As for `log_fraction_conservative`.
+
+    Returns
+    -------
+    ratio : ndarray
+        ``xi_perp / (T xi_0)`` while the core is below phi_p = 1, the compacted value from there on.
+    compacted : ndarray
+        ``[phi V / (xi_par / xi_par(1))]^(1/2)``. Above 1 the steady network cannot carry the flux.
+    """
+    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    v = real("velocity_ratio", velocity_ratio, above=0.0)
+    rest, _ = rest_force(phi, solvent_quality)
+    at_rest = np.tanh(rest) / rest
+    compacted: FloatArray = np.sqrt(phi * v * at_rest / conformation.axial_stretch)
+    return np.maximum(conformation.radial_contraction / at_rest, compacted), compacted
+
+
+def saturate(log_fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Volume fraction held at 1, and the flag that says where it is held.
+
+    Parameters
+    ----------
+    log_fraction : ndarray
+        Natural logarithm of an unbounded fraction.
+
+    Returns
+    -------
+    fraction : ndarray
+        ``min(phi_p, 1)``.
+    compacted : ndarray of bool
+        True where the formula is at or past 1.
+    """
+    compacted = log_fraction >= 0
+    return np.exp(np.minimum(log_fraction, 0.0)), compacted
+
+
+def compaction_velocity_ratio(
+    volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
+) -> FloatArray:
+    """Velocity ratio at which Eq. (40) gives phi_p = 1: ``V_c = acosh(3 / phi^(1/2) - 2) / f_0``.
+
+    Parameters
+    ----------
+    volume_fraction, solvent_quality
+        As for `random_walk`.
+
+    Returns
+    -------
+    ndarray
+        9.00600942256 at phi = 0.1: there the core is compact *before* full stretch (V_S = 10).
+
+    Notes
+    -----
+    ``acosh(1 + u) = log1p(u + sqrt(u (u + 2)))`` with ``u = 3 (1 - phi^(1/2)) / phi^(1/2)``, exact near phi = 1.
+    """
+    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    root = np.sqrt(phi)
+    u = 3 * ((1 - phi) / (1 + root)) / root
+    value: FloatArray = np.log1p(u + np.sqrt(u * (u + 2))) / rest_force(phi, solvent_quality)[0]
+    return value
