@@ -3,7 +3,8 @@
 Weighted least squares of ln r against ln z. A power law is an asymptote: real jets leave it near the nozzle, where r
 must meet the nozzle's, and where they bend. So the fit looks for the widest range of ln z over which the profile shows
 no curvature that matters: a cubic in ln z is fitted beside the line, and the range passes if the cubic never leaves the
-line by more than `tolerance` (relative radius), or by less than three standard errors of itself.
+line by more than `tolerance` (relative radius) or three standard errors of itself, and beta is one of a jet, in
+[1/4, 1] within three standard errors. Without `radius_std` the noise is taken from neighbouring samples.
 
 Uncertainty is that of the line, from `radius_std` where given, from the residuals otherwise; that of r_0 (which moves k
 by 1 + beta times as much) is not in it.
@@ -26,6 +27,7 @@ __all__ = ["PowerLawFit", "fit_power_law"]
 
 _BINS = 96  # the range is searched among so many groups of samples
 _FEWEST = 6  # samples a range needs
+_LEAST, _MOST = 0.25, 1.0  # exponents of electrified jets, review after Eq. (31)
 
 
 @dataclass(frozen=True)
@@ -136,14 +138,18 @@ def fit_power_law(
     tol = positive("tolerance", tolerance)
     groups = _group(x, y, sigma)
     if z_range is None:
-        low, high = _widest(*groups, tol)
+        low, high, holds = _widest(*groups, tol)
     else:
-        low, high = (np.log(positive("z_range", float(end), "m")) for end in z_range)
+        low, high = (float(np.log(positive("z_range", end, "m"))) for end in z_range)
     inside = (x >= low) & (x <= high)
     if inside.sum() < 3:
         raise InputError("z_range", "holds fewer than three samples", value=z_range, remedy="widen it")
-    line, cov, chi2 = _line(x[inside], y[inside], sigma[inside], known=radius_std is not None)
-    bend, noise = _departure(x[inside], y[inside], sigma[inside], known=radius_std is not None)
+    line, cov, chi2 = _line(x[inside], y[inside], sigma[inside])
+    if radius_std is None:  # sigma is only a guess from neighbours: let the residuals speak
+        cov, chi2 = cov * chi2, float("nan")
+    bend, noise = _departure(x[inside], y[inside], sigma[inside])
+    if z_range is not None:
+        holds = bend <= max(tol, 3 * noise)
     outside = (groups[0] < low) | (groups[0] > high)
     missed = np.abs(np.expm1(groups[1] - np.polyval(line, groups[0])))[outside]
     beta = -float(line[0])
@@ -167,7 +173,7 @@ def fit_power_law(
         departure_outside=float(missed.max()) if missed.size else 0.0,
         message="",
     )
-    message = _judge(fit, tol, noise, (float(np.exp(x.min())), float(np.exp(x.max()))))
+    message = _judge(fit, tol, holds, (float(np.exp(x.min())), float(np.exp(x.max()))))
     if message:
         warnings.warn(message, SpinlineWarning, stacklevel=2)
     return PowerLawFit(**{**fit.__dict__, "message": message})
@@ -179,16 +185,18 @@ def _samples(
     position, r = real("z", z, unit="m"), real("radius", radius, above=0.0, unit="m")
     if position.ndim != 1 or position.shape != r.shape:
         raise InputError("radius", "must have one value for each z", value=f"{r.shape} against {position.shape}")
-    std = np.ones_like(r)
-    if radius_std is not None:
-        std = np.broadcast_to(real("radius_std", radius_std, above=0.0, unit="m"), r.shape) / r
     use = position > 0
     if use.sum() < _FEWEST:
         raise InputError("z", f"has fewer than {_FEWEST} samples beyond the nozzle", value=int(use.sum()))
     order = np.argsort(position[use], kind="stable")
-    x, y, sigma = (np.asarray(a[use])[order] for a in (np.log(np.where(use, position, 1.0)), np.log(r), std))
+    x, y = np.log(position[use][order]), np.log(r[use][order])
     if not x[-1] > x[0]:
         raise InputError("z", "has all its samples at one place", value=float(np.exp(x[0])))
+    if radius_std is None:
+        sigma = np.full_like(x, _local_noise(x, y))
+    else:
+        std = np.broadcast_to(real("radius_std", radius_std, above=0.0, unit="m"), r.shape)
+        sigma = (std / r)[use][order]
     r0 = float(r.max()) if initial_radius is None else positive("initial_radius", initial_radius, "m")
     return x, y, sigma, int(use.sum()), r0
 
@@ -206,52 +214,62 @@ def _group(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[FloatArray,
     return means[0], means[1], 1 / np.sqrt(total[full])
 
 
-def _widest(x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float) -> tuple[float, float]:
-    """Widest range of x over which the cubic stays on the line; the one farther downstream in a tie."""
+def _widest(
+    x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float
+) -> tuple[float, float, bool]:
+    """Widest range of x that is a power law and True, or all of it and False."""
     n = x.size
     spans = [(x[j] - x[i], x[i], i, j) for i in range(n) for j in range(i + _FEWEST - 1, n)]
     for _, _, i, j in sorted(spans, reverse=True):
         part = slice(i, j + 1)
-        bend, noise = _departure(x[part], y[part], sigma[part], known=False)
-        if bend <= max(tolerance, 3 * noise):
-            return float(x[i]), float(x[j])
-    return float(x[0]), float(x[-1])
+        line, cov, _ = _line(x[part], y[part], sigma[part])
+        slack = 3 * float(np.sqrt(cov[0, 0]))
+        bend, error = _departure(x[part], y[part], sigma[part])
+        if bend <= max(tolerance, 3 * error) and _LEAST - slack <= -line[0] <= _MOST + slack:
+            return (
+                -np.inf if i == 0 else 0.5 * float(x[i - 1] + x[i]),
+                np.inf if j == n - 1 else 0.5 * float(x[j] + x[j + 1]),
+                True,
+            )
+    return -np.inf, np.inf, False
 
 
-def _line(
-    x: FloatArray, y: FloatArray, sigma: FloatArray, *, known: bool
-) -> tuple[FloatArray, FloatArray, float]:
-    """Coefficients (slope, intercept), their covariance, and the reduced chi-squared."""
+def _local_noise(x: FloatArray, y: FloatArray) -> float:
+    """Standard deviation of y from each sample's distance to the chord of its neighbours: blind to slow curvature."""
+    share = (x[1:-1] - x[:-2]) / np.maximum(x[2:] - x[:-2], 1e-300)
+    miss = y[1:-1] - (1 - share) * y[:-2] - share * y[2:]
+    scaled = miss / np.sqrt(1 + share**2 + (1 - share) ** 2)
+    return max(float(1.4826 * np.median(np.abs(scaled))), 1e-14)
+
+
+def _line(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Coefficients (slope, intercept), their covariance for the given sigma, and the reduced chi-squared."""
     centre = float(np.average(x, weights=sigma**-2))
     design = np.stack([x - centre, np.ones_like(x)], axis=1) / sigma[:, np.newaxis]
     inverse = np.linalg.inv(design.T @ design)
     slope, level = inverse @ (design.T @ (y / sigma))
     residual = (y - level - slope * (x - centre)) / sigma
-    chi2 = float(residual @ residual) / max(x.size - 2, 1)
     shift = np.array([[1.0, 0.0], [-centre, 1.0]])
-    cov = shift @ (inverse if known else inverse * chi2) @ shift.T
-    return np.array([slope, level - slope * centre]), cov, chi2 if known else float("nan")
+    chi2 = float(residual @ residual) / max(x.size - 2, 1)
+    return np.array([slope, level - slope * centre]), shift @ inverse @ shift.T, chi2
 
 
-def _departure(x: FloatArray, y: FloatArray, sigma: FloatArray, *, known: bool) -> tuple[float, float]:
+def _departure(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[float, float]:
     """Largest departure of the fitted cubic from the fitted line, and its standard error there."""
     u = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
     basis = np.stack([np.ones_like(u), u, 1.5 * u**2 - 0.5, 2.5 * u**3 - 1.5 * u], axis=1)
-    q, r = np.linalg.qr(basis / sigma[:, np.newaxis])
-    share = q.T @ (y / sigma)
-    residual = y / sigma - q @ share
-    scale = 1.0 if known else float(residual @ residual) / max(x.size - 4, 1)
-    bend = (q[:, 2:] @ share[2:]) * sigma
-    error = np.sqrt(np.sum(q[:, 2:] ** 2, axis=1) * scale) * sigma
+    q, _ = np.linalg.qr(basis / sigma[:, np.newaxis])
+    bend = (q[:, 2:] @ (q[:, 2:].T @ (y / sigma))) * sigma
+    error = np.sqrt(np.sum(q[:, 2:] ** 2, axis=1)) * sigma
     worst = int(np.argmax(np.abs(bend)))
     return float(np.abs(np.expm1(bend[worst]))), float(error[worst])
 
 
-def _judge(fit: PowerLawFit, tolerance: float, noise: float, whole: tuple[float, float]) -> str:
+def _judge(fit: PowerLawFit, tolerance: float, holds: bool, whole: tuple[float, float]) -> str:
     def mm(z: float) -> str:
         return f"{1e3 * z:.4g} mm"
 
-    if fit.departure > max(tolerance, 3 * noise):
+    if not holds:
         return (
             f"no power law holds: between {mm(fit.z_min)} and {mm(fit.z_max)} the radius leaves the fitted one by "
             f"{100 * fit.departure:.2g} % (tolerance {100 * tolerance:g} %)"
@@ -262,6 +280,6 @@ def _judge(fit: PowerLawFit, tolerance: float, noise: float, whole: tuple[float,
             f"samples, given from {mm(whole[0])} to {mm(whole[1])}); outside, the radius leaves it by up to "
             f"{100 * fit.departure_outside:.2g} %"
         )
-    if not 0.25 <= fit.beta <= 1:
-        return f"the exponent {fit.beta:.3g} is outside the range of jets, [0.25, 1]"
+    if not _LEAST <= fit.beta <= _MOST:
+        return f"no power law of a jet: the exponent {fit.beta:.3g} is outside [{_LEAST:g}, {_MOST:g}]"
     return ""

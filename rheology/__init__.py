@@ -3,7 +3,7 @@
 if __name__ != "spinline.rheology":
     raise ImportError("import spinline.rheology, not rheology")
 
-from spinline.rheology.materials import POLYMERS, SOLVENTS, Polymer, polymer, solvent_density
+from spinline.rheology.materials import POLYMERS, SOLVENTS, Polymer, polymer, solvent_density, solvent_viscosity
 from spinline.rheology.solution import Solution, mass_fraction, volume_fraction
 
 __all__ = [
@@ -14,5 +14,6 @@ __all__ = [
     "mass_fraction",
     "polymer",
     "solvent_density",
+    "solvent_viscosity",
     "volume_fraction",
 ]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from spinline.errors import InputError
 
-__all__ = ["POLYMERS", "SOLVENTS", "Polymer", "polymer", "solvent_density"]
+__all__ = ["POLYMERS", "SOLVENTS", "Polymer", "polymer", "solvent_density", "solvent_viscosity"]
 
 
 @dataclass(frozen=True)
@@ -128,3 +128,21 @@ def _known(name: str, table: Mapping[str, object], field: str, remedy: str) -> s
         hint = f"did you mean {by_lower[near[0]]!r}? Otherwise {remedy}" if near else remedy
         raise InputError(field, "is not built in", value=name, allowed=", ".join(table), remedy=hint)
     return key
+
+
+def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> float:
+    """Viscosity of a liquid solvent in Pa s; IAPWS for water, DIPPR 101 (Perry's Handbook) for the others.
+
+    Parameters and errors are those of `solvent_density`; a few percent near room temperature.
+    """
+    density = solvent_density(name, temperature, field)
+    known = _known(name, SOLVENTS, field, "give solvent_viscosity")
+    if known == "water":
+        from chemicals.viscosity import mu_IAPWS
+
+        return float(mu_IAPWS(temperature, density))
+    from chemicals.dippr import EQ101
+    from chemicals.viscosity import mu_data_Perrys_8E_2_313
+
+    row = mu_data_Perrys_8E_2_313.loc[SOLVENTS[known][0]]
+    return float(EQ101(temperature, row["C1"], row["C2"], row["C3"], row["C4"], row["C5"]))

@@ -8,7 +8,7 @@ A network needs entanglements. With strands of ``N_s`` Kuhn segments a chain of 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -86,7 +86,6 @@ class Solution:
     molar_mass: float | None = None
     viscosity: float | None = None
     relaxation_time: float | None = None
-    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         real("volume_fraction", self.volume_fraction, above=0.0, below=1.0)
@@ -112,6 +111,7 @@ class Solution:
         molar_mass: float | None = None,
         viscosity: float | None = None,
         relaxation_time: float | None = None,
+        field: str = "",
     ) -> Self:
         """Solution from names and one of the two fractions; any built-in property can be overridden.
 
@@ -129,6 +129,8 @@ class Solution:
             kg/m3, in place of the built-in ones.
         kuhn_length, molar_mass, viscosity, relaxation_time : float, optional
             As for the class.
+        field : str, optional
+            What goes before a name in errors, "solution." for a scene.
 
         Returns
         -------
@@ -140,13 +142,13 @@ class Solution:
         >>> round(solution.volume_fraction, 5)
         0.04443
         """
-        known = polymer(polymer_data) if isinstance(polymer_data, str) else polymer_data
+        known = polymer(polymer_data, f"{field}polymer") if isinstance(polymer_data, str) else polymer_data
         if polymer_density is not None:
             known = Polymer(
                 known.name, polymer_density, known.repeat_unit, known.repeat_unit_molar_mass, known.backbone_bonds
             )
         parts = {solvent: 1.0} if isinstance(solvent, str) else dict(solvent)
-        density = _mixture_density(parts, temperature) if solvent_density is None else solvent_density
+        density = _mixture_density(parts, temperature, f"{field}solvent") if solvent_density is None else solvent_density
         if (mass_fraction is None) == (volume_fraction is None):
             raise InputError("solution", "needs one of mass_fraction and volume_fraction", remedy="give exactly one")
         if mass_fraction is not None:
@@ -192,9 +194,9 @@ class Solution:
 _volume_fraction, _mass_fraction = volume_fraction, mass_fraction  # the names are also parameters above
 
 
-def _mixture_density(parts: Mapping[str, float], temperature: float) -> float:
-    shares = real("solvent", list(parts.values()), above=0.0, most=1.0)
+def _mixture_density(parts: Mapping[str, float], temperature: float, field: str) -> float:
+    shares = real(field, list(parts.values()), above=0.0, most=1.0)
     if abs(float(shares.sum()) - 1) > 1e-6:
-        raise InputError("solvent", "mass fractions must sum to 1", value=dict(parts), remedy="scale them")
-    volumes = [share / solvent_density(name, temperature) for name, share in parts.items()]
+        raise InputError(field, "mass fractions must sum to 1", value=dict(parts), remedy="scale them")
+    volumes = [share / solvent_density(name, temperature, field) for name, share in parts.items()]
     return float(1 / np.sum(volumes))

@@ -210,6 +210,8 @@ def _spell(unit: str) -> str:
 
 
 def _example(quantity: Quantity) -> str:
+    if not quantity.unit:
+        return f"for example {quantity.example}" if quantity.name == "number" else f'for example "{quantity.example}"'
     return f'write it as text, for example "{quantity.example}"'
 
 

@@ -1,0 +1,229 @@
+"""Results: named, with units, stored as netCDF that says how to make it again."""
+
+import json
+import math
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from spinline.errors import InputError
+
+if TYPE_CHECKING:
+    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.straight import StraightJet
+
+__all__ = ["VARIABLES", "assemble", "open_dataset", "open_result", "save", "scalars", "to_csv", "to_json", "writable"]
+
+# name: (unit, what it is)
+VARIABLES: dict[str, tuple[str, str]] = {
+    "z": ("m", "distance from the nozzle"),
+    "arc_length": ("m", "arc length from the nozzle"),
+    "radius": ("m", "jet radius"),
+    "velocity": ("m s-1", "jet velocity"),
+    "velocity_ratio": ("1", "velocity over initial velocity V (bead jets: material stretch)"),
+    "strain_rate": ("s-1", "strain rate"),
+    "residence_time": ("s", "time since the nozzle"),
+    "stretch_ratio": ("1", "material stretch since the nozzle"),
+    "mean_polymer_fraction": ("1", "polymer volume fraction, mean of the cross-section"),
+    "network_velocity_ratio": ("1", "network velocity over initial velocity w"),
+    "axial_stretch": ("1", "axial stretch of the strands xi_par / xi_0"),
+    "relative_extension": ("1", "extension of the strands over their contour xi_par / xi_max"),
+    "radial_contraction": ("1", "radial contraction of the strands xi_perp / xi_0"),
+    "orientation": ("1", "Hermans orientation of the segments"),
+    "network_radius": ("m", "radius of the polymer network, Eq. (39)"),
+    "network_radius_conservative": ("m", "radius of the polymer network that conserves the polymer flux"),
+    "core_polymer_fraction": ("1", "polymer volume fraction of the core, exact walk, held at 1"),
+    "core_polymer_fraction_eq40": ("1", "polymer volume fraction of the core, Eq. (40) as printed, held at 1"),
+    "core_polymer_fraction_conservative": ("1", "polymer volume fraction of the core, flux conserved, held at 1"),
+    "strand_force": ("N", "force at the ends of a strand; NaN where the contour is reached"),
+    "compacted": ("", "core_polymer_fraction is held at 1"),
+    "compacted_eq40": ("", "core_polymer_fraction_eq40 is held at 1"),
+    "compacted_conservative": ("", "core_polymer_fraction_conservative is held at 1"),
+    "flux_exceeded": ("", "a compacted network would be wider than the jet: no steady network"),
+    "contour_reached": ("", "the closure asks for more than the contour; the strand is held at it"),
+    "volume_fraction": ("1", "polymer volume fraction of the solution"),
+    "crossover_position": ("m", "where the network is fully stretched, Eq. (38)"),
+    "crossover_radius": ("m", "jet radius where the network is fully stretched, Eq. (38)"),
+    "crossover_radius_ratio": ("1", "the same over the initial radius"),
+    "crossover_velocity_ratio": ("1", "velocity ratio of full stretch, Eq. (38)"),
+    "crossover_extension_position": ("m", "where the extension passes the criterion"),
+    "crossover_extension_radius": ("m", "jet radius where the extension passes the criterion"),
+    "crossover_extension_radius_ratio": ("1", "the same over the initial radius"),
+    "crossover_extension_velocity_ratio": ("1", "velocity ratio where the extension passes the criterion"),
+    "x": ("m", "position along the spinning axis"),
+    "y": ("m", "position across the spinning axis"),
+    "time": ("s", "time"),
+}
+
+
+def assemble(
+    fields: dict[str, Any], numbers: dict[str, Any], attributes: dict[str, Any], jet: "StraightJet | LagrangianJet"
+) -> xr.Dataset:
+    """Dataset of a run: fields along the jet, numbers, attributes.
+
+    Parameters
+    ----------
+    fields : dict
+        Variable name to array along the jet.
+    numbers : dict
+        Variable name to number (or array along time).
+    attributes : dict
+        Of the Dataset.
+    jet : StraightJet or LagrangianJet
+        Says which dimensions the fields have.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    time = getattr(jet, "time", None)
+    lead = () if time is None else ("time",)
+    beads = "arc_length" in fields
+    coordinates: dict[str, Any] = {} if time is None else {"time": ("time", time, _units("time"))}
+    along = (*lead, "element") if beads else ("z",)
+    place = "arc_length" if beads else "z"
+    coordinates[place] = (along, fields[place], _units(place))
+    data = {
+        name: ((*lead, "bead") if beads and name in ("x", "y", "z") else along, values, _units(name, beads))
+        for name, values in fields.items()
+        if name != place
+    }
+    data |= {name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
+             for name, value in numbers.items()}  # fmt: skip
+    return xr.Dataset(data, coordinates, {key: _storable(value) for key, value in attributes.items()})
+
+
+def scalars(result: xr.Dataset) -> dict[str, float]:
+    """The numbers of a result that have no dimension."""
+    return {str(name): float(variable) for name, variable in result.data_vars.items() if variable.ndim == 0}
+
+
+def writable(path: str | Path, *, force: bool = False) -> Path:
+    """Check that a file can be written before anything is computed.
+
+    Raises
+    ------
+    InputError
+        If it exists (without `force`), is a folder, or its folder is missing or closed.
+    """
+    file = Path(path)
+    if file.is_dir():
+        raise InputError(str(path), "is a folder, not a file", remedy="give a file name")
+    if file.exists() and not force:
+        raise InputError(str(path), "exists", remedy="choose another name, or --force to overwrite")
+    folder = file.parent
+    if not folder.is_dir():
+        raise InputError(str(path), "cannot be written: its folder does not exist", remedy=f"make {folder}")
+    if not os.access(folder, os.W_OK) or (file.exists() and not os.access(file, os.W_OK)):
+        raise InputError(str(path), "cannot be written: no permission", remedy="choose another place")
+    return file
+
+
+def save(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+    """Write a result as netCDF-4, whole or not at all.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `spinline.run`.
+    path : path
+        File to write.
+    force : bool
+        Overwrite.
+
+    Returns
+    -------
+    Path
+    """
+    file = writable(path, force=force)
+    encoding = {name: {"_FillValue": None} for name in result.variables}
+    with tempfile.TemporaryDirectory(prefix=".spinline-", dir=file.parent) as scratch:
+        part = Path(scratch) / "result.nc"
+        try:
+            result.to_netcdf(part, engine="h5netcdf", encoding=encoding)
+            part.replace(file)
+        except OSError as error:
+            raise InputError(str(path), f"cannot be written ({error.strerror or error})") from None
+    return file
+
+
+def open_dataset(path: str | Path) -> xr.Dataset:
+    """Read a netCDF file into memory.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read as netCDF-4.
+    """
+    if not Path(path).is_file():
+        raise InputError(str(path), "is not a file", remedy="check the path")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            return dataset.load()
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(str(path), f"cannot be read as netCDF-4 ({reason})", remedy="give a .nc file") from None
+
+
+def open_result(path: str | Path) -> xr.Dataset:
+    """Read a result that `save` or ``spinline run`` wrote.
+
+    Raises
+    ------
+    InputError
+        If it is not one.
+    """
+    result = open_dataset(path)
+    if "spinline_version" not in result.attrs or "volume_fraction" not in result:
+        raise InputError(str(path), "is not a result of spinline", remedy="make one with `spinline run`")
+    return result
+
+
+def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
+    """JSON text of a result: variables by name in SI, NaN as null, attributes under "attributes"."""
+    picked = names or tuple(map(str, result.variables))
+    data: dict[str, Any] = {name: _plain(result[name].values) for name in picked}
+    data["attributes"] = {str(key): _plain(value) for key, value in result.attrs.items()}
+    return json.dumps(data, allow_nan=False, ensure_ascii=False)
+
+
+def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+    """Write the profile as a table, one row per place (and time), units in the header."""
+    file = writable(path, force=force)
+    if "element" in result.dims:
+        along = [name for name in result.variables if "element" in result[name].dims]
+    else:
+        along = [name for name in result.variables if "z" in result[name].dims]
+    table = result[along].to_dataframe().reset_index()
+    # an index that is only a count has no unit; everything else has
+    units = {name: result[name].attrs.get("units", "") if name in result.variables else "" for name in table.columns}
+    flags = {name: table[name].astype(int) for name in table.columns if table[name].dtype == bool}
+    table = table.assign(**flags)
+    table.columns = [f"{name} [{units[name]}]" if units[name] not in ("", "1") else str(name) for name in table.columns]
+    table.to_csv(file, index=False)
+    return file
+
+
+def _units(name: str, beads: bool = False) -> dict[str, str]:
+    unit, words = VARIABLES[name]
+    if name == "z" and beads:
+        words = "position across the spinning axis"
+    return {"units": unit, "long_name": words} if unit else {"long_name": words}
+
+
+def _storable(value: Any) -> Any:
+    return value if isinstance(value, str | int | float) and not isinstance(value, bool) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

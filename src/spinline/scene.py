@@ -1,0 +1,465 @@
+"""The scene file: what a user writes, checked, with every quantity in SI.
+
+A scene is TOML. Quantities are text with their unit; unknown keys are refused and the nearest known one is suggested.
+`load_scene` reads a path or the name of a bundled scene; `Scene.model_validate` checks a dictionary.
+"""
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from spinline.errors import InputError
+from spinline.units import QUANTITIES, Measured, parse
+
+__all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
+
+
+def _quantity(kind: str, low: float, high: float, *, closed: bool = False, remedy: str = "") -> Any:
+    """Annotated type of a quantity: text with a unit, within a physical range (in SI)."""
+    unit = QUANTITIES[kind].unit
+    interval = f"[{low:g}, {high:g}]" if closed else f"({low:g}, {high:g})"
+    allowed = f"{interval} {unit}".strip()
+
+    def read(text: Any) -> Measured:
+        try:
+            measured = parse(text, kind, "")
+        except InputError as error:
+            raise PydanticCustomError(
+                "quantity", "{problem}", {"problem": error.problem, "allowed": error.allowed or allowed, "remedy": error.remedy}
+            ) from None
+        inside = low <= measured.value <= high if closed else low < measured.value < high
+        if not inside:
+            raise PydanticCustomError(
+                "range", "is out of range", {"allowed": allowed, "remedy": remedy}
+            )
+        return measured
+
+    schema = {
+        "anyOf": [{"type": "string"}, {"type": "number"}] if not unit else [{"type": "string"}],
+        "description": f"{kind}, {allowed}",
+        "examples": [QUANTITIES[kind].example],
+    }
+    return Annotated[Measured, BeforeValidator(read), WithJsonSchema(schema)]
+
+
+Length = _quantity("length", 1e-12, 1e3)
+KuhnLength = _quantity("length", 1e-11, 1e-6)
+FlowRate = _quantity("flow rate", 1e-30, 1.0)
+Time = _quantity("time", 0.0, 1e9, closed=True)
+Lifetime = _quantity("time", 0.0, 1e12)
+Temperature = _quantity("temperature", 50.0, 1000.0)
+Density = _quantity("density", 1.0, 3e4)
+MolarMass = _quantity("molar mass", 1e-3, 1e6)
+Viscosity = _quantity("viscosity", 1e-7, 1e15)
+Velocity = _quantity("velocity", -1e3, 1e3)
+Pressure = _quantity("pressure", 0.0, 1e9)
+ElectricField = _quantity("electric field", 0.0, 1e10)
+Conductivity = _quantity("conductivity", 0.0, 1e8)
+MassFraction = _quantity("mass fraction", 0.0, 1.0)
+VolumeFraction = _quantity("volume fraction", 0.0, 1.0)
+Fraction = _quantity("fraction", 0.0, 1.0, closed=True)
+Exponent = _quantity("number", 0.25, 1.0, closed=True, remedy="measured jets give 0.4 to 0.6")
+Number = _quantity("number", 0.0, 1e30)
+NumberOrZero = _quantity("number", 0.0, 1e30, closed=True)
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class PolymerData(_Section):
+    """A polymer that is not built in."""
+
+    name: str = "polymer"
+    density: Density
+    repeat_unit_molar_mass: MolarMass | None = None
+    backbone_bonds: Annotated[int, Field(ge=1, le=1000)] | None = None
+
+
+class SolventData(_Section):
+    """A solvent that is not built in."""
+
+    name: str = "solvent"
+    density: Density
+
+
+def _form(value: Any) -> str:
+    """Which of its forms a polymer or solvent is given in."""
+    if isinstance(value, PolymerData | SolventData) or (isinstance(value, Mapping) and "density" in value):
+        return "properties"
+    return "mixture" if isinstance(value, Mapping) else "name"
+
+
+PolymerField = Annotated[
+    Annotated[str, Tag("name")] | Annotated[PolymerData, Tag("properties")] | Annotated[PolymerData, Tag("mixture")],
+    Discriminator(_form),
+]
+SolventField = Annotated[
+    Annotated[str, Tag("name")]
+    | Annotated[dict[str, Annotated[float, Field(gt=0, le=1)]], Tag("mixture")]
+    | Annotated[SolventData, Tag("properties")],
+    Discriminator(_form),
+]
+
+
+class SolutionSection(_Section):
+    """``[solution]``: what is spun."""
+
+    polymer: PolymerField
+    solvent: SolventField
+    mass_fraction: MassFraction | None = None
+    volume_fraction: VolumeFraction | None = None
+    molar_mass: MolarMass | None = None
+    kuhn_length: KuhnLength = Measured(1e-9, 0.0, "1 nm")
+    temperature: Temperature = Measured(293.15, 0.0, "293.15 K")
+    polymer_density: Density | None = None
+    solvent_density: Density | None = None
+    viscosity: Viscosity | None = None
+    solvent_viscosity: Viscosity | None = None
+    relaxation_time: Lifetime | None = None
+
+    @model_validator(mode="after")
+    def _one_fraction(self) -> Self:
+        if (self.mass_fraction is None) == (self.volume_fraction is None):
+            raise _refusal("mass_fraction", "give one of mass_fraction and volume_fraction, not both and not none")
+        return self
+
+
+class PowerLawJet(_Section):
+    """``[jet]`` with ``profile = "power-law"``, Eq. (31)."""
+
+    profile: Literal["power-law"]
+    radius: Length
+    flow_rate: FlowRate
+    length: Length
+    beta: Exponent
+    k: Number | None = None
+    electric_field: ElectricField | None = None
+    conductivity: Conductivity | None = None
+
+    @model_validator(mode="after")
+    def _k_or_process(self) -> Self:
+        process = (self.electric_field, self.conductivity)
+        if self.k is None and None in process:
+            raise _refusal("k", "is missing; give k, or electric_field and conductivity for an estimate of it")
+        if self.k is not None and process != (None, None):
+            raise _refusal("k", "is given beside electric_field and conductivity; drop one or the other")
+        return self
+
+
+class HyperbolicJet(_Section):
+    """``[jet]`` with ``profile = "hyperbolic"``, Fig. 35."""
+
+    profile: Literal["hyperbolic"]
+    radius: Length
+    flow_rate: FlowRate
+    length: Length
+    p: Number
+
+
+class TableJet(_Section):
+    """``[jet]`` with ``profile = "table"``: a CSV file of (z, radius) or (z, velocity)."""
+
+    profile: Literal["table"]
+    path: str
+    flow_rate: FlowRate
+    radius: Length | None = None
+    length: Length | None = None
+
+
+class JetspinJet(_Section):
+    """``[jet]`` with ``profile = "jetspin"``: a run directory, a file of it, or what ``import-jet`` wrote."""
+
+    profile: Literal["jetspin"]
+    path: str
+    time: Annotated[Time | Literal["all", "last"], Field(union_mode="left_to_right")] = "last"
+    source: str | None = None
+    unit: str | None = None
+
+
+class LagrangianJetFile(_Section):
+    """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator in a CSV file."""
+
+    profile: Literal["lagrangian"]
+    path: str
+    radius: Length | None = None
+    time: Annotated[Time | Literal["all", "last"], Field(union_mode="left_to_right")] = "last"
+
+
+JetSection = Annotated[
+    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
+]
+
+
+class AmbientSection(_Section):
+    """``[ambient]``: the air; for evaporation."""
+
+    relative_humidity: Fraction | None = None
+    temperature: Temperature | None = None
+    pressure: Pressure | None = None
+    air_velocity: Velocity | None = None
+
+
+class RheologySection(_Section):
+    """``[rheology]``: how viscosity, relaxation and diffusion follow the concentration."""
+
+    law: str | None = None
+    B: Number | None = None
+    m: Number | None = None
+    n: float | None = None
+    convention: str | None = None
+    D_law: str | None = None
+
+
+Switch = Literal["auto", True, False]
+
+
+class EffectsSection(_Section):
+    """``[effects]``: which physics to include."""
+
+    evaporation: Switch = "auto"
+    relaxation: Switch = "auto"
+    radial: Switch = "auto"
+
+
+class NetworkSection(_Section):
+    """``[network]``: model of the network, and its parameters."""
+
+    model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
+    closure: Literal["force", "stretch"] = "force"
+    spring: Number = Measured(3.0, 0.0, "3")
+    drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
+    coupling: Number | None = None
+    inertia: NumberOrZero = Measured(0.0, 0.0, "0")
+    force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
+    solvent_quality: Literal["theta", "good"] = "theta"
+    crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
+
+
+class AccuracySection(_Section):
+    """``[accuracy]``: how far from the finest model an answer may be, and how many points to write."""
+
+    rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
+    points: Annotated[int, Field(ge=2, le=10_000_000)] = 401
+
+
+class Scene(_Section):
+    """A checked scene. `text` and `folder` say where it came from."""
+
+    title: str = ""
+    solution: SolutionSection
+    jet: JetSection
+    ambient: AmbientSection | None = None
+    rheology: RheologySection | None = None
+    effects: EffectsSection = EffectsSection()
+    network: NetworkSection = NetworkSection()
+    accuracy: AccuracySection = AccuracySection()
+
+    _text: str = ""
+    _folder: Path = Path()
+    _name: str = "scene"
+
+    @property
+    def text(self) -> str:
+        """The TOML the scene was made from, overrides as a comment at its end."""
+        return self._text
+
+    @property
+    def folder(self) -> Path:
+        """Folder that relative paths in the scene start from."""
+        return self._folder
+
+    @property
+    def name(self) -> str:
+        """Stem of the file, or bundled name."""
+        return self._name
+
+
+def scene_from_dict(
+    data: Mapping[str, Any], *, text: str = "", folder: Path | None = None, name: str = "scene"
+) -> Scene:
+    """Check a scene given as nested dictionaries.
+
+    Raises
+    ------
+    InputError
+        With every problem found, one to a line.
+    """
+    try:
+        scene = Scene.model_validate(data)
+    except ValidationError as error:
+        raise _explain(error, name, data) from None
+    scene._text, scene._folder, scene._name = text, folder or Path(), name
+    return scene
+
+
+def load_scene(source: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene file, or a bundled scene by its name.
+
+    Parameters
+    ----------
+    source : path or str
+        A TOML file, or a name that `bundled_scenes` lists. A file of that name goes first.
+    overrides : sequence of str
+        ``"jet.k=0.8"``: TOML values that replace the file's; text needs no quotes.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        For an unreadable file, TOML that does not parse, or any key or value that cannot be right.
+    """
+    path = Path(source)
+    if not path.exists():
+        path = bundled_scenes().get(str(source), path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        near = difflib.get_close_matches(str(source), bundled_scenes(), n=1)
+        hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
+        raise InputError(str(source), f"cannot be read as a scene ({reason})", remedy=hint) from None
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(source), f"is not a TOML scene ({error})", remedy="see `spinline scenes --copy`") from None
+    for override in overrides:
+        _override(data, override)
+    if overrides:
+        text = text.rstrip() + "\n" + "".join(f"# --set {override}\n" for override in overrides)
+    return scene_from_dict(data, text=text, folder=path.resolve().parent, name=path.stem)
+
+
+def bundled_scenes() -> dict[str, Path]:
+    """Names of the bundled scenes and their files."""
+    folder = Path(str(resources.files("spinline") / "data" / "scenes"))
+    return {file.stem: file for file in sorted(folder.glob("*.toml"))}
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of the scene file, for editors."""
+    schema = Scene.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "spinline scene"}
+
+
+def _override(data: dict[str, Any], override: str) -> None:
+    key, equals, value = override.partition("=")
+    steps = [step.strip() for step in key.split(".")]
+    if not equals or not all(steps):
+        raise InputError("--set", "is not KEY=VALUE", value=override, remedy='for example --set "jet.radius=100 um"')
+    try:
+        parsed = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value.strip()
+    for step in steps[:-1]:
+        data = data.setdefault(step, {})
+        if not isinstance(data, dict):
+            raise InputError("--set", f"{step} is a value, not a section", value=override)
+    data[steps[-1]] = parsed
+
+
+def _refusal(key: str, problem: str) -> PydanticCustomError:
+    return PydanticCustomError("refusal", "{problem}", {"key": key, "problem": problem, "allowed": "", "remedy": ""})
+
+
+def _explain(error: ValidationError, name: str, data: Mapping[str, Any]) -> InputError:
+    """One InputError from all that pydantic found."""
+    details = error.errors(include_url=False)
+    lines = list(dict.fromkeys(str(_problem(detail, data)) for detail in _foremost(details)))
+    first = _problem(_foremost(details)[0], data)
+    if len(lines) == 1:
+        return first
+    return InputError(name, f"has {len(lines)} problems:\n  " + "\n  ".join(lines))
+
+
+def _foremost(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Of the branches of a union keep the one that speaks of the value, not of its type."""
+    best: dict[str, ErrorDetails] = {}
+    for detail in details:
+        key = _key(detail)
+        if key not in best or best[key]["type"] in _TYPE_ERRORS:
+            best[key] = detail
+    return list(best.values())
+
+
+_TYPE_ERRORS = frozenset({"string_type", "literal_error", "model_type", "dict_type", "float_type", "bool_type"})
+_BRANCHES = frozenset(
+    {"power-law", "hyperbolic", "table", "jetspin", "lagrangian", "name", "mixture", "properties"}
+)  # of the unions: no keys of the user's
+
+
+def _key(detail: ErrorDetails) -> str:
+    steps = [str(step) for step in detail["loc"]]
+    kept = [
+        step
+        for i, step in enumerate(steps)
+        if not (step in _BRANCHES and i == (2 if steps[0] == "solution" else 1)) and "[" not in step
+    ]
+    context = detail.get("ctx") or {}
+    return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
+
+
+def _problem(detail: ErrorDetails, data: Mapping[str, Any]) -> InputError:
+    key, kind, context = _key(detail), detail["type"], detail.get("ctx") or {}
+    value = detail["input"]
+    if kind in ("quantity", "range", "refusal"):
+        shown = None if kind == "refusal" else value
+        remedy = context["remedy"] or ("" if kind == "refusal" else _change(key))
+        return InputError(key, detail["msg"], value=shown, allowed=context["allowed"], remedy=remedy)
+    if kind == "missing":
+        return InputError(key, "is missing", remedy=f"add it to [{key.rpartition('.')[0]}]" if "." in key else "add it")
+    if kind == "extra_forbidden":
+        known = _known_keys(key, data)
+        near = difflib.get_close_matches(key.rpartition(".")[2], known, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "take it out"
+        return InputError(key, "is not a known key", value=value, allowed=", ".join(known), remedy=hint)
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        section = value if isinstance(value, Mapping) else {}
+        problem = "is not known" if "profile" in section else "is missing"
+        profiles = '"power-law", "hyperbolic", "table", "jetspin", "lagrangian"'
+        return InputError(
+            f"{key}.profile", problem, value=section.get("profile"), allowed=profiles, remedy=_change(f"{key}.profile")
+        )
+    allowed = str(context.get("expected", "")).replace("True", "true").replace("False", "false")
+    if not allowed:
+        words = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+        allowed = ", ".join(f"{words[k]} {v}" for k, v in context.items() if k in words)
+    message = "is not known" if kind == "literal_error" else detail["msg"].replace("Input should be", "should be")
+    return InputError(key, message, value=value, allowed=allowed, remedy=_change(key))
+
+
+def _change(key: str) -> str:
+    return f"change it in the scene, or with --set {key}=VALUE"
+
+
+def _known_keys(key: str, data: Mapping[str, Any]) -> list[str]:
+    models: dict[str, type[BaseModel]] = {
+        "solution": SolutionSection, "ambient": AmbientSection, "rheology": RheologySection, "effects": EffectsSection,
+        "network": NetworkSection, "accuracy": AccuracySection, "solution.polymer": PolymerData,
+        "solution.solvent": SolventData,
+    }  # fmt: skip
+    section = key.rpartition(".")[0]
+    if section == "jet":
+        profiles = {"power-law": PowerLawJet, "hyperbolic": HyperbolicJet, "table": TableJet, "jetspin": JetspinJet,
+                    "lagrangian": LagrangianJetFile}  # fmt: skip
+        return list(profiles[data["jet"]["profile"]].model_fields)
+    return list(models.get(section, Scene).model_fields)
