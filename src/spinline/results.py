@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.jetprofile.straight import StraightJet
 
-__all__ = ["VARIABLES", "assemble", "open_dataset", "open_result", "save", "scalars", "to_csv", "to_json", "writable"]
+__all__ = ["VARIABLES", "assemble", "open_dataset", "open_result", "plain", "save", "scalars", "to_csv", "to_json", "writable"]
 
 # name: (unit, what it is)
 VARIABLES: dict[str, tuple[str, str]] = {
@@ -186,8 +186,8 @@ def open_result(path: str | Path) -> xr.Dataset:
 def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
     """JSON text of a result: variables by name in SI, NaN as null, attributes under "attributes"."""
     picked = names or tuple(map(str, result.variables))
-    data: dict[str, Any] = {name: _plain(result[name].values) for name in picked}
-    data["attributes"] = {str(key): _plain(value) for key, value in result.attrs.items()}
+    data: dict[str, Any] = {name: plain(result[name].values) for name in picked}
+    data["attributes"] = {str(key): plain(value) for key, value in result.attrs.items()}
     return json.dumps(data, allow_nan=False, ensure_ascii=False)
 
 
@@ -219,11 +219,12 @@ def _storable(value: Any) -> Any:
     return value if isinstance(value, str | int | float) and not isinstance(value, bool) else str(value)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """JSON-ready value: arrays as lists, NaN and inf as None."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -1,0 +1,157 @@
+"""The figure of a run: radius, stretch and orientation, concentration, with the crossover marked.
+
+Readable in grey: every curve has its own line style. Colours are those of Okabe and Ito, told apart by the colour-blind.
+"""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from spinline.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["check_format", "figure", "headline", "png", "save_figure"]
+
+BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#555555"
+_FORMATS = {".png", ".pdf", ".svg"}
+_LEGEND: dict[str, Any] = {"fontsize": 8, "framealpha": 0.9, "edgecolor": "none"}
+
+
+def figure(result: xr.Dataset) -> Figure:
+    """Figure of a result; of its last time, if it has several.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `spinline.run`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    if "time" in result.dims:
+        result = result.isel(time=-1)
+    sheet = Figure(figsize=(9.0, 6.6), layout="constrained")
+    FigureCanvasAgg(sheet)
+    axes = sheet.subplots(2, 2, sharex=True)
+    beads = "element" in result.dims
+    if beads:
+        result = result.isel(element=np.flatnonzero(np.isfinite(result["stretch_ratio"].values)))
+    place = 1e3 * result["arc_length" if beads else "z"].values
+    _radii(axes[0, 0], place, result)
+    _strands(axes[0, 1], place, result)
+    _stretches(axes[1, 0], place, result)
+    _fractions(axes[1, 1], place, result)
+    for axis in axes.flat:
+        _mark(axis, result)
+        axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        axis.set_axisbelow(True)
+    if beads:
+        axes[0, 0].set_xscale("log")
+    else:
+        axes[0, 0].set_xlim(place[0], place[-1])
+    for axis in axes[1]:
+        axis.set_xlabel("arc length from the nozzle (mm)" if beads else "distance from the nozzle z (mm)")
+    sheet.suptitle(f"{result.attrs['title']}\n{headline(result)}", fontsize=10.5)
+    return sheet
+
+
+def headline(result: xr.Dataset) -> str:
+    """The crossover in a line."""
+    position, radius = float(result["crossover_position"]), float(result["crossover_radius"])
+    if np.isnan(position):
+        return f"full stretch (V = {float(result['crossover_velocity_ratio']):.3g}) is not reached within this jet"
+    ratio = float(result["crossover_radius_ratio"])
+    return f"fully stretched at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm = {ratio:.3g} of the initial radius"
+
+
+def png(result: xr.Dataset, dpi: int = 150) -> bytes:
+    """The figure as PNG bytes."""
+    buffer = io.BytesIO()
+    figure(result).savefig(buffer, format="png", dpi=dpi, metadata={"Software": "spinline"})
+    return buffer.getvalue()
+
+
+def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+    """Write the figure; the file's ending says the format (.png, .pdf, .svg).
+
+    Raises
+    ------
+    InputError
+        For another ending, or a file that cannot be written.
+    """
+    from spinline.results import writable
+
+    file = writable(path, force=force)
+    figure(result).savefig(file, dpi=150)
+    return file
+
+
+def check_format(path: str | Path) -> Path:
+    """Return the path if its ending is a picture format, refuse it otherwise."""
+    file = Path(path)
+    if file.suffix.lower() not in _FORMATS:
+        raise InputError(str(path), "has no known picture format", value=file.suffix, allowed=", ".join(sorted(_FORMATS)))
+    return file
+
+
+def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    axis.plot(place, 1e6 * result["radius"], color=GREY, linewidth=2, label="jet $r$")
+    axis.plot(place, 1e6 * result["network_radius"], color=BLUE, linestyle="--", label="network $r_P$, Eq. (39)")
+    axis.plot(
+        place, 1e6 * result["network_radius_conservative"], color=ORANGE, linestyle=":", label="network, flux conserved"
+    )
+    axis.set_yscale("log")
+    axis.set_ylabel("radius (µm)")
+    axis.legend(**_LEGEND)
+
+
+def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    axis.plot(place, result["relative_extension"], color=BLUE, label=r"extension $\xi_\parallel/\xi_{\max}$")
+    axis.plot(place, result["orientation"], color=GREEN, linestyle="-.", label="orientation $O$")
+    axis.plot(place, result["radial_contraction"], color=RED, linestyle="--", label=r"contraction $\xi_\perp/\xi_0$")
+    axis.set_ylim(-0.05, 1.05)
+    axis.set_ylabel("strands")
+    axis.legend(**_LEGEND, loc="center right")
+
+
+def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    axis.plot(place, result["stretch_ratio"], color=GREY, linewidth=2, label="solution, material stretch")
+    axis.plot(place, result["axial_stretch"], color=BLUE, linestyle="--", label=r"strands $\xi_\parallel/\xi_0$")
+    contour = float(result["crossover_velocity_ratio"])
+    axis.axhline(contour, color=PURPLE, linestyle=":", linewidth=1.2, label=rf"contour $\xi_{{\max}}/\xi_0$ = {contour:.3g}")
+    axis.set_yscale("log")
+    axis.set_ylabel("stretch ratio")
+    axis.legend(**_LEGEND)
+
+
+def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    axis.plot(place, result["core_polymer_fraction"], color=BLUE, linestyle="--", label="core, exact walk")
+    axis.plot(place, result["core_polymer_fraction_eq40"], color=RED, linestyle="-.", label="core, Eq. (40)")
+    axis.plot(
+        place, result["core_polymer_fraction_conservative"], color=ORANGE, linestyle=":", label="core, flux conserved"
+    )
+    axis.plot(place, result["mean_polymer_fraction"], color=GREY, linewidth=2, label="mean of the section")
+    axis.set_yscale("log")
+    axis.set_ylim(top=1.4)
+    axis.set_ylabel("polymer volume fraction")
+    axis.legend(**_LEGEND, loc="upper left")
+
+
+def _mark(axis: "Axes", result: xr.Dataset) -> None:
+    for name, style, label in (("crossover", "-", "S"), ("crossover_extension", (0, (1, 3)), "")):
+        position = 1e3 * float(result[f"{name}_position"])
+        if np.isfinite(position):
+            axis.axvline(position, color="black", linewidth=0.9, linestyle=style)
+            if label:
+                axis.annotate(
+                    label, (position, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points",
+                    va="top", fontsize=9, fontweight="bold",
+                )  # fmt: skip

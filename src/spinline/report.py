@@ -1,0 +1,167 @@
+"""The report of a run: one HTML file that opens offline, the answer first."""
+
+import base64
+import math
+from html import escape
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from spinline.figures import headline, png
+from spinline.results import VARIABLES, scalars, writable
+
+__all__ = ["html", "save_report", "words"]
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #111; }
+h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
+.answer { font-size: 1.15rem; border-left: 4px solid #0072B2; padding-left: 1rem; }
+.warning { border-left: 4px solid #D55E00; padding-left: 1rem; }
+table { border-collapse: collapse; } td, th { padding: .15rem .8rem .15rem 0; text-align: left; vertical-align: top; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+pre { background: #f4f4f4; padding: 1rem; overflow-x: auto; } img { max-width: 100%; }
+"""
+
+
+def words(result: xr.Dataset) -> list[str]:
+    """The answer in sentences: crossover, and the network there and at the end of the jet.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `spinline.run`; of several times, the last is described.
+
+    Returns
+    -------
+    list of str
+    """
+    if "time" in result.dims:
+        last = result.isel(time=-1)
+        return [f"{result.sizes['time']} times; this is the last, {float(last['time']):.6g} s.", *words(last)]
+    line = headline(result)
+    sentences = [f"The network is {line}." if line.startswith("fully") else f"{line[0].upper()}{line[1:]}."]
+    extension, position = result.attrs["crossover_extension_criterion"], float(result["crossover_extension_position"])
+    if np.isfinite(position):
+        radius = 1e6 * float(result["crossover_extension_radius"])
+        sentences.append(
+            f"Its strands pass {float(extension):g} of their contour at {1e3 * position:.3g} mm, radius {radius:.3g} µm"
+            f"{_difference(result)}."
+        )
+    along = "arc_length" if "element" in result.dims else "z"
+    place = result[along].values
+    known = np.isfinite(result["stretch_ratio"].values)
+    if np.isfinite(float(result["crossover_position"])):
+        here = int(np.nanargmin(np.where(known, np.abs(place - float(result["crossover_position"])), np.nan)))
+        sentences.append(f"There {_state(result, here)}.")
+    end = int(np.flatnonzero(known)[-1])
+    sentences.append(f"At the end, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
+    return sentences
+
+
+def html(result: xr.Dataset) -> str:
+    """HTML text of the report."""
+    attrs = result.attrs
+    picture = base64.b64encode(png(result)).decode("ascii")
+    answer = "".join(f"<p>{escape(sentence)}</p>" for sentence in words(result))
+    remarks = str(attrs.get("warnings", "")).splitlines()
+    warned = "".join(f"<p class='warning'>{escape(remark)}</p>" for remark in remarks)
+    numbers = "".join(
+        f"<tr><td><code>{name}</code></td><td class='number'>{_number(value)}</td><td>{_unit(name)}</td>"
+        f"<td>{escape(VARIABLES[name][1])}</td></tr>"
+        for name, value in scalars(result).items()
+    )
+    used = "".join(
+        f"<tr><td>{escape(label)}</td><td>{escape(str(attrs[key]))}</td></tr>"
+        for label, key in _MODELS
+        if key in attrs
+    )
+    inputs = "".join(
+        f"<tr><td>{escape(key)}</td><td>{escape(_shown(attrs[key]))}</td></tr>" for key in _INPUTS if key in attrs
+    )
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{escape(str(attrs["title"]))}</title>
+<style>{_STYLE}</style></head><body>
+<h1>{escape(str(attrs["title"]))}</h1>
+<div class="answer">{answer}</div>
+{warned}
+<h2>Pictures</h2>
+<img alt="Jet and network radius, strands, stretch and polymer fraction along the jet" src="data:image/png;base64,{picture}">
+<h2>Numbers</h2>
+<table>{numbers}</table>
+<h2>Models used, and why</h2>
+<table>{used}</table>
+<p>Valid for the first millimetres of a jet, before entanglements are lost.</p>
+<h2>Inputs</h2>
+<table>{inputs}</table>
+<pre>{escape(str(attrs["scene"]))}</pre>
+<p>{escape(str(attrs["references"]))}</p>
+<p>Made by spinline {escape(str(attrs["spinline_version"]))}; save the scene above and run <code>spinline run</code> on it
+to make this again.</p>
+</body></html>
+"""
+
+
+def save_report(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+    """Write the report.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    file = writable(path, force=force)
+    file.write_text(html(result), encoding="utf-8")
+    return file
+
+
+_MODELS = (
+    ("model", "model"),
+    ("why", "model_reason"),
+    ("closure", "closure"),
+    ("force law", "force_law"),
+    ("solvent quality", "solvent_quality"),
+    ("crossover, Eq. (38)", "crossover"),
+    ("crossover by extension", "crossover_extension"),
+    ("left out", "effects_left_out"),
+    ("coupling alpha_v", "coupling"),
+    ("viscosity in it", "drag_viscosity"),
+    ("A of the solvent's drag alone", "affinity_of_solvent_drag"),
+)
+_INPUTS = (
+    "polymer", "polymer_density", "solvent", "solvent_density", "solution_density", "mass_fraction", "temperature",
+    "kuhn_length", "strands_per_chain", "jet", "initial_radius", "initial_velocity", "flow_rate",
+)  # fmt: skip
+
+
+def _state(result: xr.Dataset, index: int) -> str:
+    def at(name: str) -> float:
+        return float(result[name].values[index])
+
+    core = "at least compact" if bool(result["compacted"].values[index]) else f"{at('core_polymer_fraction'):.3g}"
+    return (
+        f"the strands are at {at('relative_extension'):.3g} of their contour, oriented O = {at('orientation'):.3g}, "
+        f"contracted to {at('radial_contraction'):.3g}; the network's radius is {1e6 * at('network_radius'):.3g} µm in a "
+        f"jet of {1e6 * at('radius'):.3g} µm, and the polymer volume fraction of its core {core} "
+        f"(solution: {float(result['volume_fraction']):.3g})"
+    )
+
+
+def _difference(result: xr.Dataset) -> str:
+    gap = float(result["crossover_extension_position"]) - float(result["crossover_position"])
+    if np.isnan(gap):
+        return ""
+    return f", {1e3 * abs(gap):.3g} mm {'after' if gap > 0 else 'before'} full stretch by Eq. (38)"
+
+
+def _number(value: float) -> str:
+    return "—" if math.isnan(value) else f"{value:.6g}"
+
+
+def _unit(name: str) -> str:
+    unit = VARIABLES[name][0]
+    return "" if unit == "1" else unit
+
+
+def _shown(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
