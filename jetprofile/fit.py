@@ -214,9 +214,7 @@ def _group(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[FloatArray,
     return means[0], means[1], 1 / np.sqrt(total[full])
 
 
-def _widest(
-    x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float
-) -> tuple[float, float, bool]:
+def _widest(x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float) -> tuple[float, float, bool]:
     """Widest range of x that is a power law and True, or all of it and False."""
     n = x.size
     spans = [(x[j] - x[i], x[i], i, j) for i in range(n) for j in range(i + _FEWEST - 1, n)]

@@ -54,10 +54,6 @@ def estimate_k(
     mu = real("viscosity", viscosity, above=0.0, unit="Pa s")
     field = real("electric_field", electric_field, above=0.0, unit="V/m")
     k: FloatArray = (
-        (4 * np.pi * _EPS0) ** (1 / 6)
-        * (r / velocity) ** (2 / 3)
-        * sigma**0.25
-        * mu ** (-5 / 12)
-        * field ** (5 / 6)
+        (4 * np.pi * _EPS0) ** (1 / 6) * (r / velocity) ** (2 / 3) * sigma**0.25 * mu ** (-5 / 12) * field ** (5 / 6)
     )
     return k

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import BoolArray, FloatArray, positive, real
 from spinline.errors import InputError
 from spinline.jetprofile.columns import read_columns
 
@@ -62,7 +62,7 @@ class LagrangianJet:
     element_strain_rate: FloatArray
     bead_velocity: FloatArray
     time: FloatArray | None
-    usable: np.ndarray[Any, np.dtype[np.bool_]]
+    usable: BoolArray
     attributes: dict[str, Any]
 
     @classmethod
@@ -171,9 +171,7 @@ class LagrangianJet:
             if "radius" not in padded:
                 raise InputError("initial_radius", "is needed where the file has no radius", remedy="give r_0")
             initial_radius = float(padded["radius"].reshape(-1, width)[0, 0])
-        elements = {
-            name: padded[name][..., :-1] for name in ("radius", "volume", "stretch_ratio") if name in padded
-        }
+        elements = {name: padded[name][..., :-1] for name in ("radius", "volume", "stretch_ratio") if name in padded}
         return cls.from_arrays(
             padded["x"],
             padded.get("y"),
@@ -195,7 +193,10 @@ class LagrangianJet:
                     remedy="use a source that holds bead positions and volumes (traj.dat, save.dat, XYZ with its log)",
                 )  # fmt: skip
         if "nozzle_radius" not in dataset.attrs:
-            raise InputError("jet dataset", "has no attribute nozzle_radius", remedy="read it with its log or input file")
+            raise InputError(
+                "jet dataset", "has no attribute nozzle_radius", remedy="read it with its log or input file"
+            )
+
         def get(name: str) -> FloatArray:
             like = dataset["x"] if name in ("x", "y", "z", "velocity") else dataset["stretch_ratio"]
             if name not in dataset:
@@ -323,7 +324,7 @@ def _times(time: ArrayLike | None, x: FloatArray) -> FloatArray | None:
 
 def _stretch(
     length: FloatArray,
-    usable: np.ndarray[Any, np.dtype[np.bool_]],
+    usable: BoolArray,
     r0: float,
     radius: ArrayLike | None,
     volume: ArrayLike | None,

@@ -51,7 +51,7 @@ class PowerLaw(StraightJet):
         self.beta = float(real("beta", beta, least=0.25, most=1.0, remedy="measured jets give 0.4 to 0.6"))
         reach = 10.0 ** (100 * self.beta)  # keeps s_0 within 1e-100 and 1e100
         real("k", self.k, least=1 / reach, most=reach)
-        self.onset = self.k ** (-1 / self.beta)  # s_0
+        self.onset = float(self.k ** (-1 / self.beta))  # s_0
 
     def _parameters(self) -> dict[str, object]:
         return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "k": self.k, "beta": self.beta}

@@ -80,9 +80,7 @@ class Table(StraightJet):
     @classmethod
     def from_csv(cls, path: str | Path, *, flow_rate: float, initial_radius: float | None = None) -> Self:
         """Read columns ``z [unit]`` and ``radius [unit]`` or ``velocity [unit]`` from a CSV file."""
-        columns = read_columns(
-            path, {"z": "length", "radius": "length", "velocity": "velocity"}, required=("z",)
-        )
+        columns = read_columns(path, {"z": "length", "radius": "length", "velocity": "velocity"}, required=("z",))
         return cls(
             z=columns["z"],
             radius=columns.get("radius"),

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.checks import BoolArray, FloatArray, real
 from spinline.network.concentration import (
     conservative_radius_ratio,
     log_fraction_conservative,
@@ -57,15 +57,15 @@ class AffineNetwork:
     conformation: Conformation
     network_velocity_ratio: FloatArray
     core_polymer_fraction: FloatArray
-    compacted: FloatArray
+    compacted: BoolArray
     core_polymer_fraction_eq40: FloatArray
-    compacted_eq40: FloatArray
+    compacted_eq40: BoolArray
     core_polymer_fraction_conservative: FloatArray
-    compacted_conservative: FloatArray
+    compacted_conservative: BoolArray
     network_radius_ratio: FloatArray
     network_radius_ratio_conservative: FloatArray
-    flux_exceeded: FloatArray
-    contour_reached: FloatArray
+    flux_exceeded: BoolArray
+    contour_reached: BoolArray
 
 
 def affine_network(
@@ -114,9 +114,7 @@ def affine_network(
         walk = stretched_walk(v, phi, solvent_quality=solvent_quality)
     core, compacted = saturate(log_fraction_walk(walk, phi))
     eq40, compacted_eq40 = saturate(log_fraction_eq40(v, phi, solvent_quality))
-    conservative, compacted_conservative = saturate(
-        log_fraction_conservative(walk, v, phi, solvent_quality)
-    )
+    conservative, compacted_conservative = saturate(log_fraction_conservative(walk, v, phi, solvent_quality))
     ratio, needed = conservative_radius_ratio(walk, v, phi, solvent_quality)
     return AffineNetwork(
         conformation=walk,

@@ -24,7 +24,7 @@ Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (39)-(40).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.checks import BoolArray, FloatArray, real
 from spinline.network import _twofold
 from spinline.network.lattice_walk import Conformation
 from spinline.network.mesh import SolventQuality, rest_force
@@ -112,8 +112,9 @@ def log_fraction_conservative(
     """
     v = real("velocity_ratio", velocity_ratio, above=0.0)
     rest, _ = rest_force(volume_fraction, solvent_quality)
-    slip = np.log(v) - np.log(conformation.axial_stretch)
-    return log_fraction_walk(conformation, volume_fraction) + 3 * np.log(np.tanh(rest) / rest) + slip
+    slip: FloatArray = np.log(v) - np.log(conformation.axial_stretch)
+    at_rest: FloatArray = np.log(np.tanh(rest) / rest)
+    return log_fraction_walk(conformation, volume_fraction) + (3 * at_rest + slip)
 
 
 def conservative_radius_ratio(
@@ -144,7 +145,7 @@ def conservative_radius_ratio(
     return np.maximum(conformation.radial_contraction / at_rest, compacted), compacted
 
 
-def saturate(log_fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
+def saturate(log_fraction: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Volume fraction held at 1, and the flag that says where it is held.
 
     Parameters
@@ -163,9 +164,7 @@ def saturate(log_fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.exp(np.minimum(log_fraction, 0.0)), compacted
 
 
-def compaction_velocity_ratio(
-    volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
-) -> FloatArray:
+def compaction_velocity_ratio(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta") -> FloatArray:
     """Velocity ratio at which Eq. (40) gives phi_p = 1: ``V_c = acosh(3 / phi^(1/2) - 2) / f_0``.
 
     Parameters

@@ -24,9 +24,7 @@ __all__ = ["Closure", "crossover_velocity_ratio", "extension_velocity_ratio", "r
 Closure = Literal["force", "stretch"]
 
 
-def crossover_velocity_ratio(
-    volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
-) -> FloatArray:
+def crossover_velocity_ratio(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta") -> FloatArray:
     """Velocity ratio of full stretch by Eq. (38), ``V_S = xi_max / xi_0``.
 
     Parameters

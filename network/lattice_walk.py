@@ -268,7 +268,8 @@ def _forces(force: ArrayLike, rest_force: ArrayLike) -> tuple[FloatArray, FloatA
 def _cosh(f: FloatArray, shift: FloatArray) -> FloatArray:
     """``cosh(f) exp(-shift)``, shift >= |f|."""
     size = np.abs(f)
-    return _exp_difference(size, shift) * (1 + np.exp(-2 * size)) / 2
+    scaled: FloatArray = _exp_difference(size, shift) * (1 + np.exp(-2 * size)) / 2
+    return scaled
 
 
 def _sinh(f: FloatArray, shift: FloatArray) -> FloatArray:

@@ -77,9 +77,7 @@ def network_at_rest(volume_fraction: ArrayLike, solvent_quality: SolventQuality 
     return Mesh(size=phi**-0.75, segments=phi**-1.25, full_stretch=1 / np.sqrt(phi))
 
 
-def rest_force(
-    volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
-) -> tuple[FloatArray, FloatArray]:
+def rest_force(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta") -> tuple[FloatArray, FloatArray]:
     """Rest force ``f_0 = 3 xi_0 / xi_max`` (Eq. 35b) and the rounding error it leaves.
 
     Parameters
@@ -105,7 +103,5 @@ def rest_force(
 def check_quality(quality: str) -> str:
     """Return a known solvent quality, refuse any other."""
     if quality not in get_args(SolventQuality):
-        raise InputError(
-            "solvent_quality", "is not known", value=quality, allowed='"theta", "good"'
-        )
+        raise InputError("solvent_quality", "is not known", value=quality, allowed='"theta", "good"')
     return quality

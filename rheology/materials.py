@@ -105,7 +105,10 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
     cas, low, high = SOLVENTS[known]
     if not low <= temperature <= high:
         raise InputError(
-            "temperature", f"is outside the liquid range of {known}", value=temperature, allowed=f"[{low:g}, {high:g}] K"
+            "temperature",
+            f"is outside the liquid range of {known}",
+            value=temperature,
+            allowed=f"[{low:g}, {high:g}] K",
         )
     if known == "water":
         from chemicals.iapws import iapws95_rhol_sat

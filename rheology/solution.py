@@ -23,9 +23,7 @@ __all__ = ["Solution", "mass_fraction", "volume_fraction"]
 _BOND_PROJECTION = 0.126e-9  # m, C-C bond 0.154 nm times sin(109.5 deg / 2)
 
 
-def volume_fraction(
-    mass_fraction: ArrayLike, polymer_density: ArrayLike, solvent_density: ArrayLike
-) -> FloatArray:
+def volume_fraction(mass_fraction: ArrayLike, polymer_density: ArrayLike, solvent_density: ArrayLike) -> FloatArray:
     """Polymer volume fraction from its mass fraction, volumes additive.
 
     Parameters
@@ -45,9 +43,7 @@ def volume_fraction(
     return w * rho_s / (w * rho_s + (1 - w) * rho_p)
 
 
-def mass_fraction(
-    volume_fraction: ArrayLike, polymer_density: ArrayLike, solvent_density: ArrayLike
-) -> FloatArray:
+def mass_fraction(volume_fraction: ArrayLike, polymer_density: ArrayLike, solvent_density: ArrayLike) -> FloatArray:
     """Polymer mass fraction from its volume fraction: the inverse of `volume_fraction`."""
     phi = real("volume_fraction", volume_fraction, least=0.0, most=1.0)
     rho_p = real("polymer_density", polymer_density, above=0.0, unit="kg/m3")
@@ -148,7 +144,9 @@ class Solution:
                 known.name, polymer_density, known.repeat_unit, known.repeat_unit_molar_mass, known.backbone_bonds
             )
         parts = {solvent: 1.0} if isinstance(solvent, str) else dict(solvent)
-        density = _mixture_density(parts, temperature, f"{field}solvent") if solvent_density is None else solvent_density
+        density = (
+            _mixture_density(parts, temperature, f"{field}solvent") if solvent_density is None else solvent_density
+        )
         if (mass_fraction is None) == (volume_fraction is None):
             raise InputError("solution", "needs one of mass_fraction and volume_fraction", remedy="give exactly one")
         if mass_fraction is not None:

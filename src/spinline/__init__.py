@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MODULES = frozenset(
-    "figures jetprofile network report results rheology scene solve units xray".split()
+    ["figures", "jetprofile", "network", "report", "results", "rheology", "scene", "solve", "units", "xray"]
 )
 _NAMES = {
     "InputError": "errors",

@@ -7,9 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from spinline.errors import InputError
 
-__all__ = ["FloatArray", "positive", "real"]
+__all__ = ["BoolArray", "FloatArray", "positive", "real"]
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
 def real(
@@ -67,9 +68,7 @@ def real(
         first = float(array[~good].flat[0]) if array.ndim else float(array)
         problem = "is not finite" if not np.isfinite(first) else "is out of range"
         allowed = _interval(above, below, least, most)
-        raise InputError(
-            field, problem, value=first, allowed=f"{allowed} {unit}".strip(), remedy=remedy
-        )
+        raise InputError(field, problem, value=first, allowed=f"{allowed} {unit}".strip(), remedy=remedy)
     return array
 
 
@@ -81,9 +80,7 @@ def positive(field: str, value: Any, unit: str = "", remedy: str = "") -> float:
     return float(array)
 
 
-def _interval(
-    above: float | None, below: float | None, least: float | None, most: float | None
-) -> str:
+def _interval(above: float | None, below: float | None, least: float | None, most: float | None) -> str:
     low = f"[{least:g}" if least is not None else f"({above:g}" if above is not None else "(-inf"
     high = f"{most:g}]" if most is not None else f"{below:g})" if below is not None else "inf)"
     return f"{low}, {high}"

@@ -57,7 +57,9 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _top(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
 ) -> None:
     """The polymer network inside an electrospinning jet."""
 
@@ -65,7 +67,9 @@ def _top(
 @app.command()
 def run(
     scene: SceneArgument,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: SCENE's name with .nc.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: SCENE's name with .nc.")
+    ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
     report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
@@ -142,9 +146,7 @@ def crossover(
 
 
 @app.command()
-def check(
-    scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None
-) -> None:
+def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
     """What is wrong or odd with a scene, before anything runs."""
     loaded = _load(scene, model, rtol, set_)
     from spinline.solve import build_jet, build_solution, examine
@@ -155,7 +157,10 @@ def check(
     for remark in remarks:
         typer.echo(f"odd: {remark}")
     phi = solution.volume_fraction
-    typer.echo(f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m" + (", nothing odd" if not remarks else ""))
+    typer.echo(
+        f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
+        + (", nothing odd" if not remarks else "")
+    )
 
 
 @app.command()
@@ -209,7 +214,9 @@ def schema(
 
 @app.command("fit-jet")
 def fit_jet(
-    profile: Annotated[Path, typer.Argument(help="CSV (z, radius, radius_std, units in the header), or an imported jet (.nc).")],
+    profile: Annotated[
+        Path, typer.Argument(help="CSV (z, radius, radius_std, units in the header), or an imported jet (.nc).")
+    ],
     radius: Annotated[str | None, typer.Option(help='Initial radius, "125 um". Default: the largest.')] = None,
     z_from: Annotated[str | None, typer.Option("--from", help='Fit from here, "3 mm".')] = None,
     z_to: Annotated[str | None, typer.Option("--to", help='Fit up to here, "2 cm".')] = None,
@@ -248,7 +255,9 @@ def fit_jet(
 @app.command("import-jet")
 def import_jet(
     run_dir: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="JETSPIN run directory, or one file of it.")],
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Jet file, netCDF. Default: RUN_DIR's name with .nc.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Jet file, netCDF. Default: RUN_DIR's name with .nc.")
+    ] = None,
     source: Annotated[str | None, typer.Option(help="Which file of the run to read, traj.xyz for example.")] = None,
     unit: Annotated[str | None, typer.Option(help='Length unit of XYZ without a log, "cm".')] = None,
     force: ForceOption = False,
@@ -303,7 +312,10 @@ def _crossover_line(result: "xr.Dataset") -> str:
     line = headline(result)
     position = float(result["crossover_extension_position"])
     if position == position:
-        share, radius = float(result.attrs["crossover_extension_criterion"]), float(result["crossover_extension_radius"])
+        share, radius = (
+            float(result.attrs["crossover_extension_criterion"]),
+            float(result["crossover_extension_radius"]),
+        )
         line += f"; extension {share:g} at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm"
     return line
 

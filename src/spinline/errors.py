@@ -26,9 +26,7 @@ class InputError(ValueError):
         What to do.
     """
 
-    def __init__(
-        self, field: str, problem: str, *, value: Any = None, allowed: str = "", remedy: str = ""
-    ) -> None:
+    def __init__(self, field: str, problem: str, *, value: Any = None, allowed: str = "", remedy: str = "") -> None:
         self.field, self.problem, self.value = field, problem, value
         self.allowed, self.remedy = allowed, remedy
         shown = "" if value is None else f" = {_short(value)}"

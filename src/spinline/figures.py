@@ -69,7 +69,9 @@ def headline(result: xr.Dataset) -> str:
     if np.isnan(position):
         return f"full stretch (V = {float(result['crossover_velocity_ratio']):.3g}) is not reached within this jet"
     ratio = float(result["crossover_radius_ratio"])
-    return f"fully stretched at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm = {ratio:.3g} of the initial radius"
+    return (
+        f"fully stretched at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm = {ratio:.3g} of the initial radius"
+    )
 
 
 def png(result: xr.Dataset, dpi: int = 150) -> bytes:
@@ -98,7 +100,9 @@ def check_format(path: str | Path) -> Path:
     """Return the path if its ending is a picture format, refuse it otherwise."""
     file = Path(path)
     if file.suffix.lower() not in _FORMATS:
-        raise InputError(str(path), "has no known picture format", value=file.suffix, allowed=", ".join(sorted(_FORMATS)))
+        raise InputError(
+            str(path), "has no known picture format", value=file.suffix, allowed=", ".join(sorted(_FORMATS))
+        )
     return file
 
 
@@ -126,7 +130,9 @@ def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.plot(place, result["stretch_ratio"], color=GREY, linewidth=2, label="solution, material stretch")
     axis.plot(place, result["axial_stretch"], color=BLUE, linestyle="--", label=r"strands $\xi_\parallel/\xi_0$")
     contour = float(result["crossover_velocity_ratio"])
-    axis.axhline(contour, color=PURPLE, linestyle=":", linewidth=1.2, label=rf"contour $\xi_{{\max}}/\xi_0$ = {contour:.3g}")
+    axis.axhline(
+        contour, color=PURPLE, linestyle=":", linewidth=1.2, label=rf"contour $\xi_{{\max}}/\xi_0$ = {contour:.3g}"
+    )
     axis.set_yscale("log")
     axis.set_ylabel("stretch ratio")
     axis.legend(**_LEGEND)

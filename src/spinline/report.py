@@ -72,9 +72,7 @@ def html(result: xr.Dataset) -> str:
         for name, value in scalars(result).items()
     )
     used = "".join(
-        f"<tr><td>{escape(label)}</td><td>{escape(str(attrs[key]))}</td></tr>"
-        for label, key in _MODELS
-        if key in attrs
+        f"<tr><td>{escape(label)}</td><td>{escape(str(attrs[key]))}</td></tr>" for label, key in _MODELS if key in attrs
     )
     inputs = "".join(
         f"<tr><td>{escape(key)}</td><td>{escape(_shown(attrs[key]))}</td></tr>" for key in _INPUTS if key in attrs

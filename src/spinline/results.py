@@ -16,7 +16,18 @@ if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.jetprofile.straight import StraightJet
 
-__all__ = ["VARIABLES", "assemble", "open_dataset", "open_result", "plain", "save", "scalars", "to_csv", "to_json", "writable"]
+__all__ = [
+    "VARIABLES",
+    "assemble",
+    "open_dataset",
+    "open_result",
+    "plain",
+    "save",
+    "scalars",
+    "to_csv",
+    "to_json",
+    "writable",
+]
 
 # name: (unit, what it is)
 VARIABLES: dict[str, tuple[str, str]] = {

@@ -7,22 +7,23 @@ A scene is TOML. Quantities are text with their unit; unknown keys are refused a
 import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Discriminator,
     Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     Tag,
     ValidationError,
-    WithJsonSchema,
     model_validator,
 )
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from spinline.errors import InputError
 from spinline.units import QUANTITIES, Measured, parse
@@ -30,53 +31,62 @@ from spinline.units import QUANTITIES, Measured, parse
 __all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
 
 
-def _quantity(kind: str, low: float, high: float, *, closed: bool = False, remedy: str = "") -> Any:
-    """Annotated type of a quantity: text with a unit, within a physical range (in SI)."""
-    unit = QUANTITIES[kind].unit
-    interval = f"[{low:g}, {high:g}]" if closed else f"({low:g}, {high:g})"
-    allowed = f"{interval} {unit}".strip()
+@dataclass(frozen=True)
+class Read:
+    """Reads a quantity: text with a unit, within a physical range (in SI)."""
 
-    def read(text: Any) -> Measured:
+    kind: str
+    low: float
+    high: float
+    closed: bool = False
+    remedy: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """The range in words."""
+        ends = "[]" if self.closed else "()"
+        return f"{ends[0]}{self.low:g}, {self.high:g}{ends[1]} {QUANTITIES[self.kind].unit}".strip()
+
+    def __call__(self, text: Any) -> Measured:
+        """Parse and check one value."""
         try:
-            measured = parse(text, kind, "")
+            measured = parse(text, self.kind, "")
         except InputError as error:
-            raise PydanticCustomError(
-                "quantity", "{problem}", {"problem": error.problem, "allowed": error.allowed or allowed, "remedy": error.remedy}
-            ) from None
-        inside = low <= measured.value <= high if closed else low < measured.value < high
-        if not inside:
-            raise PydanticCustomError(
-                "range", "is out of range", {"allowed": allowed, "remedy": remedy}
-            )
+            words = {"problem": error.problem, "allowed": error.allowed or self.allowed, "remedy": error.remedy}
+            raise PydanticCustomError("quantity", "{problem}", words) from None
+        value = measured.value
+        if not (self.low <= value <= self.high if self.closed else self.low < value < self.high):
+            raise PydanticCustomError("range", "is out of range", {"allowed": self.allowed, "remedy": self.remedy})
         return measured
 
-    schema = {
-        "anyOf": [{"type": "string"}, {"type": "number"}] if not unit else [{"type": "string"}],
-        "description": f"{kind}, {allowed}",
-        "examples": [QUANTITIES[kind].example],
-    }
-    return Annotated[Measured, BeforeValidator(read), WithJsonSchema(schema)]
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        quantity = QUANTITIES[self.kind]
+        kinds: Any = "string" if quantity.unit else ["string", "number"]
+        return {"type": kinds, "description": f"{self.kind}, {self.allowed}", "examples": [quantity.example]}
 
 
-Length = _quantity("length", 1e-12, 1e3)
-KuhnLength = _quantity("length", 1e-11, 1e-6)
-FlowRate = _quantity("flow rate", 1e-30, 1.0)
-Time = _quantity("time", 0.0, 1e9, closed=True)
-Lifetime = _quantity("time", 0.0, 1e12)
-Temperature = _quantity("temperature", 50.0, 1000.0)
-Density = _quantity("density", 1.0, 3e4)
-MolarMass = _quantity("molar mass", 1e-3, 1e6)
-Viscosity = _quantity("viscosity", 1e-7, 1e15)
-Velocity = _quantity("velocity", -1e3, 1e3)
-Pressure = _quantity("pressure", 0.0, 1e9)
-ElectricField = _quantity("electric field", 0.0, 1e10)
-Conductivity = _quantity("conductivity", 0.0, 1e8)
-MassFraction = _quantity("mass fraction", 0.0, 1.0)
-VolumeFraction = _quantity("volume fraction", 0.0, 1.0)
-Fraction = _quantity("fraction", 0.0, 1.0, closed=True)
-Exponent = _quantity("number", 0.25, 1.0, closed=True, remedy="measured jets give 0.4 to 0.6")
-Number = _quantity("number", 0.0, 1e30)
-NumberOrZero = _quantity("number", 0.0, 1e30, closed=True)
+Length = Annotated[Measured, Read("length", 1e-12, 1e3)]
+KuhnLength = Annotated[Measured, Read("length", 1e-11, 1e-6)]
+FlowRate = Annotated[Measured, Read("flow rate", 1e-30, 1.0)]
+Time = Annotated[Measured, Read("time", 0.0, 1e9, closed=True)]
+Lifetime = Annotated[Measured, Read("time", 0.0, 1e12)]
+Temperature = Annotated[Measured, Read("temperature", 50.0, 1000.0)]
+Density = Annotated[Measured, Read("density", 1.0, 3e4)]
+MolarMass = Annotated[Measured, Read("molar mass", 1e-3, 1e6)]
+Viscosity = Annotated[Measured, Read("viscosity", 1e-7, 1e15)]
+Velocity = Annotated[Measured, Read("velocity", -1e3, 1e3)]
+Pressure = Annotated[Measured, Read("pressure", 0.0, 1e9)]
+ElectricField = Annotated[Measured, Read("electric field", 0.0, 1e10)]
+Conductivity = Annotated[Measured, Read("conductivity", 0.0, 1e8)]
+MassFraction = Annotated[Measured, Read("mass fraction", 0.0, 1.0)]
+VolumeFraction = Annotated[Measured, Read("volume fraction", 0.0, 1.0)]
+Fraction = Annotated[Measured, Read("fraction", 0.0, 1.0, closed=True)]
+Exponent = Annotated[Measured, Read("number", 0.25, 1.0, closed=True, remedy="measured jets give 0.4 to 0.6")]
+Number = Annotated[Measured, Read("number", 0.0, 1e30)]
+NumberOrZero = Annotated[Measured, Read("number", 0.0, 1e30, closed=True)]
 
 
 class _Section(BaseModel):
@@ -459,7 +469,5 @@ def _known_keys(key: str, data: Mapping[str, Any]) -> list[str]:
     }  # fmt: skip
     section = key.rpartition(".")[0]
     if section == "jet":
-        profiles = {"power-law": PowerLawJet, "hyperbolic": HyperbolicJet, "table": TableJet, "jetspin": JetspinJet,
-                    "lagrangian": LagrangianJetFile}  # fmt: skip
-        return list(profiles[data["jet"]["profile"]].model_fields)
+        section = f"jet {data['jet']['profile']}"
     return list(models.get(section, Scene).model_fields)

@@ -159,9 +159,7 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         raise InputError("network.force_law", "is not available", value=n.force_law, allowed='"lattice"', remedy=_TAKE)
     for name, switch in scene.effects:
         if switch is True:
-            raise InputError(
-                f"effects.{name}", "is not available", value=True, allowed='"auto", false', remedy=_TAKE
-            )
+            raise InputError(f"effects.{name}", "is not available", value=True, allowed='"auto", false', remedy=_TAKE)
     phi = solution.volume_fraction
     rest = network_at_rest(phi, n.solvent_quality)
     remarks = []
@@ -175,7 +173,9 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         remarks.append(f"k = {jet.k:.4g} is estimated from the process, to a factor of order one")
     compact, full = float(compaction_velocity_ratio(phi, n.solvent_quality)), float(rest.full_stretch)
     if compact < full:
-        remarks.append(f"the core is compact (V = {compact:.4g}) before the network is fully stretched (V = {full:.4g})")
+        remarks.append(
+            f"the core is compact (V = {compact:.4g}) before the network is fully stretched (V = {full:.4g})"
+        )
     if isinstance(jet, StraightJet):
         eps = _coupling_error(scene, solution, jet)
         if eps > scene.accuracy.rtol:
@@ -453,7 +453,9 @@ def _coupling_error(scene: Scene, solution: Solution, jet: StraightJet) -> float
     """Largest relative error of w = V along the jet, ``c V' / alpha_v`` (first term of the series of Eq. 33)."""
     alpha, _, _ = _coupling(scene, solution, jet)
     length = _length(scene, jet)
-    z = jet.start + jet.initial_radius * np.expm1(np.linspace(0, np.log1p((length - jet.start) / jet.initial_radius), 257))
+    z = jet.start + jet.initial_radius * np.expm1(
+        np.linspace(0, np.log1p((length - jet.start) / jet.initial_radius), 257)
+    )
     onset = getattr(jet, "onset", 0.0) * jet.initial_radius
     z = np.clip(np.append(z, onset), jet.start, length)
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
@@ -463,7 +465,9 @@ def _coupling_error(scene: Scene, solution: Solution, jet: StraightJet) -> float
 def _elsewhere(place: Crossover) -> str:
     if np.isnan(place.predicted):
         return f"the jet never stretches to V = {place.velocity_ratio:.6g}"
-    return f"the profile predicts it at z = {place.predicted:.9g} m (V = {place.velocity_ratio:.6g}), beyond the jet's end"
+    return (
+        f"the profile predicts it at z = {place.predicted:.9g} m (V = {place.velocity_ratio:.6g}), beyond the jet's end"
+    )
 
 
 def _sentence(name: str, places: list[Crossover]) -> str:
