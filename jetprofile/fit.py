@@ -3,8 +3,8 @@
 Weighted least squares of ln r against ln z. A power law is an asymptote: real jets leave it near the nozzle, where r
 must meet the nozzle's, and where they bend. So the fit looks for the widest range of ln z over which the profile shows
 no curvature that matters: a cubic in ln z is fitted beside the line, and the range passes if the cubic never leaves the
-line by more than `tolerance` (relative radius) or three standard errors of itself, and beta is one of a jet, in
-[1/4, 1] within three standard errors. Without `radius_std` the noise is taken from neighbouring samples.
+line by more than `tolerance` (relative radius) or three standard errors of itself, the scatter about the line is no
+more than `tolerance` or twice the noise, and beta is one of a jet, in [1/4, 1] within three standard errors. Without `radius_std` the noise is taken from neighbouring samples.
 
 Uncertainty is that of the line, from `radius_std` where given, from the residuals otherwise; that of r_0 (which moves k
 by 1 + beta times as much) is not in it.
@@ -147,9 +147,9 @@ def fit_power_law(
     line, cov, chi2 = _line(x[inside], y[inside], sigma[inside])
     if radius_std is None:  # sigma is only a guess from neighbours: let the residuals speak
         cov, chi2 = cov * chi2, float("nan")
-    bend, noise = _departure(x[inside], y[inside], sigma[inside])
+    bend, _ = _departure(x[inside], y[inside], sigma[inside])
     if z_range is not None:
-        holds = bend <= max(tol, 3 * noise)
+        holds = _is_power_law(x[inside], y[inside], sigma[inside], tol)
     outside = (groups[0] < low) | (groups[0] > high)
     missed = np.abs(np.expm1(groups[1] - np.polyval(line, groups[0])))[outside]
     beta = -float(line[0])
@@ -219,17 +219,24 @@ def _widest(x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float) -
     n = x.size
     spans = [(x[j] - x[i], x[i], i, j) for i in range(n) for j in range(i + _FEWEST - 1, n)]
     for _, _, i, j in sorted(spans, reverse=True):
-        part = slice(i, j + 1)
-        line, cov, _ = _line(x[part], y[part], sigma[part])
-        slack = 3 * float(np.sqrt(cov[0, 0]))
-        bend, error = _departure(x[part], y[part], sigma[part])
-        if bend <= max(tolerance, 3 * error) and _LEAST - slack <= -line[0] <= _MOST + slack:
+        if _is_power_law(x[i : j + 1], y[i : j + 1], sigma[i : j + 1], tolerance):
             return (
                 -np.inf if i == 0 else 0.5 * float(x[i - 1] + x[i]),
                 np.inf if j == n - 1 else 0.5 * float(x[j] + x[j + 1]),
                 True,
             )
     return -np.inf, np.inf, False
+
+
+def _is_power_law(x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float) -> bool:
+    """Whether samples lie on the line but for noise: exponent of a jet, no bend, no wiggle."""
+    line, cov, chi2 = _line(x, y, sigma)
+    slack = 3 * float(np.sqrt(cov[0, 0]))
+    if not _LEAST - slack - 1e-9 <= -line[0] <= _MOST + slack + 1e-9:
+        return False
+    noise = float(np.sqrt(np.mean(sigma**2)))
+    bend, error = _departure(x, y, sigma)
+    return bend <= max(tolerance, 3 * error) and np.sqrt(chi2) * noise <= max(tolerance, 2 * noise)
 
 
 def _local_noise(x: FloatArray, y: FloatArray) -> float:
@@ -269,7 +276,8 @@ def _judge(fit: PowerLawFit, tolerance: float, holds: bool, whole: tuple[float, 
 
     if not holds:
         return (
-            f"no power law holds: between {mm(fit.z_min)} and {mm(fit.z_max)} the radius leaves the fitted one by "
+            f"no power law of a jet holds between {mm(fit.z_min)} and {mm(fit.z_max)}: beta = {fit.beta:.3g} (jets: "
+            f"{_LEAST:g} to {_MOST:g}), R^2 = {fit.r_squared:.4f}, and the radius leaves the fitted one by "
             f"{100 * fit.departure:.2g} % (tolerance {100 * tolerance:g} %)"
         )
     if fit.z_min > whole[0] or fit.z_max < whole[1]:
@@ -278,6 +286,4 @@ def _judge(fit: PowerLawFit, tolerance: float, holds: bool, whole: tuple[float, 
             f"samples, given from {mm(whole[0])} to {mm(whole[1])}); outside, the radius leaves it by up to "
             f"{100 * fit.departure_outside:.2g} %"
         )
-    if not _LEAST <= fit.beta <= _MOST:
-        return f"no power law of a jet: the exponent {fit.beta:.3g} is outside [{_LEAST:g}, {_MOST:g}]"
     return ""
