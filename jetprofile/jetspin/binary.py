@@ -255,9 +255,8 @@ class BinarySource:
             first += 20
         return time, first, rows, int(inserted != 0), first + rows * (self._size + 8)
 
-    def load(self, frames: Sequence[int] | Integers) -> Block:
+    def load(self, frames: Integers, notes: Notes) -> Block:
         """Beads of the frames with these numbers, SI."""
-        frames = np.asarray(frames, dtype=np.int64)
         width = self._size + 8
         length = self.weight[frames]
         first = np.cumsum(length) - length
@@ -268,9 +267,9 @@ class BinarySource:
             del part
         forget_pages(self._content)
         marks = (words[:, 0] != self._size) | (words[:, -1] != self._size)
-        self.notes.add("{n} bead records with damaged markers", int(marks.sum()))
+        notes.add("{n} bead records with damaged markers", int(marks.sum()))
         values, bad = self._values(words)
-        self.notes.add("{n} beads hold numbers that are not finite, now NaN", int(bad.sum()))
+        notes.add("{n} beads hold numbers that are not finite, now NaN", int(bad.sum()))
         bad |= marks
         block = Block(
             time=self.time[frames],
@@ -281,7 +280,7 @@ class BinarySource:
             reaches_nozzle=np.ones(len(frames), dtype=np.bool_),
             inserted=self._inserted[frames] != 0,
         )
-        drop_placeholders(block, self.parameters, self.notes)
+        drop_placeholders(block, self.parameters, notes)
         return block
 
     def _values(self, words: NDArray[np.uint32]) -> tuple[dict[str, Floats], NDArray[np.bool_]]:

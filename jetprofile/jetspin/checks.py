@@ -1,31 +1,35 @@
 """Beads that cannot be where, or what, the file says."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.jetprofile.jetspin.frames import Block, Floats
+from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
 from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
 
-__all__ = ["DETOUR", "FAR", "check_content", "check_positions"]
+__all__ = ["FAR", "KINK", "LONE_KINK", "check_content", "check_motion", "check_positions", "kinks", "peak_kink"]
 
 Flags = NDArray[np.bool_]
 FAR = 20.0  # collector distances; nothing of a jet is farther away
-DETOUR = 6.0  # path over two elements against the straight line between their ends, and against both neighbours
+KINK = 1.5  # by how much a kink may exceed those of the frames before and after
+LONE_KINK = 10.0  # and what it may be in a frame without them (8 is met in sound runs)
 _FAST = 1e6  # m/s
 _STIFF = 1e15  # Pa
 
 
 def check_positions(
-    bead: dict[str, Floats], there: Flags, error: float, parameters: RunParameters, notes: Notes
+    bead: dict[str, Floats],
+    there: Flags,
+    error: float,
+    around: tuple[float, float],
+    parameters: RunParameters,
+    notes: Notes,
 ) -> tuple[Flags, Flags]:
     """Deposited beads, and beads whose position is not believed.
 
-    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle, or one that
-    makes a sharp detour (the path over it is `DETOUR` times both the straight line and the elements around),
-    keeps its position.
+    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle, or at a kink that the
+    frames before and after do not have, keeps its position. `around` is the sharpest kink of the frame before
+    these and of the one after, NaN where there is none.
     """
     x, y, z = bead["x"], bead["y"], bead["z"]
     collector = parameters.collector_distance
@@ -50,33 +54,60 @@ def check_positions(
     behind &= inner
     notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum()))
     odd |= behind
-    stray = _detours(bead, deposited)
+    stray = _strays(bead, deposited, around)
     notes.add("{n} beads far off the line of their neighbours; the elements beside them are not valid", int(stray.sum()))
     odd |= stray
     return deposited, odd
 
 
-def _detours(bead: dict[str, Floats], deposited: Flags) -> Flags:
-    """Inner beads that stand out of the line of their neighbours by far more than the elements around."""
-    stray = np.zeros(deposited.shape, dtype=np.bool_)
-    if stray.shape[1] < 5:
-        return stray
+def kinks(bead: dict[str, Floats]) -> Floats:
+    """Path over every inner bead against the straight line between its neighbours; 1 where there is none."""
+    found = np.ones(bead["x"].shape)
+    if found.shape[1] < 3:
+        return found
     points = [bead[axis] for axis in "xyz"]
     one = np.sqrt(sum((p[:, 1:] - p[:, :-1]) ** 2 for p in points))
     two = np.sqrt(sum((p[:, 2:] - p[:, :-2]) ** 2 for p in points))
-    path = one[:, 1:] + one[:, :-1]  # over bead 1, 2, ...
-    stray[:, 1:-1] = path > DETOUR * two
-    around = np.full(path.shape, np.inf)
-    around[:, 1:-1] = np.maximum(one[:, :-3], one[:, 3:])
-    around[:, 0], around[:, -1] = one[:, 2], one[:, -3]
-    around[:, -2] = np.where(np.isnan(around[:, -2]), one[:, -4] if one.shape[1] > 3 else np.inf, around[:, -2])
-    stray[:, 1:-1] &= path > DETOUR * around
-    stray[:, 1:-1] &= ~deposited[:, 2:]
-    return stray
+    path = one[:, 1:] + one[:, :-1]
+    np.divide(path, two, out=found[:, 1:-1], where=two > 1e-4 * path)
+    return np.nan_to_num(found, copy=False, nan=1.0, posinf=1.0)
+
+
+def peak_kink(block: Block) -> float:
+    """Sharpest kink of the frames of a block."""
+    peak = 1.0
+    for first, length in zip(block.first.tolist(), block.length.tolist(), strict=True):
+        rows = slice(first, first + length)
+        zero = np.zeros((1, length))
+        bead = {axis: block.values[axis][None, rows] if axis in block.values else zero for axis in "xyz"}
+        peak = max(peak, float(kinks(bead).max(initial=1.0)))
+    return peak
+
+
+def _strays(bead: dict[str, Floats], deposited: Flags, around: tuple[float, float]) -> Flags:
+    """Beads at a kink that neither the frame before nor the one after knows the like of."""
+    kink = kinks(bead)
+    kink[:, :-1][deposited[:, 1:]] = 1.0
+    peak = kink.max(axis=1, initial=1.0)
+    known = np.fmax(np.concatenate([[around[0]], peak[:-1]]), np.concatenate([peak[1:], [around[1]]]))
+    allowed = np.where(np.isnan(known), LONE_KINK, KINK * known)
+    return np.asarray(kink > allowed[:, None])
+
+
+def check_motion(block: Block, pad: Padder, notes: Notes) -> Flags:
+    """Beads with a velocity or a stress that nothing has."""
+    odd: Flags = np.zeros(pad.there.shape, dtype=np.bool_)
+    for name, limit, text in (("velocity_", _FAST, "speeds"), ("stress", _STIFF, "stresses")):
+        for key, values in block.values.items():
+            if key.startswith(name):
+                wrong = np.abs(pad(values)) > limit
+                notes.add(f"{{n}} {text} are beyond all bounds; the elements beside them are not valid", int(wrong.sum()))
+                odd |= wrong
+    return odd
 
 
 def check_content(
-    block: Block, pad: Callable[[Floats], Floats], parameters: RunParameters, notes: Notes
+    block: Block, pad: Padder, parameters: RunParameters, notes: Notes
 ) -> Flags:
     """Beads whose volume, mass or charge cannot be; volumes are judged by mass and charge, and the reverse."""
     volume = pad(block.values["volume"])

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from spinline.jetprofile.jetspin.checks import check_content, check_positions
-from spinline.jetprofile.jetspin.frames import Block, Floats
+from spinline.jetprofile.jetspin.checks import check_content, check_motion, check_positions
+from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
 from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
 
@@ -59,8 +59,8 @@ class Meaning:
     attrs: dict[str, Any]
 
 
-def build_dataset(block: Block, meaning: Meaning, notes: Notes) -> xr.Dataset:
-    """Dataset of the frames in `block`.
+def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], notes: Notes) -> xr.Dataset:
+    """Dataset of the frames in `block`; `around` is the sharpest kink of the frames before and after them.
 
     Positions that cannot be are NaN; elements that touch them, deposited beads or damaged rows keep their values,
     where they have one, and `valid_element` is False. From a bead that is NaN outwards, `arc_length` is NaN.
@@ -69,11 +69,11 @@ def build_dataset(block: Block, meaning: Meaning, notes: Notes) -> xr.Dataset:
     number = np.arange(count)
     there = number < block.length[:, None]
     row = np.where(there, (block.first + block.length - 1)[:, None] - number, 0)
-    pad = _Padder(row, there)
+    pad = Padder(row, there)
     bead: dict[str, Floats] = {axis: pad(block.values.get(axis)) for axis in "xyz"}
     bad = np.take(block.bad, row) & there
     p = meaning.parameters
-    deposited, odd = check_positions(bead, there, meaning.position_error, p, notes)
+    deposited, odd = check_positions(bead, there, meaning.position_error, around, p, notes)
     bad |= odd
     whole = there[:, 1:]
     step = [np.diff(bead[axis], axis=1) for axis in "xyz"]
@@ -85,8 +85,10 @@ def build_dataset(block: Block, meaning: Meaning, notes: Notes) -> xr.Dataset:
     )
     safe = np.where(coincident, np.nan, length)
     volume = pad(block.values.get("volume"))[:, 1:] if "volume" in block.values else None
-    if "volume" in block.values:
+    if volume is not None:
         bad |= check_content(block, pad, p, notes)
+    if "velocity_x" in block.values:
+        bad |= check_motion(block, pad, notes)
     at_rest = _rest_length(volume, meaning)
     invalid = bad[:, 1:] | bad[:, :-1] | deposited[:, 1:] | deposited[:, :-1] | coincident
     out: dict[str, NDArray[Any]] = {**bead}
@@ -122,20 +124,6 @@ def build_dataset(block: Block, meaning: Meaning, notes: Notes) -> xr.Dataset:
     if block.inserted is not None:
         out["inserted"] = block.inserted
     return _dataset(out, block.time, meaning.attrs)
-
-
-class _Padder:
-    """Flat rows to an array (frame, bead), NaN where there is no bead."""
-
-    def __init__(self, row: NDArray[np.int64], there: NDArray[np.bool_]) -> None:
-        self.row, self.there, self.absent = row, there, ~there
-
-    def __call__(self, flat: Floats | None) -> Floats:
-        if flat is None:
-            return np.where(self.there, 0.0, np.nan)
-        values: Floats = np.take(flat, self.row)
-        values[self.absent] = np.nan
-        return values
 
 
 def _rest_length(volume: Floats | None, meaning: Meaning) -> Floats | float:

@@ -1,6 +1,5 @@
 """Frames of a trajectory: where they are, when they are, and their beads as flat arrays."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -11,7 +10,7 @@ from spinline.errors import InputError
 from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
 
-__all__ = ["Block", "Floats", "FrameSource", "Integers", "order_frames", "select_frames"]
+__all__ = ["Block", "Floats", "FrameSource", "Integers", "Padder", "order_frames", "select_frames"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -35,6 +34,20 @@ class Block:
     inserted: NDArray[np.bool_] | None = None
 
 
+class Padder:
+    """Flat rows to an array (frame, bead), NaN where there is no bead."""
+
+    def __init__(self, row: NDArray[np.int64], there: NDArray[np.bool_]) -> None:
+        self.row, self.there, self.absent = row, there, ~there
+
+    def __call__(self, flat: Floats | None) -> Floats:
+        if flat is None:
+            return np.where(self.there, 0.0, np.nan)
+        values: Floats = np.take(flat, self.row)
+        values[self.absent] = np.nan
+        return values
+
+
 class FrameSource(Protocol):
     """A file, or set of files, of frames in time."""
 
@@ -45,8 +58,8 @@ class FrameSource(Protocol):
     time: Floats
     weight: Integers  # rows stored, padding included
 
-    def load(self, frames: Sequence[int] | Integers) -> Block:
-        """Beads of the frames with these numbers."""
+    def load(self, frames: Integers, notes: Notes) -> Block:
+        """Beads of the frames with these numbers, SI."""
 
 
 @dataclass

@@ -11,6 +11,7 @@ import xarray as xr
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.binary import BinarySource
+from spinline.jetprofile.jetspin.checks import peak_kink
 from spinline.jetprofile.jetspin.dataset import Meaning, build_dataset
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.frames import FrameSource, Integers, order_frames, select_frames
@@ -29,8 +30,20 @@ Unit = str | float | None
 class Reading:
     """An opened source of frames: what is read, and what has been noticed so far."""
 
-    def __init__(self, source: FrameSource, frames: Integers, meaning: Meaning, notes: Notes) -> None:
-        self.source, self.frames, self.meaning, self.notes = source, frames, meaning, notes
+    def __init__(
+        self, source: FrameSource, kept: Integers, chosen: Integers, meaning: Meaning, notes: Notes
+    ) -> None:
+        self.source, self.meaning, self.notes = source, meaning, notes
+        self._kept, self.frames = kept, kept[chosen]
+
+    def _around(self, frames: Integers) -> tuple[float, float]:
+        """Sharpest kink of the frame before these and of the one after, NaN where there is none."""
+        at = [int(np.flatnonzero(self._kept == number)[0]) for number in (frames[0], frames[-1])]
+        peaks = [np.nan, np.nan]
+        for side, beside in enumerate((at[0] - 1, at[1] + 1)):
+            if 0 <= beside < len(self._kept):
+                peaks[side] = peak_kink(self.source.load(self._kept[beside : beside + 1], Notes("")))
+        return peaks[0], peaks[1]
 
     def pieces(self, chunk_frames: int | None) -> Iterator[Integers]:
         """Numbers of the frames of every piece."""
@@ -48,14 +61,14 @@ class Reading:
 
     def dataset(self, frames: Integers) -> xr.Dataset:
         """Dataset of some frames, with the warnings met so far in its attributes."""
-        block = self.source.load(frames)
+        block = self.source.load(frames, self.notes)
         missing = int((~block.reaches_nozzle).sum())
         self.notes.add(
             "{n} frames end before the nozzle (chain longer than maxnumber); their beads are numbered from the nearest one "
             "stored and have no arc length",
             missing,
         )
-        data = build_dataset(block, self.meaning, self.notes)
+        data = build_dataset(block, self.meaning, self._around(frames), self.notes)
         self.sign(data)
         return data
 
@@ -117,11 +130,11 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) 
     kept = order_frames(frames.time, notes)
     if len(kept) == 0:
         raise InputError(str(files[0]), "holds no whole frame", remedy="read another file of the run")
-    chosen = kept[select_frames(frames.time[kept], time, files[0].name)]
+    chosen = select_frames(frames.time[kept], time, files[0].name)
     volumes = "volume" in getattr(frames, "columns", ())
     _warn_radius(parameters, volumes, notes)
     attrs = _attrs(frames, given, parameters, unit_source, volumes)
-    return Reading(frames, chosen, Meaning(parameters, error, text, attrs), notes)
+    return Reading(frames, kept, chosen, Meaning(parameters, error, text, attrs), notes)
 
 
 def _refined(parameters: RunParameters) -> RunParameters:

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from spinline.errors import InputError
-from spinline.jetprofile.jetspin.binary import BinarySource
 from spinline.jetprofile.jetspin.detect import frame_files
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.header import RunParameters
@@ -81,17 +80,15 @@ def open_xyz(
         )
     kept = order_frames(source.time, Notes(""))
     kept = kept[np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))] if len(kept) else kept
-    quiet, source.notes = source.notes, Notes("")
-    sample = source.load(kept)
-    source.notes = quiet
+    sample = source.load(kept, Notes(""))
     time, x = sample.time, sample.values["x"][sample.first]
     name = files[0].name.lower()
     padded = bool((source.weight[kept] > sample.length).any())
     kind: str | None = None
     if padded or len(source.time) > len(files):
         kind = "traj"
-    elif name.startswith(("frame", "traj")):
-        kind = name[:5].rstrip(".")[:5] if name.startswith("frame") else "traj"
+    else:
+        kind = next((begin for begin in ("frame", "traj") if name.startswith(begin)), None)
     pair = None if track is None else (track.time, track.x)
     scale = length_scale(files[0].name, kind, parameters, unit, pair, (time, x))
     told = scale.source
@@ -110,8 +107,3 @@ def _check_collector(farthest: float, parameters: RunParameters | None, notes: N
             f"beads reach x = {farthest:.4g} m, beyond the collector at {parameters.collector_distance:.4g} m: the length "
             "unit is in doubt"
         )
-
-
-def has_volumes(source: object) -> bool:
-    """Whether a source holds the volumes of its elements."""
-    return isinstance(source, BinarySource) and "volume" in source.columns

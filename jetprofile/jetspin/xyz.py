@@ -218,11 +218,10 @@ class XyzSource:
         joined.flags.writeable = False
         return joined, self._offset[frames] + moved
 
-    def load(self, frames: Sequence[int] | Integers) -> Block:
+    def load(self, frames: Integers, notes: Notes) -> Block:
         """Beads of the frames with these numbers, m."""
         from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE, parse_rows
 
-        frames = np.asarray(frames, dtype=np.int64)
         buffer, offset = self._gather(frames)
         rows = self.weight[frames]
         out = np.empty((3, int(rows.sum())))
@@ -233,7 +232,7 @@ class XyzSource:
             forget_pages(self._content[0])
         out, status = out[:, :used], status[:used]
         out *= self.scale
-        add = self.notes.add
+        add = notes.add
         add("{n} rows hold asterisks (numbers too wide for their field) and are NaN", _bits(status, OVERFLOW))
         bad = (status & (UNREADABLE | OVERFLOW)) != 0
         add("{n} rows cannot be read and are NaN", int(bad.sum()) - _bits(status, OVERFLOW))
