@@ -135,7 +135,9 @@ def _not_jetspin(name: str, content: bytes) -> InputError:
         )
     if len(content) < _BLOCK_BYTES:
         return InputError(
-            name, f"ends after {len(content)} bytes, inside its parameter block", remedy="read the XYZ files of the run"
+            name,
+            f"ends after {len(content)} bytes, inside its parameter block",
+            remedy="read the XYZ files of the run",
         )
     return InputError(
         name,
@@ -190,7 +192,9 @@ class BinarySource:
             at = self._search(at + 1)
             if at < 0:
                 raise InputError(
-                    self.name, "holds no whole frame", remedy="read the XYZ files of the run, or let it run longer"
+                    self.name,
+                    "holds no whole frame",
+                    remedy="read the XYZ files of the run, or let it run longer",
                 )
 
     def _search(self, start: int) -> int:
@@ -230,7 +234,9 @@ class BinarySource:
             at = behind
         if not found.time:
             raise InputError(
-                self.name, "holds no whole frame", remedy="read the XYZ files of the run, or let it run longer"
+                self.name,
+                "holds no whole frame",
+                remedy="read the XYZ files of the run, or let it run longer",
             )
         return found
 
@@ -261,7 +267,9 @@ class BinarySource:
         length = self.weight[frames]
         first = np.cumsum(length) - length
         words = np.empty((int(length.sum()), width // 4), dtype="<u4")
-        for begin, rows, at in zip(first.tolist(), length.tolist(), self._offset[frames].tolist(), strict=True):
+        for begin, rows, at in zip(
+            first.tolist(), length.tolist(), self._offset[frames].tolist(), strict=True
+        ):
             part = np.frombuffer(self._content, dtype="<u4", count=rows * width // 4, offset=at)
             words[begin : begin + rows] = part.reshape(rows, -1)
             del part

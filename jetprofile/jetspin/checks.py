@@ -7,7 +7,16 @@ from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
 from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
 
-__all__ = ["FAR", "KINK", "LONE_KINK", "check_content", "check_motion", "check_positions", "kinks", "peak_kink"]
+__all__ = [
+    "FAR",
+    "KINK",
+    "LONE_KINK",
+    "check_content",
+    "check_motion",
+    "check_positions",
+    "kinks",
+    "peak_kink",
+]
 
 Flags = NDArray[np.bool_]
 FAR = 20.0  # collector distances; nothing of a jet is farther away
@@ -52,10 +61,15 @@ def check_positions(
     inner = there.copy()
     inner[:, 0] = False
     behind &= inner
-    notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum()))
+    notes.add(
+        "{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum())
+    )
     odd |= behind
     stray = _strays(bead, deposited, around)
-    notes.add("{n} beads far off the line of their neighbours; the elements beside them are not valid", int(stray.sum()))
+    notes.add(
+        "{n} beads far off the line of their neighbours; the elements beside them are not valid",
+        int(stray.sum()),
+    )
     odd |= stray
     return deposited, odd
 
@@ -66,11 +80,19 @@ def kinks(bead: dict[str, Floats]) -> Floats:
     if found.shape[1] < 3:
         return found
     points = [bead[axis] for axis in "xyz"]
-    one = np.sqrt(sum((p[:, 1:] - p[:, :-1]) ** 2 for p in points))
-    two = np.sqrt(sum((p[:, 2:] - p[:, :-2]) ** 2 for p in points))
+    one = _distance(points, 1)
+    two = _distance(points, 2)
     path = one[:, 1:] + one[:, :-1]
     np.divide(path, two, out=found[:, 1:-1], where=two > 1e-4 * path)
     return np.nan_to_num(found, copy=False, nan=1.0, posinf=1.0)
+
+
+def _distance(points: list[Floats], apart: int) -> Floats:
+    """Distance between beads so many numbers apart."""
+    squared = np.zeros(1)
+    for p in points:
+        squared = squared + (p[:, apart:] - p[:, :-apart]) ** 2
+    return np.asarray(np.sqrt(squared))
 
 
 def peak_kink(block: Block) -> float:
@@ -94,30 +116,31 @@ def _strays(bead: dict[str, Floats], deposited: Flags, around: tuple[float, floa
     return np.asarray(kink > allowed[:, None])
 
 
-def check_motion(block: Block, pad: Padder, notes: Notes) -> Flags:
+def check_motion(pad: Padder, notes: Notes) -> Flags:
     """Beads with a velocity or a stress that nothing has."""
     odd: Flags = np.zeros(pad.there.shape, dtype=np.bool_)
-    for name, limit, text in (("velocity_", _FAST, "speeds"), ("stress", _STIFF, "stresses")):
-        for key, values in block.values.items():
-            if key.startswith(name):
-                wrong = np.abs(pad(values)) > limit
-                notes.add(f"{{n}} {text} are beyond all bounds; the elements beside them are not valid", int(wrong.sum()))
-                odd |= wrong
+    bounds = [(f"velocity_{axis}", _FAST, "speeds") for axis in "xyz"] + [("stress", _STIFF, "stresses")]
+    for name, limit, text in bounds:
+        if name in pad:
+            wrong = np.abs(pad(name)) > limit
+            notes.add(
+                f"{{n}} {text} are beyond all bounds; the elements beside them are not valid",
+                int(wrong.sum()),
+            )
+            odd |= wrong
     return odd
 
 
-def check_content(
-    block: Block, pad: Padder, parameters: RunParameters, notes: Notes
-) -> Flags:
+def check_content(pad: Padder, parameters: RunParameters, notes: Notes) -> Flags:
     """Beads whose volume, mass or charge cannot be; volumes are judged by mass and charge, and the reverse."""
-    volume = pad(block.values["volume"])
+    volume = pad("volume")
     odd: Flags = np.isfinite(volume) & ~(volume > 0)
     notes.add("{n} volumes are not positive; their elements have no radius", int(odd.sum()))
     nominal, mass, charge = parameters.element_volume, parameters.mass_unit, parameters.charge_unit
     if nominal is None or mass is None or charge is None:
         return odd
     share = volume / nominal
-    by_mass, by_charge = pad(block.values["mass"]) / mass, pad(block.values["charge"]) / charge
+    by_mass, by_charge = pad("mass") / mass, pad("charge") / charge
     large = share > 1.001
     differs = np.abs(share - by_mass) > 1e-4 * np.abs(share)
     differs_too = np.abs(share - by_charge) > 1e-4 * np.abs(share)

@@ -38,9 +38,17 @@ _ATTRS: dict[str, tuple[str, str, str]] = {
     "strain_rate": ("element", "s-1", "rate of elongation of the element, (dv . t)/l"),
     "stress": ("element", "Pa", "viscoelastic axial stress"),
     "volume": ("element", "m3", "volume of the element"),
-    "valid_element": ("element", "", "element is whole: not laid down, not damaged, not beside a damaged bead"),
+    "valid_element": (
+        "element",
+        "",
+        "element is whole: not laid down, not damaged, not beside a damaged bead",
+    ),
     "n_bead": ("", "1", "number of beads stored"),
-    "nozzle_missing": ("", "", "beads next to the nozzle are not in the file; bead 0 is the nearest one stored"),
+    "nozzle_missing": (
+        "",
+        "",
+        "beads next to the nozzle are not in the file; bead 0 is the nearest one stored",
+    ),
     "inserted": ("", "", "the bead nearest the nozzle has been inserted"),
 }
 
@@ -65,13 +73,10 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     Positions that cannot be are NaN; elements that touch them, deposited beads or damaged rows keep their values,
     where they have one, and `valid_element` is False. From a bead that is NaN outwards, `arc_length` is NaN.
     """
-    count = int(block.length.max(initial=1))
-    number = np.arange(count)
-    there = number < block.length[:, None]
-    row = np.where(there, (block.first + block.length - 1)[:, None] - number, 0)
-    pad = Padder(row, there)
-    bead: dict[str, Floats] = {axis: pad(block.values.get(axis)) for axis in "xyz"}
-    bad = np.take(block.bad, row) & there
+    pad = Padder(block)
+    there = pad.there
+    bead: dict[str, Floats] = {axis: pad(axis) for axis in "xyz"}
+    bad = pad.bad()
     p = meaning.parameters
     deposited, odd = check_positions(bead, there, meaning.position_error, around, p, notes)
     bad |= odd
@@ -79,16 +84,21 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     step = [np.diff(bead[axis], axis=1) for axis in "xyz"]
     length = np.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
     coincident = whole & (length <= 0)
-    notes.add("{n} elements of no length (coincident beads) have no radius", int(coincident.sum()), warn=False, dropped=True)
+    notes.add(
+        "{n} elements of no length (coincident beads) have no radius",
+        int(coincident.sum()),
+        warn=False,
+        dropped=True,
+    )
     notes.add(
         "{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum())
     )
     safe = np.where(coincident, np.nan, length)
-    volume = pad(block.values.get("volume"))[:, 1:] if "volume" in block.values else None
+    volume = pad("volume")[:, 1:] if "volume" in pad else None
     if volume is not None:
-        bad |= check_content(block, pad, p, notes)
-    if "velocity_x" in block.values:
-        bad |= check_motion(block, pad, notes)
+        bad |= check_content(pad, p, notes)
+    if "velocity_x" in pad:
+        bad |= check_motion(pad, notes)
     at_rest = _rest_length(volume, meaning)
     invalid = bad[:, 1:] | bad[:, :-1] | deposited[:, 1:] | deposited[:, :-1] | coincident
     out: dict[str, NDArray[Any]] = {**bead}
@@ -103,20 +113,20 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     radius_at_rest = math.nan if p.nozzle_radius is None else p.nozzle_radius
     out["stretch_ratio"] = stretch
     out["radius"] = radius_at_rest / np.sqrt(stretch)
-    if "velocity_x" in block.values:
+    if "velocity_x" in pad:
         for axis in "xyz":
-            out[f"velocity_{axis}"] = pad(block.values.get(f"velocity_{axis}"))
+            out[f"velocity_{axis}"] = pad(f"velocity_{axis}")
         speeds = [out[f"velocity_{axis}"] for axis in "xyz"]
         out["velocity"] = np.sqrt(speeds[0] ** 2 + speeds[1] ** 2 + speeds[2] ** 2)
         rate = sum(np.diff(v, axis=1) * d for v, d in zip(speeds, step, strict=True))
         out["strain_rate"] = rate / safe**2
-    if "stress" in block.values:
-        out["stress"] = pad(block.values["stress"])[:, 1:]
+    if "stress" in pad:
+        out["stress"] = pad("stress")[:, 1:]
     if volume is not None:
         out["volume"] = volume
     for name in ("mass", "charge"):
-        if name in block.values:
-            out[name] = pad(block.values[name])
+        if name in pad:
+            out[name] = pad(name)
     out["deposited"] = deposited
     out["valid_element"] = whole & ~invalid & np.isfinite(length)
     out["n_bead"] = block.length.astype(np.int32)

@@ -42,7 +42,9 @@ def file_kind(path: Path) -> str:
         ) from None
     if not head:
         raise InputError(
-            str(path), "is empty (0 bytes)", remedy="JETSPIN writes late; read another file of the run, e.g. traj.xyz"
+            str(path),
+            "is empty (0 bytes)",
+            remedy="JETSPIN writes late; read another file of the run, e.g. traj.xyz",
         )
     kind = _by_content(head)
     if kind is None:

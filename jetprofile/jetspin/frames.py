@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.errors import InputError
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
 
 __all__ = ["Block", "Floats", "FrameSource", "Integers", "Padder", "order_frames", "select_frames"]
@@ -35,28 +34,41 @@ class Block:
 
 
 class Padder:
-    """Flat rows to an array (frame, bead), NaN where there is no bead."""
+    """Columns of a block as arrays (frame, bead) with bead 0 at the nozzle, NaN where there is no bead."""
 
-    def __init__(self, row: NDArray[np.int64], there: NDArray[np.bool_]) -> None:
-        self.row, self.there, self.absent = row, there, ~there
+    def __init__(self, block: Block) -> None:
+        number = np.arange(int(block.length.max(initial=1)))
+        self.there: NDArray[np.bool_] = number < block.length[:, None]
+        self._absent = ~self.there
+        self._row = np.where(self.there, (block.first + block.length - 1)[:, None] - number, 0)
+        self._block = block
+        self._made: dict[str, Floats] = {}
 
-    def __call__(self, flat: Floats | None) -> Floats:
-        if flat is None:
-            return np.where(self.there, 0.0, np.nan)
-        values: Floats = np.take(flat, self.row)
-        values[self.absent] = np.nan
+    def __contains__(self, name: object) -> bool:
+        return name in self._block.values
+
+    def __call__(self, name: str) -> Floats:
+        """Padded column; zero where the file has none (y and z of a straight jet)."""
+        values = self._made.get(name)
+        if values is None:
+            flat = self._block.values.get(name)
+            values = np.zeros(self.there.shape) if flat is None else np.take(flat, self._row)
+            values[self._absent] = np.nan
+            self._made[name] = values
         return values
+
+    def bad(self) -> NDArray[np.bool_]:
+        """Padded marks of rows that could not be read."""
+        return np.asarray(np.take(self._block.bad, self._row) & self.there)
 
 
 class FrameSource(Protocol):
     """A file, or set of files, of frames in time."""
 
-    name: str
+    name: str  # of the file, or the pattern
     files: str
-    position_error: float  # m, half a unit in the last place
-    parameters: RunParameters | None
-    time: Floats
-    weight: Integers  # rows stored, padding included
+    time: Floats  # of every whole frame stored, s
+    weight: Integers  # rows of every frame, padding included
 
     def load(self, frames: Integers, notes: Notes) -> Block:
         """Beads of the frames with these numbers, SI."""
@@ -104,7 +116,12 @@ def order_frames(time: Floats, notes: Notes) -> Integers:
             odd += 1
             continue
         while kept and time[kept[-1]] >= now - tol:
-            spike = len(kept) > 1 and time[kept[-2]] < now - tol and time[kept[-1]] > now + tol and after is not None
+            spike = (
+                len(kept) > 1
+                and time[kept[-2]] < now - tol
+                and time[kept[-1]] > now + tol
+                and after is not None
+            )
             odd += spike
             superseded += not spike
             kept.pop()
@@ -134,7 +151,9 @@ def select_frames(time: Floats, wanted: float | str | slice | None, name: str) -
     if isinstance(wanted, str):
         if wanted == "last":
             return everything[-1:]
-        raise InputError("time", "not a time", value=wanted, allowed='None, "last", seconds or a slice of seconds')
+        raise InputError(
+            "time", "not a time", value=wanted, allowed='None, "last", seconds or a slice of seconds'
+        )
     if isinstance(wanted, slice):
         return everything[_inside(time, wanted, name, shown)]
     try:
@@ -152,7 +171,9 @@ def select_frames(time: Floats, wanted: float | str | slice | None, name: str) -
 
 def _inside(time: Floats, wanted: slice, name: str, shown: str) -> NDArray[np.bool_]:
     if wanted.step is not None:
-        raise InputError("time", "a slice of times has no step", value=wanted, remedy="select every nth afterwards")
+        raise InputError(
+            "time", "a slice of times has no step", value=wanted, remedy="select every nth afterwards"
+        )
     try:
         low = -np.inf if wanted.start is None else float(wanted.start)
         high = np.inf if wanted.stop is None else float(wanted.stop)

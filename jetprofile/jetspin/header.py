@@ -314,7 +314,9 @@ def read_text(path: Path, limit: int = 2_000_000) -> str:
 
 def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
     """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
-    sets = [parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()]
+    sets = [
+        parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()
+    ]
     return merge_parameters([params for params in sets if any(_told(params))], notes)
 
 

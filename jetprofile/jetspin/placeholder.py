@@ -27,9 +27,14 @@ def drop_placeholders(block: Block, parameters: RunParameters, notes: Notes) -> 
     fits = np.abs(np.sqrt(squared) - step) < 1e-2 * step
     if "stress" in block.values:
         fits &= block.values["stress"][last - 1] == 0
-    notes.add("{n} frames flagged as not inserted have no place-holder bead; all their beads are kept", (~fits).sum())
+    notes.add(
+        "{n} frames flagged as not inserted have no place-holder bead; all their beads are kept",
+        (~fits).sum(),
+    )
     last, frames = last[fits], frames[fits]
-    notes.add("{n} place-holder beads (the next bead, not yet inserted)", len(frames), warn=False, dropped=True)
+    notes.add(
+        "{n} place-holder beads (the next bead, not yet inserted)", len(frames), warn=False, dropped=True
+    )
     for values in block.values.values():
         values[last - 1] = values[last]
     block.bad[last - 1] = block.bad[last]

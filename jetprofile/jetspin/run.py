@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,11 @@ from spinline.jetprofile.jetspin.header import RunParameters, find_parameters, m
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.sources import choose_files, open_xyz, statistics_track
 from spinline.jetprofile.jetspin.stats import read_landed, read_setup, read_table
+from spinline.jetprofile.jetspin.xyz import XyzSource
 
 __all__ = ["Reading", "iter_jetspin", "open_reading", "read_jetspin"]
 
-_ROWS = 400_000  # beads of a piece, padding included: some 80 MB of variables
+_ROWS = 200_000  # beads of a piece, padding included: some 40 MB of variables
 Time = float | str | slice | None
 Unit = str | float | None
 
@@ -87,7 +89,9 @@ def open_reading(
         raise InputError(str(path), "does not exist", remedy="give a file or directory of a JETSPIN run")
     if not path.is_dir():
         if source is not None:
-            raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
+            raise InputError(
+                "source", "only for a directory", value=source, remedy="give the file itself as path"
+            )
         return _open([path], path, time, unit, Notes(str(path)))
     notes = Notes(str(path))
     choices = choose_files(path, source)
@@ -110,7 +114,7 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) 
     beside = find_parameters(folder, notes)
     track = statistics_track(folder)
     kind = file_kind(files[0])
-    frames: FrameSource
+    frames: BinarySource | XyzSource
     if kind == "beads":
         if unit is not None:
             raise InputError("unit", f"{files[0].name} says its own units", value=unit, remedy="leave it out")
@@ -122,11 +126,13 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) 
         frames, unit_source = open_xyz(files, beside, track, unit, notes)
         error, text = frames.position_error, True
     else:
-        raise InputError(str(files[0]), "holds no beads", remedy="read_jetspin reads it, iter_jetspin does not")
+        raise InputError(
+            str(files[0]), "holds no beads", remedy="read_jetspin reads it, iter_jetspin does not"
+        )
     sets = [params for params in (frames.parameters, beside) if params is not None]
     parameters = merge_parameters(sets, notes) or RunParameters()
     if parameters.refinement is None and track is not None and track.refined:
-        parameters = _refined(parameters)
+        parameters = replace(parameters, refinement=True)
     kept = order_frames(frames.time, notes)
     if len(kept) == 0:
         raise InputError(str(files[0]), "holds no whole frame", remedy="read another file of the run")
@@ -137,15 +143,11 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) 
     return Reading(frames, kept, chosen, Meaning(parameters, error, text, attrs), notes)
 
 
-def _refined(parameters: RunParameters) -> RunParameters:
-    from dataclasses import replace
-
-    return replace(parameters, refinement=True)
-
-
 def _warn_radius(parameters: RunParameters, volumes: bool, notes: Notes) -> None:
     if parameters.element_volume is None:
-        notes.add("nozzle radius and resolution are not known: no radius and no stretch ratio (put log.txt beside it)")
+        notes.add(
+            "nozzle radius and resolution are not known: no radius and no stretch ratio (put log.txt beside it)"
+        )
     elif volumes:
         return
     elif parameters.refinement:
@@ -160,7 +162,7 @@ def _warn_radius(parameters: RunParameters, volumes: bool, notes: Notes) -> None
 
 
 def _attrs(
-    frames: FrameSource, given: Path, parameters: RunParameters, unit_source: str, volumes: bool
+    frames: BinarySource | XyzSource, given: Path, parameters: RunParameters, unit_source: str, volumes: bool
 ) -> dict[str, Any]:
     p = parameters
     refinement = {True: "yes", False: "no", None: "unknown"}[p.refinement]
@@ -186,7 +188,8 @@ def _attrs(
         "title": f"JETSPIN jet from {given.name}",
         "source_files": frames.files,
         "parameter_source": p.source or "none",
-        "jetspin_version": p.version or ("1.21 (by its format)" if frames.parameters is not None else "unknown"),
+        "jetspin_version": p.version
+        or ("1.21 (by its format)" if frames.parameters is not None else "unknown"),
         "length_unit_source": unit_source,
         "radius_source": radius,
         "refinement": refinement,
@@ -210,7 +213,7 @@ def iter_jetspin(
     path, source, time, unit
         As in `read_jetspin`.
     chunk_frames : int, optional
-        Frames of a piece; by default as many as make about 400,000 beads.
+        Frames of a piece; by default as many as make about 200,000 beads.
 
     Yields
     ------
@@ -269,8 +272,15 @@ def read_jetspin(
     if given.is_file():
         kind = file_kind(given)
         if kind not in ("xyz", "beads") and (time is not None or unit is not None or source is not None):
-            raise InputError("path", f"{given.name} holds no beads: no source, time or unit applies", value=str(path))
-        reader = {"statout": read_table, "statdat": read_table, "landed": read_landed, "setup": read_setup}.get(kind)
+            raise InputError(
+                "path", f"{given.name} holds no beads: no source, time or unit applies", value=str(path)
+            )
+        reader = {
+            "statout": read_table,
+            "statdat": read_table,
+            "landed": read_landed,
+            "setup": read_setup,
+        }.get(kind)
         if reader is not None:
             notes = Notes(str(path))
             table = reader(given, notes)

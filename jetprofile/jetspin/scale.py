@@ -67,11 +67,17 @@ def length_scale(
             return Scale(internal, f"internal length unit of {internal:.9g} m, {told}")
         if known and internal is not None and factor:
             metres = CM / (factor * internal / CM)
-            return Scale(metres, f"cm times {factor:g} times the internal length unit in cm (rescalexyz), {told}")
+            return Scale(
+                metres, f"cm times {factor:g} times the internal length unit in cm (rescalexyz), {told}"
+            )
     ratio = None if track is None else _ratio(track, first)
     if ratio is not None:
         return Scale(ratio, f"column x of statout.dat at the same times ({ratio:.6g} m)")
-    raise InputError(name, "its length unit is not known: the file does not say, and it differs between files", remedy=_REMEDY)
+    raise InputError(
+        name,
+        "its length unit is not known: the file does not say, and it differs between files",
+        remedy=_REMEDY,
+    )
 
 
 def _given(name: str, unit: str | float, internal: float | None) -> Scale:
@@ -80,7 +86,10 @@ def _given(name: str, unit: str | float, internal: float | None) -> Scale:
     if unit == "internal":
         if internal is None:
             raise InputError(
-                "unit", f"the internal length unit of {name} is not known", value=unit, remedy="put log.txt beside it"
+                "unit",
+                f"the internal length unit of {name} is not known",
+                value=unit,
+                remedy="put log.txt beside it",
             )
         return Scale(internal, f"internal length unit of {internal:.9g} m, chosen by the caller")
     try:
@@ -88,7 +97,9 @@ def _given(name: str, unit: str | float, internal: float | None) -> Scale:
     except (TypeError, ValueError):
         metres = np.nan
     if isinstance(unit, str) or not 0 < metres < 1e6:
-        raise InputError("unit", "not a length unit", value=unit, allowed='"cm", "internal" or a length in metres')
+        raise InputError(
+            "unit", "not a length unit", value=unit, allowed='"cm", "internal" or a length in metres'
+        )
     return Scale(metres, f"{metres:.9g} m, given by the caller")
 
 

@@ -32,7 +32,9 @@ def choose_files(folder: Path, source: str | None) -> list[list[Path]]:
     """Files to read, the best ones first."""
     if source is None:
         frames = frame_files(folder)
-        single = [[folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()]
+        single = [
+            [folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()
+        ]
         at = int(bool(single) and single[0][0].name == "traj.dat")
         return single[:at] + ([frames] if frames else []) + single[at:]
     if source in ("frame*.xyz", "frame.xyz", "frames"):
@@ -67,7 +69,11 @@ def statistics_track(folder: Path) -> Track | None:
 
 
 def open_xyz(
-    files: list[Path], parameters: RunParameters | None, track: Track | None, unit: str | float | None, notes: Notes
+    files: list[Path],
+    parameters: RunParameters | None,
+    track: Track | None,
+    unit: str | float | None,
+    notes: Notes,
 ) -> tuple[XyzSource, str]:
     """Source of XYZ frames with its length unit set, and where that unit came from."""
     source = XyzSource(files, notes)

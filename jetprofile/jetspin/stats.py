@@ -64,10 +64,14 @@ def read_statistics(path: str | PathLike[str]) -> xr.Dataset:
         there = [path / name for name in ("statout.dat", "statdat.dat") if (path / name).is_file()]
         there = [file for file in there if file.stat().st_size > 0]
         if not there:
-            raise InputError(str(path), "no statout.dat or statdat.dat with content in it", remedy="give the file itself")
+            raise InputError(
+                str(path), "no statout.dat or statdat.dat with content in it", remedy="give the file itself"
+            )
         path = there[0]
     elif file_kind(path) not in ("statout", "statdat"):
-        raise InputError(str(path), "not a statout.dat or statdat.dat", remedy="read_jetspin reads the other files")
+        raise InputError(
+            str(path), "not a statout.dat or statdat.dat", remedy="read_jetspin reads the other files"
+        )
     notes = Notes(str(path))
     table = read_table(path, notes)
     notes.emit()
@@ -139,7 +143,9 @@ def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
                     break
                 continue
             if columns is None:
-                raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
+                raise InputError(
+                    str(path), "its header is missing or damaged", remedy="read statdat.dat instead"
+                )
             width = 10 + _WIDTH * (len(columns) - 1)
             if not width - 5 <= len(line.rstrip()) <= width or not raw.endswith(b"\n"):
                 torn += 1
@@ -181,7 +187,9 @@ def read_landed(path: Path, notes: Notes) -> xr.Dataset:
     )
     if p is None or any(getattr(p, name) is None for name in needed):
         raise InputError(
-            str(path), "is in internal units, which are not known", remedy="put log.txt or input.dat of the run beside it"
+            str(path),
+            "is in internal units, which are not known",
+            remedy="put log.txt or input.dat of the run beside it",
         )
     length, tau, stress, mass, charge = (float(getattr(p, name)) for name in needed)
     content = path.read_bytes()
@@ -251,10 +259,10 @@ def read_setup(path: Path, notes: Notes) -> xr.Dataset:
         about = {"long_name": field.name.replace("_", " ")} | ({"units": unit} if unit else {})
         data[field.name] = ((), value, about)
     if not data:
-        raise InputError(str(path), "holds no parameter of a JETSPIN run", remedy="give its log.txt or input.dat")
+        raise InputError(
+            str(path), "holds no parameter of a JETSPIN run", remedy="give its log.txt or input.dat"
+        )
     if not p.complete:
         notes.add("its end is missing: what the run was not told cannot be known")
     attrs["dropped"], attrs["warnings"] = notes.dropped, notes.warnings
     return xr.Dataset(data, attrs=attrs)
-
-

@@ -237,7 +237,10 @@ class XyzSource:
         bad = (status & (UNREADABLE | OVERFLOW)) != 0
         add("{n} rows cannot be read and are NaN", int(bad.sum()) - _bits(status, OVERFLOW))
         add("{n} rows are damaged outside their numbers", int((status == DAMAGED).sum()))
-        add("{n} rows behind the nozzle are not the padding they should be and are left out", chains[:, 3].sum())
+        add(
+            "{n} rows behind the nozzle are not the padding they should be and are left out",
+            chains[:, 3].sum(),
+        )
         return Block(
             time=self.time[frames],
             first=chains[:, 0].copy(),
