@@ -198,13 +198,13 @@ class BinarySource:
                 )
 
     def _search(self, start: int) -> int:
-        """Where the next group of records may begin, or -1."""
+        """Where the next group of records may begin, at or after `start`, or -1."""
         while True:
-            at = self._content.find(b"\4\0\0\0\x18\0\0\0", start)
-            if at < 0:
+            at = self._content.find(b"\4\0\0\0\x18\0\0\0", start + 8) - 8
+            if at < start:
                 return -1
-            if at >= 8 and self._content[at - 8 : at - 4] == _MARK:
-                return at - 8
+            if self._content[at : at + 4] == _MARK:
+                return at
             start = at + 1
 
     def _scan(self) -> FrameList:
