@@ -8,6 +8,7 @@ Plain numpy reads the same numbers on a slice of the text, in the same run, with
 
 import argparse
 import io
+import itertools
 import resource
 import struct
 import tempfile
@@ -153,7 +154,7 @@ def main():
         print(f"last frame of {count}: x against what was written, {np.abs(last - truth).max():.1e} m")
         if options.memory:
             tracemalloc.start()
-            for data in iter_jetspin(folder / "traj.xyz"):
+            for _ in iter_jetspin(folder / "traj.xyz"):
                 pass
             print(f"largest traced allocation {tracemalloc.get_traced_memory()[1] / 1e6:.0f} MB")
 
@@ -162,7 +163,7 @@ def make_singles(source, folder, size):
     """Cut the first frames of a traj.xyz into frame*.xyz."""
     content = source.read_bytes()[: int(size)]
     starts = [m - 11 for m in _find(content, b"frame at time")]
-    for number, (begin, stop) in enumerate(zip(starts[:-1], starts[1:], strict=True), 1):
+    for number, (begin, stop) in enumerate(itertools.pairwise(starts), 1):
         (folder / f"frame{number:06d}.xyz").write_bytes(content[begin:stop])
 
 

@@ -19,9 +19,9 @@ Integers = NDArray[np.int64]
 class Block:
     """Beads of some frames, as stored: farthest bead first, the nozzle point last.
 
-    Frame i owns the rows ``first[i] : first[i] + length[i]`` of every array in `values` (SI). `bad` marks rows
-    that could not be read. `reaches_nozzle` is False where the rows next to the nozzle are missing.
-    `placeholders` counts what was left out, `inserted` is None where the file does not say.
+    Frame i owns the rows ``first[i] : first[i] + length[i]`` of every array in `values` (SI). `bad` marks
+    rows that could not be read. `reaches_nozzle` is False where the rows next to the nozzle are missing.
+    `inserted` is None where the file does not say.
     """
 
     time: Floats

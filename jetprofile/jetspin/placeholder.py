@@ -3,8 +3,8 @@
 import numpy as np
 
 from spinline.jetprofile.jetspin.frames import Block
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 
 __all__ = ["drop_placeholders"]
 

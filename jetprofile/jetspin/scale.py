@@ -1,7 +1,7 @@
 """Which length unit an XYZ file is in. The file does not say, and two files of one run always differ.
 
-``traj.xyz`` is in internal units, or in cm times the factor of ``print xyz rescalexyz``; ``frame*.xyz`` is in cm,
-or in cm times factor times the internal unit (JETSPIN applies it twice).
+``traj.xyz`` is in internal units, or in cm times the factor of ``print xyz rescalexyz``; ``frame*.xyz`` is in
+cm, or in cm times factor times the internal unit (JETSPIN applies it twice).
 """
 
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ import numpy as np
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.frames import Block, Floats
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.units import CM
 
 __all__ = ["Scale", "check_scale", "length_scale"]
@@ -135,7 +135,8 @@ def check_scale(
         return ""
     if abs(ratio / metres - 1) > 1e-2:
         notes.add(
-            f"column x of statout.dat says that its length unit is {ratio:.6g} m, not {metres:.6g} m: lengths are in doubt"
+            f"column x of statout.dat says that its length unit is {ratio:.6g} m, not {metres:.6g} m: "
+            "lengths are in doubt"
         )
         return f"; contradicted by statout.dat ({ratio:.6g} m)"
     return "; agrees with statout.dat"

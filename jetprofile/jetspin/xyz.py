@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.units import to_float
 
 __all__ = ["XyzSource", "map_file", "scan_frames"]
