@@ -1,10 +1,10 @@
 """Fit of the power law ``r = (r_0 / k) (z / r_0)^(-beta)`` to a measured profile, and where it holds.
 
 Weighted least squares of ln r against ln z. A power law is an asymptote: real jets leave it near the nozzle, where r
-must meet the nozzle's, and where they bend. So the fit looks for the widest range of ln z over which the profile shows
-no curvature that matters: a cubic in ln z is fitted beside the line, and the range passes if the cubic never leaves the
-line by more than `tolerance` (relative radius) or three standard errors of itself, the scatter about the line is no
-more than `tolerance` or twice the noise, and beta is one of a jet, in [1/4, 1] within three standard errors. Without `radius_std` the noise is taken from neighbouring samples.
+must meet the nozzle's, and where they bend. So the fit looks for the widest range of ln z over which the profile is a
+power law but for noise: a cubic in ln z, fitted beside the line, stays within `tolerance` (relative radius) or three
+standard errors of it; the scatter about the line is within `tolerance` or twice the noise; and beta is one of a jet, in
+[1/4, 1] within three standard errors. Without `radius_std` the noise is taken from neighbouring samples.
 
 Uncertainty is that of the line, from `radius_std` where given, from the residuals otherwise; that of r_0 (which moves k
 by 1 + beta times as much) is not in it.

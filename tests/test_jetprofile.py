@@ -1,5 +1,7 @@
 """Jets: reference values, derivatives, closed forms against quadrature and mpmath, extremes, refusals."""
 
+from itertools import pairwise
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -73,8 +75,7 @@ def test_a_jet_is_consistent_with_itself(jet) -> None:
     for i in (1, 1000, 4000):
         knots = [*np.linspace(0, 1e-2, 201), onset] if isinstance(jet, Table) else [onset]
         edges = [jet.start, *sorted(p for p in knots if jet.start < p < z[i]), z[i]]
-        panels = zip(edges[:-1], edges[1:], strict=True)
-        exact = sum(quad(lambda x: 1 / float(jet.velocity(x)), a, b, epsrel=1e-12)[0] for a, b in panels)
+        exact = sum(quad(lambda x: 1 / float(jet.velocity(x)), a, b, epsrel=1e-12)[0] for a, b in pairwise(edges))
         assert float(time[i]) == pytest.approx(exact, rel=1e-9)
     ratios = np.geomspace(float(jet.velocity_ratio(z[1])) * 1.01, float(jet.velocity_ratio(end)), 50)
     np.testing.assert_allclose(jet.velocity_ratio(jet.position_of(ratios)), ratios, rtol=1e-9)
@@ -229,7 +230,9 @@ def test_fit_covariance_covers() -> None:
         scores = []
         for _ in range(400):
             noisy = r * np.exp(0.01 * rng.standard_normal(60))
-            fit = fit_power_law(z, noisy, 0.01 * r if known else None, initial_radius=R0, z_range=(1e-3 * 0.999, 1.001e-2))
+            fit = fit_power_law(
+                z, noisy, 0.01 * r if known else None, initial_radius=R0, z_range=(1e-3 * 0.999, 1.001e-2)
+            )
             scores.append([(fit.k - 1.2) / fit.k_std, (fit.beta - 0.47) / fit.beta_std])
         inside = np.abs(scores)
         assert (np.abs((inside < 1).mean(0) - 0.683) < 0.07).all()
@@ -351,7 +354,9 @@ def test_bead_refusals(arguments: dict, words: str) -> None:
 
 def test_beads_from_csv(tmp_path) -> None:
     file = tmp_path / "beads.csv"
-    file.write_text("time [ms],x [mm],y [mm],radius [um]\n0,0,0,100\n0,1,0,50\n0,2,0,\n1,0,0,100\n1,1,1,40\n1,2,2,30\n1,3,3,\n")
+    file.write_text(
+        "time [ms],x [mm],y [mm],radius [um]\n0,0,0,100\n0,1,0,50\n0,2,0,\n1,0,0,100\n1,1,1,40\n1,2,2,30\n1,3,3,\n"
+    )
     jet = LagrangianJet.from_csv(file)
     assert jet.x.shape == (2, 4)
     assert jet.initial_radius == pytest.approx(1e-4)

@@ -14,7 +14,7 @@ from spinline.jetprofile import iter_jetspin, read_jetspin
 from spinline.jetprofile.jetspin import read_parameters, read_statistics, write_jet
 
 DATA = Path(__file__).parent / "data" / "jetspin"
-BUNDLED = Path(str(files("spinline"))) / "data" / "jetspin" / "pvp3d"
+BUNDLED = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
 RUNS = ["airdrag_counterflow", "dynamic_refinement", "ex1_1d_single", "ex2_1d_insert", "pvp3d", "quasi_newtonian_kv"]
 
 

@@ -23,7 +23,12 @@ def test_pure_polymer_and_pure_solvent() -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [((0.0, 1e-4, 1.0), "transmission"), ((1.0, 0.0, 1.0), "chord"), ((1.0, 1e-4, 0.0), "energy"), ((np.nan, 1e-4, 1.0), "transmission")],
+    [
+        ((0.0, 1e-4, 1.0), "transmission"),
+        ((1.0, 0.0, 1.0), "chord"),
+        ((1.0, 1e-4, 0.0), "energy"),
+        ((np.nan, 1e-4, 1.0), "transmission"),
+    ],
 )
 def test_refusals(arguments: tuple, words: str) -> None:
     with pytest.raises(InputError, match=words):

@@ -83,6 +83,7 @@ def run(
     """Jet, network and concentration of a scene: one file out, one figure."""
     loaded = _load(scene, model, rtol, set_)
     from spinline import results
+    from spinline.outputs import writable
 
     target = out or _default_out(scene, loaded)
     picture = None if no_figure else (figure or target.with_suffix(".png"))
@@ -94,7 +95,7 @@ def run(
     if len({file.resolve() for file in files}) < len(files):
         raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
     for file in files:
-        results.writable(file, force=force)
+        writable(file, force=force)
     from spinline.solve import run as solve
 
     result = solve(loaded)
@@ -172,7 +173,7 @@ def scenes(
     """List the bundled scenes, or copy one to start from."""
     import tomllib
 
-    from spinline.results import writable
+    from spinline.outputs import writable
     from spinline.scene import bundled_scenes
 
     known = bundled_scenes()
@@ -202,14 +203,15 @@ def schema(
     """JSON Schema of the scene file, for editors."""
     import json
 
-    from spinline.results import writable
+    from spinline.outputs import replacing
     from spinline.scene import json_schema
 
     text = json.dumps(json_schema(), indent=2)
     if out is None:
         typer.echo(text)
     else:
-        writable(out, force=force).write_text(text + "\n", encoding="utf-8")
+        with replacing(out, force=force) as part:
+            part.write_text(text + "\n", encoding="utf-8")
 
 
 @app.command("fit-jet")
@@ -265,9 +267,11 @@ def import_jet(
     """Turn the output of a Lagrangian simulation into a jet file."""
     from spinline import results
     from spinline.jetprofile.jetspin import write_jet
+    from spinline.outputs import replacing
 
-    target = results.writable(out or Path(run_dir.resolve().stem + ".nc"), force=force)
-    write_jet(run_dir, target, source=source, unit=unit)
+    target = out or Path(run_dir.resolve().stem + ".nc")
+    with replacing(target, force=force) as part:
+        write_jet(run_dir, part, source=source, unit=unit)
     jet = results.open_dataset(target)
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 

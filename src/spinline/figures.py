@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from spinline.errors import InputError
+from spinline.outputs import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,10 +90,9 @@ def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
     InputError
         For another ending, or a file that cannot be written.
     """
-    from spinline.results import writable
-
-    file = writable(path, force=force)
-    figure(result).savefig(file, dpi=150)
+    file = check_format(path)
+    with replacing(file, force=force) as part:
+        figure(result).savefig(part, dpi=150)
     return file
 
 
