@@ -88,9 +88,7 @@ def make_binary(path, source, size):
 def measure(label, path, **options):
     """Read a file in pieces: MB/s and the largest resident size."""
     next(iter_jetspin(path, time="last", **options))  # compiled
-    megabytes = (
-        sum(f.stat().st_size for f in path.glob("frame*")) if path.is_dir() else path.stat().st_size
-    ) / 1e6
+    megabytes = (sum(f.stat().st_size for f in path.glob("frame*")) if path.is_dir() else path.stat().st_size) / 1e6
     begin, count = time.perf_counter(), 0
     for data in iter_jetspin(path, **options):
         count += data.sizes["time"]
@@ -106,9 +104,7 @@ def measure(label, path, **options):
 def plain(path, limit=4_000_000):
     """numpy.genfromtxt and numpy.loadtxt on the rows of the first megabytes, MB/s."""
     lines = [
-        line
-        for line in path.read_bytes()[:limit].splitlines()
-        if len(line.split()) == 4 and line.startswith(b"C")
+        line for line in path.read_bytes()[:limit].splitlines() if len(line.split()) == 4 and line.startswith(b"C")
     ]
     text = b"\n".join(lines)
     speeds = {}
@@ -147,9 +143,7 @@ def main():
         measure("frame*.xyz", singles)
         speeds = plain(folder / "traj.xyz")
         print(f"text against loadtxt {text / speeds['numpy.loadtxt']:.1f} times, ", end="")
-        print(
-            f"against genfromtxt {text / speeds['numpy.genfromtxt']:.0f} times; binary/text {binary / text:.1f}"
-        )
+        print(f"against genfromtxt {text / speeds['numpy.genfromtxt']:.0f} times; binary/text {binary / text:.1f}")
         last = data.x.values[-1, : len(truth)][::-1]
         print(f"last frame of {count}: x against what was written, {np.abs(last - truth).max():.1e} m")
         if options.memory:

@@ -47,7 +47,7 @@ class PowerLawFit:
     samples : int
         Samples in that range, of `samples_given`.
     samples_given : int
-        Samples with z > 0.
+        Samples with z > 0, within `z_range`.
     r_squared : float
         Of ln r against ln z in the range.
     reduced_chi_squared : float
@@ -105,7 +105,7 @@ def fit_power_law(
     initial_radius : float, optional
         r_0, m. Default: the largest radius.
     z_range : (float, float), optional
-        Fit this range, m, instead of searching for one.
+        Look at the samples between these places only, m.
     tolerance : float, optional
         Relative departure of the radius that is still a power law.
 
@@ -134,22 +134,15 @@ def fit_power_law(
     >>> round(fit.k, 6), round(fit.beta, 6)
     (1.0, 0.47)
     """
-    x, y, sigma, given, r0 = _samples(z, radius, radius_std, initial_radius)
+    x, y, sigma, r0 = _samples(z, radius, radius_std, initial_radius, z_range)
     tol = positive("tolerance", tolerance)
     groups = _group(x, y, sigma)
-    if z_range is None:
-        low, high, holds = _widest(*groups, tol)
-    else:
-        low, high = (float(np.log(positive("z_range", end, "m"))) for end in z_range)
+    low, high, holds = _widest(*groups, tol)
     inside = (x >= low) & (x <= high)
-    if inside.sum() < 3:
-        raise InputError("z_range", "holds fewer than three samples", value=z_range, remedy="widen it")
     line, cov, chi2 = _line(x[inside], y[inside], sigma[inside])
     if radius_std is None:  # sigma is only a guess from neighbours: let the residuals speak
         cov, chi2 = cov * chi2, float("nan")
     bend, _ = _departure(x[inside], y[inside], sigma[inside])
-    if z_range is not None:
-        holds = _is_power_law(x[inside], y[inside], sigma[inside], tol)
     outside = (groups[0] < low) | (groups[0] > high)
     missed = np.abs(np.expm1(groups[1] - np.polyval(line, groups[0])))[outside]
     beta = -float(line[0])
@@ -166,7 +159,7 @@ def fit_power_law(
         z_min=float(np.exp(x[inside].min())),
         z_max=float(np.exp(x[inside].max())),
         samples=int(inside.sum()),
-        samples_given=given,
+        samples_given=x.size,
         r_squared=1 - misfit / spread if spread else float("nan"),
         reduced_chi_squared=chi2,
         departure=bend,
@@ -180,14 +173,24 @@ def fit_power_law(
 
 
 def _samples(
-    z: ArrayLike, radius: ArrayLike, radius_std: ArrayLike | None, initial_radius: float | None
-) -> tuple[FloatArray, FloatArray, FloatArray, int, float]:
+    z: ArrayLike,
+    radius: ArrayLike,
+    radius_std: ArrayLike | None,
+    initial_radius: float | None,
+    z_range: tuple[float, float] | None,
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Ln z, ln r and its standard deviation, sorted, of the samples looked at; and r_0."""
     position, r = real("z", z, unit="m"), real("radius", radius, above=0.0, unit="m")
     if position.ndim != 1 or position.shape != r.shape:
         raise InputError("radius", "must have one value for each z", value=f"{r.shape} against {position.shape}")
     use = position > 0
+    if z_range is not None:
+        low, high = real("z_range", z_range, unit="m")
+        use &= (position >= low) & (position <= high)
     if use.sum() < _FEWEST:
-        raise InputError("z", f"has fewer than {_FEWEST} samples beyond the nozzle", value=int(use.sum()))
+        raise InputError(
+            "z", f"has fewer than {_FEWEST} samples beyond the nozzle, or in the range asked for", value=int(use.sum())
+        )
     order = np.argsort(position[use], kind="stable")
     x, y = np.log(position[use][order]), np.log(r[use][order])
     if not x[-1] > x[0]:
@@ -198,7 +201,7 @@ def _samples(
         std = np.broadcast_to(real("radius_std", radius_std, above=0.0, unit="m"), r.shape)
         sigma = (std / r)[use][order]
     r0 = float(r.max()) if initial_radius is None else positive("initial_radius", initial_radius, "m")
-    return x, y, sigma, int(use.sum()), r0
+    return x, y, sigma, r0
 
 
 def _group(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

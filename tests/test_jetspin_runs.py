@@ -106,7 +106,9 @@ def test_radius_by_the_definition(runs):
     np.testing.assert_allclose(volume[inside], data.volume.values[inside], rtol=1e-12)
     p = read_parameters(runs / "dynamic_refinement")
     rest = data.volume.values / (np.pi * p.nozzle_radius**2)
-    np.testing.assert_allclose((data.stretch_ratio.values * rest)[inside], data.element_length.values[inside], rtol=1e-12)
+    np.testing.assert_allclose(
+        (data.stretch_ratio.values * rest)[inside], data.element_length.values[inside], rtol=1e-12
+    )
     share = data.volume.values[inside] / p.element_volume
     assert share.min() == pytest.approx(0.063, abs=0.001)
     assert share.max() == pytest.approx(1, abs=1e-6)
@@ -291,7 +293,9 @@ def test_log_input_and_block_tell_the_same(runs, run):
     assert log.attrs["warnings"] == given.attrs["warnings"] == ""
     for name in set(log.data_vars) & set(given.data_vars):
         assert float(log[name]) == pytest.approx(float(given[name]), rel=2e-9), name
-    assert {"nozzle_radius", "resolution", "length_unit", "collector_distance", "charge_density"} <= set(given.data_vars)
+    assert {"nozzle_radius", "resolution", "length_unit", "collector_distance", "charge_density"} <= set(
+        given.data_vars
+    )
     jet = quiet(runs / run, source="save.dat")
     assert "disagree" not in jet.attrs["warnings"]
     assert jet.attrs["jetspin_version"] == "1.21"

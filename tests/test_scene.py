@@ -163,7 +163,16 @@ def test_overrides_are_kept_in_the_text() -> None:
 
 def test_schema_describes_every_section() -> None:
     schema = json_schema()
-    assert set(schema["properties"]) == {"title", "solution", "jet", "ambient", "rheology", "effects", "network", "accuracy"}
+    assert set(schema["properties"]) == {
+        "title",
+        "solution",
+        "jet",
+        "ambient",
+        "rheology",
+        "effects",
+        "network",
+        "accuracy",
+    }
     assert schema["additionalProperties"] is False
     jet = schema["$defs"]["PowerLawJet"]["properties"]
     assert jet["radius"]["type"] == "string"

@@ -153,9 +153,7 @@ class BinarySource:
         length = self.weight[frames]
         first = np.cumsum(length) - length
         words = np.empty((int(length.sum()), width // 4), dtype="<u4")
-        for begin, rows, at in zip(
-            first.tolist(), length.tolist(), self._offset[frames].tolist(), strict=True
-        ):
+        for begin, rows, at in zip(first.tolist(), length.tolist(), self._offset[frames].tolist(), strict=True):
             part = np.frombuffer(self._content, dtype="<u4", count=rows * width // 4, offset=at)
             words[begin : begin + rows] = part.reshape(rows, -1)
             del part

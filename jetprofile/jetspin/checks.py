@@ -61,9 +61,7 @@ def check_positions(
     inner = there.copy()
     inner[:, 0] = False
     behind &= inner
-    notes.add(
-        "{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum())
-    )
+    notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum()))
     odd |= behind
     stray = _strays(bead, deposited, around)
     notes.add(

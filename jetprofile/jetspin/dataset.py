@@ -91,9 +91,7 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
         warn=False,
         dropped=True,
     )
-    notes.add(
-        "{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum())
-    )
+    notes.add("{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum()))
     safe = np.where(coincident, np.nan, length)
     volume = pad("volume")[:, 1:] if "volume" in pad else None
     if volume is not None:

@@ -116,12 +116,7 @@ def order_frames(time: Floats, notes: Notes) -> Integers:
             odd += 1
             continue
         while kept and time[kept[-1]] >= now - tol:
-            spike = (
-                len(kept) > 1
-                and time[kept[-2]] < now - tol
-                and time[kept[-1]] > now + tol
-                and after is not None
-            )
+            spike = len(kept) > 1 and time[kept[-2]] < now - tol and time[kept[-1]] > now + tol and after is not None
             odd += spike
             superseded += not spike
             kept.pop()
@@ -151,9 +146,7 @@ def select_frames(time: Floats, wanted: float | str | slice | None, name: str) -
     if isinstance(wanted, str):
         if wanted == "last":
             return everything[-1:]
-        raise InputError(
-            "time", "not a time", value=wanted, allowed='None, "last", seconds or a slice of seconds'
-        )
+        raise InputError("time", "not a time", value=wanted, allowed='None, "last", seconds or a slice of seconds')
     if isinstance(wanted, slice):
         return everything[_inside(time, wanted, name, shown)]
     try:
@@ -171,9 +164,7 @@ def select_frames(time: Floats, wanted: float | str | slice | None, name: str) -
 
 def _inside(time: Floats, wanted: slice, name: str, shown: str) -> NDArray[np.bool_]:
     if wanted.step is not None:
-        raise InputError(
-            "time", "a slice of times has no step", value=wanted, remedy="select every nth afterwards"
-        )
+        raise InputError("time", "a slice of times has no step", value=wanted, remedy="select every nth afterwards")
     try:
         low = -np.inf if wanted.start is None else float(wanted.start)
         high = np.inf if wanted.stop is None else float(wanted.stop)

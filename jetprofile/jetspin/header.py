@@ -186,9 +186,7 @@ def read_parameters(path: str | PathLike[str]) -> RunParameters:
     notes = Notes(str(path))
     params = find_parameters(path, notes) if path.is_dir() else parse_file(path, notes)
     if params is None or not tells_anything(params):
-        raise InputError(
-            str(path), "no JETSPIN set-up found", remedy="give log.txt, input.dat or their directory"
-        )
+        raise InputError(str(path), "no JETSPIN set-up found", remedy="give log.txt, input.dat or their directory")
     notes.emit()
     return params
 
@@ -218,7 +216,5 @@ def read_text(path: Path, limit: int = 2_000_000) -> str:
 
 def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
     """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
-    sets = [
-        parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()
-    ]
+    sets = [parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()]
     return merge_parameters([params for params in sets if tells_anything(params)], notes)

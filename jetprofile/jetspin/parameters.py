@@ -94,8 +94,7 @@ def with_internal_units(params: RunParameters, notes: Notes) -> RunParameters:
         elif abs(printed - value) > 1e-6 * value:
             label = name.replace("_", " ")
             notes.add(
-                f"internal {label} in {params.source} ({printed:.9g}) contradicts the set-up there "
-                f"({value:.9g}, SI)"
+                f"internal {label} in {params.source} ({printed:.9g}) contradicts the set-up there ({value:.9g}, SI)"
             )
     return params
 

@@ -32,9 +32,7 @@ Unit = str | float | None
 class Reading:
     """An opened source of frames: what is read, and what has been noticed so far."""
 
-    def __init__(
-        self, source: FrameSource, kept: Integers, chosen: Integers, meaning: Meaning, notes: Notes
-    ) -> None:
+    def __init__(self, source: FrameSource, kept: Integers, chosen: Integers, meaning: Meaning, notes: Notes) -> None:
         self.source, self.meaning, self.notes = source, meaning, notes
         self._kept, self.frames = kept, kept[chosen]
 
@@ -89,9 +87,7 @@ def open_reading(
         raise InputError(str(path), "does not exist", remedy="give a file or directory of a JETSPIN run")
     if not path.is_dir():
         if source is not None:
-            raise InputError(
-                "source", "only for a directory", value=source, remedy="give the file itself as path"
-            )
+            raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
         return _open([path], path, time, unit, Notes(str(path)))
     notes = Notes(str(path))
     choices = choose_files(path, source)
@@ -126,9 +122,7 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) 
         frames, unit_source = open_xyz(files, beside, track, unit, notes)
         error, text = frames.position_error, True
     else:
-        raise InputError(
-            str(files[0]), "holds no beads", remedy="read_jetspin reads it, iter_jetspin does not"
-        )
+        raise InputError(str(files[0]), "holds no beads", remedy="read_jetspin reads it, iter_jetspin does not")
     sets = [params for params in (frames.parameters, beside) if params is not None]
     parameters = merge_parameters(sets, notes) or RunParameters()
     if parameters.refinement is None and track is not None and track.refined:
@@ -145,9 +139,7 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) 
 
 def _warn_radius(parameters: RunParameters, volumes: bool, notes: Notes) -> None:
     if parameters.element_volume is None:
-        notes.add(
-            "nozzle radius and resolution are not known: no radius, no stretch ratio (put log.txt beside it)"
-        )
+        notes.add("nozzle radius and resolution are not known: no radius, no stretch ratio (put log.txt beside it)")
     elif volumes:
         return
     elif parameters.refinement:
@@ -188,8 +180,7 @@ def _attrs(
         "title": f"JETSPIN jet from {given.name}",
         "source_files": frames.files,
         "parameter_source": p.source or "none",
-        "jetspin_version": p.version
-        or ("1.21 (by its format)" if frames.parameters is not None else "unknown"),
+        "jetspin_version": p.version or ("1.21 (by its format)" if frames.parameters is not None else "unknown"),
         "length_unit_source": unit_source,
         "radius_source": radius,
         "refinement": refinement,

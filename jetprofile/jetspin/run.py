@@ -92,9 +92,7 @@ def read_jetspin(
     if given.is_file():
         kind = file_kind(given)
         if kind not in ("xyz", "beads") and (time is not None or unit is not None or source is not None):
-            raise InputError(
-                "path", f"{given.name} holds no beads: no source, time or unit applies", value=str(path)
-            )
+            raise InputError("path", f"{given.name} holds no beads: no source, time or unit applies", value=str(path))
         reader = {
             "statout": read_table,
             "statdat": read_table,

@@ -67,9 +67,7 @@ def length_scale(
             return Scale(internal, f"internal length unit of {internal:.9g} m, {told}")
         if known and internal is not None and factor:
             metres = CM / (factor * internal / CM)
-            return Scale(
-                metres, f"cm times {factor:g} times the internal length unit in cm (rescalexyz), {told}"
-            )
+            return Scale(metres, f"cm times {factor:g} times the internal length unit in cm (rescalexyz), {told}")
     ratio = None if track is None else _ratio(track, first)
     if ratio is not None:
         return Scale(ratio, f"column x of statout.dat at the same times ({ratio:.6g} m)")
@@ -97,9 +95,7 @@ def _given(name: str, unit: str | float, internal: float | None) -> Scale:
     except (TypeError, ValueError):
         metres = np.nan
     if isinstance(unit, str) or not 0 < metres < 1e6:
-        raise InputError(
-            "unit", "not a length unit", value=unit, allowed='"cm", "internal" or a length in metres'
-        )
+        raise InputError("unit", "not a length unit", value=unit, allowed='"cm", "internal" or a length in metres')
     return Scale(metres, f"{metres:.9g} m, given by the caller")
 
 
@@ -126,9 +122,7 @@ def _ratio(track: tuple[Floats, Floats], first: tuple[Floats, Floats]) -> float 
     return middle if agree.sum() > 0.5 * len(ratios) else None
 
 
-def check_scale(
-    metres: float, track: tuple[Floats, Floats] | None, first: tuple[Floats, Floats], notes: Notes
-) -> str:
+def check_scale(metres: float, track: tuple[Floats, Floats] | None, first: tuple[Floats, Floats], notes: Notes) -> str:
     """Compare a unit with ``statout.dat``; the finding in words."""
     ratio = None if track is None else _ratio(track, first)
     if ratio is None:

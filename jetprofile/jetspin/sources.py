@@ -32,9 +32,7 @@ def choose_files(folder: Path, source: str | None) -> list[list[Path]]:
     """Files to read, the best ones first."""
     if source is None:
         frames = frame_files(folder)
-        single = [
-            [folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()
-        ]
+        single = [[folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()]
         at = int(bool(single) and single[0][0].name == "traj.dat")
         return single[:at] + ([frames] if frames else []) + single[at:]
     if source in ("frame*.xyz", "frame.xyz", "frames"):

@@ -25,9 +25,7 @@ _UNITS = {
     "points": "",
     "maxnumber": "",
     "xyz_rescale": "",
-    **dict.fromkeys(
-        ["nozzle_radius", "resolution", "initial_length", "collector_distance", "length_unit"], "m"
-    ),
+    **dict.fromkeys(["nozzle_radius", "resolution", "initial_length", "collector_distance", "length_unit"], "m"),
     "perturbation_amplitude": "m",
     "density": "kg m-3",
     "charge_density": "C m-3",
@@ -71,9 +69,7 @@ def read_statistics(path: str | PathLike[str]) -> xr.Dataset:
             )
         path = there[0]
     elif file_kind(path) not in ("statout", "statdat"):
-        raise InputError(
-            str(path), "not a statout.dat or statdat.dat", remedy="read_jetspin reads the other files"
-        )
+        raise InputError(str(path), "not a statout.dat or statdat.dat", remedy="read_jetspin reads the other files")
     notes = Notes(str(path))
     table = read_table(path, notes)
     notes.emit()
@@ -159,9 +155,7 @@ def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
                     break
                 continue
             if columns is None:
-                raise InputError(
-                    str(path), "its header is missing or damaged", remedy="read statdat.dat instead"
-                )
+                raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
             width = 10 + _WIDTH * (len(columns) - 1)
             if not width - 5 <= len(line.rstrip()) <= width or not raw.endswith(b"\n"):
                 torn += 1
@@ -275,9 +269,7 @@ def read_setup(path: Path, notes: Notes) -> xr.Dataset:
         about = {"long_name": field.name.replace("_", " ")} | ({"units": unit} if unit else {})
         data[field.name] = ((), value, about)
     if not data:
-        raise InputError(
-            str(path), "holds no parameter of a JETSPIN run", remedy="give its log.txt or input.dat"
-        )
+        raise InputError(str(path), "holds no parameter of a JETSPIN run", remedy="give its log.txt or input.dat")
     if not p.complete:
         notes.add("its end is missing: what the run was not told cannot be known")
     text = read_text(path, limit=1 << 30)

@@ -220,8 +220,8 @@ def fit_jet(
         Path, typer.Argument(help="CSV (z, radius, radius_std, units in the header), or an imported jet (.nc).")
     ],
     radius: Annotated[str | None, typer.Option(help='Initial radius, "125 um". Default: the largest.')] = None,
-    z_from: Annotated[str | None, typer.Option("--from", help='Fit from here, "3 mm".')] = None,
-    z_to: Annotated[str | None, typer.Option("--to", help='Fit up to here, "2 cm".')] = None,
+    z_from: Annotated[str | None, typer.Option("--from", help='Look no nearer than this, "3 mm".')] = None,
+    z_to: Annotated[str | None, typer.Option("--to", help='Look no farther than this, "2 cm".')] = None,
     tolerance: Annotated[float, typer.Option(help="Departure of the radius that is still a power law.")] = 0.02,
     along: Annotated[Along, typer.Option(help="Distance that counts, for a bead jet.")] = Along.arc,
     json: JsonOption = False,
@@ -235,13 +235,9 @@ def fit_jet(
     z, r, std, r0 = _profile(profile, along)
     if radius is not None:
         r0 = parse(radius, "length", "--radius").value
-    z_range = None
-    if z_from is not None or z_to is not None:
-        z_range = (
-            parse(z_from, "length", "--from").value if z_from is not None else float(min(z[z > 0], default=1.0)),
-            parse(z_to, "length", "--to").value if z_to is not None else float(max(z)),
-        )
-    fit = fit_power_law(z, r, std, initial_radius=r0, z_range=z_range, tolerance=tolerance)
+    nearest = parse(z_from, "length", "--from").value if z_from is not None else 0.0
+    farthest = parse(z_to, "length", "--to").value if z_to is not None else 1e300
+    fit = fit_power_law(z, r, std, initial_radius=r0, z_range=(nearest, farthest), tolerance=tolerance)
     if json:
         from spinline.results import plain
 
