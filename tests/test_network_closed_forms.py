@@ -191,9 +191,12 @@ def test_force_is_the_inverse_of_extension(x: float, f0: float) -> None:
 @given(st.floats(1e-6, 0.9), st.floats(1.0, 1e9), st.floats(1.0, 1.5))
 def test_monotone_and_bounded(phi: float, v: float, step: float) -> None:
     a, b = net.random_walk(v, phi), net.random_walk(v * step, phi)
-    assert 0 < a.relative_extension <= b.relative_extension <= 1
-    assert 0 <= a.orientation <= b.orientation <= 1
-    assert a.log_radial_contraction >= b.log_radial_contraction
+    last_bits = 1 + 1e-15  # the step may be one rounding
+    assert 0 < a.relative_extension <= b.relative_extension * last_bits
+    assert b.relative_extension <= 1
+    assert 0 <= a.orientation <= b.orientation * last_bits
+    assert b.orientation <= 1
+    assert b.log_radial_contraction - a.log_radial_contraction <= 1e-15 * max(1, abs(a.log_radial_contraction))
     one = net.affine_network(v, phi)
     for name in ("core_polymer_fraction", "core_polymer_fraction_eq40", "core_polymer_fraction_conservative"):
         assert 0 < getattr(one, name) <= 1

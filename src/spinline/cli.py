@@ -274,6 +274,7 @@ def import_jet(
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
+    warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
     try:

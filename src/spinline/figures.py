@@ -96,7 +96,10 @@ def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
     """
     file = check_format(path)
     with replacing(file, force=force) as part:
-        figure(result).savefig(part, dpi=_DPI, **({"pil_kwargs": _QUICK} if file.suffix.lower() == ".png" else {}))
+        if file.suffix.lower() == ".png":
+            part.write_bytes(png(result))
+        else:
+            figure(result).savefig(part)
     return file
 
 
