@@ -32,6 +32,7 @@ FORMATS = {
     "log.txt": BUNDLED / "log.txt",
     "input.dat": BUNDLED / "input.dat",
 }
+ENOUGH = {"traj.xyz": 15 * 5905, "traj.xyz cut": 15 * 3955, "traj.dat 3": 30_000}  # bytes
 SLOWEST = 10.0  # s; a reading takes some 2 ms
 
 
@@ -43,9 +44,7 @@ def place(tmp_path):
         folder = tmp_path / path.parent.name
         folder.mkdir(exist_ok=True)
         origin = BUNDLED if path.parent.name == "pvp3d" else path.parent
-        for name in ("log.txt", "input.dat"):
-            if (origin / name).exists():
-                shutil.copy(origin / name, folder)
+        shutil.copy(origin / "input.dat", folder)
         return Path(shutil.copy(path, folder))
 
     return copy
@@ -102,7 +101,7 @@ def test_bytes_flipped_anywhere(kind, place):
     path = FORMATS[kind]
     rng = np.random.default_rng(len(kind))
     target = place(path)
-    content = path.read_bytes()
+    content = path.read_bytes()[: ENOUGH.get(kind)]
     refused = 0
     for at, value in zip(rng.integers(0, len(content), 2000), rng.integers(0, 256, 2000), strict=True):
         damaged = bytearray(content)
@@ -143,19 +142,20 @@ def test_digits_exchanged(place):
     rng = np.random.default_rng(3)
     size = len(content) // 50
     tried = found = 0
-    for _ in range(400):
+    for _ in range(600):
         frame = int(rng.integers(20, 50))
         bead = int(rng.integers(3, 80))
-        at = content.index(b"C  ", frame * size) + 39 * bead + int(rng.choice([8, 18, 28]) + rng.integers(0, 7))
+        at = content.index(b"C  ", frame * size) + 39 * bead + int(rng.choice([8, 18, 28]) + rng.integers(1, 6))
         if not 48 <= content[at] <= 57:
             continue
         damaged = bytearray(content)
         damaged[at] = int(rng.integers(48, 58))
         target.write_bytes(bytes(damaged))
         data, caught = outcome(target)
-        moved = np.sqrt(sum((data[a].values[frame] - whole[a].values[frame]) ** 2 for a in "xyz"))
+        size_both = min(data.sizes["bead"], whole.sizes["bead"])
+        moved = np.sqrt(sum((data[a] - whole[a]).values[frame, :size_both] ** 2 for a in "xyz"))
         worst = int(np.nanargmax(moved))
-        spacing = whole.element_length.values[frame, worst - 1 : worst + 1].max()
+        spacing = whole.element_length.values[frame, max(worst - 1, 0) : worst + 1].max()
         if moved[worst] > 3 * spacing:
             tried += 1
             found += bool(caught) and not data.valid_element.values[frame, worst]
