@@ -91,7 +91,7 @@ def _block_values(bodies: list[bytes], name: str, notes: Notes) -> RunParameters
         perturbation_frequency=frequency,
         timestep=timestep,
         inserting=bool(struct.unpack("<i", bodies[10][8:12])[0]),
-        refinement=bool(counters[6] > 0 or settings[9] > 0 or settings[10] > 0),
+        refinement=True if counters[6] > 0 or settings[9] > 0 or settings[10] > 0 else None,
         length_unit=length * CM,
         time_unit=tau,
         stress_unit=modulus * _PASCAL,

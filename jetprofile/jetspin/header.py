@@ -91,8 +91,10 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
         found["version"] = version[1]
     inside = ended = False
     for line in text.splitlines():
-        if line.startswith(("Start printing input", "Start simulation")):
-            inside = "input" in line
+        if line.startswith("Start simulation"):
+            break
+        if line.startswith("Start printing input"):
+            inside = True
         elif line.startswith("Finish printing input"):
             inside, ended = False, True
         resolution = re.match(r"The 'resolution' value is equal to\s+(\S+)", line)
