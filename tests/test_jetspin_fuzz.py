@@ -13,7 +13,7 @@ from spinline.errors import InputError, SpinlineWarning
 from spinline.jetprofile import read_jetspin
 
 DATA = Path(__file__).parent / "data" / "jetspin"
-BUNDLED = Path(str(files("spinline"))) / "data" / "jetspin" / "pvp3d"
+BUNDLED = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
 FILES = sorted(
     [path for path in DATA.glob("*/*") if path.suffix in (".xyz", ".dat", ".txt")]
     + [path for path in BUNDLED.iterdir() if path.suffix in (".dat", ".txt")]

@@ -18,7 +18,7 @@ from spinline.jetprofile.jetspin import iter_jetspin, read_parameters, read_stat
 from spinline.jetprofile.jetspin.units import to_float
 
 DATA = Path(__file__).parent / "data" / "jetspin"
-BUNDLED = Path(str(files("spinline"))) / "data" / "jetspin" / "pvp3d"
+BUNDLED = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
 BLOCK = 1084
 L0 = 0.03487728022e-2
 
