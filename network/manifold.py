@@ -1,0 +1,328 @@
+"""The steady network at finite coupling: the slow manifold of the bead flux behind Eq. (33).
+
+Beads leave the nozzle at a constant rate, so the stretch of the strands ``w = xi_par / xi_0`` is the network's velocity
+``u / v_0``. With tension T(w) (``T = w`` for the linear spring; ``f(w / V_S) / f_0`` for a law of `force_laws`),
+``eps = c / alpha_v`` and inertia I, the bead balance (Eq. 32a) is::
+
+    w = V + (eps T'(w) - I) w dw/ds
+
+Series: ``w = V + eps V V' + ...``; Eq. (33) is right to O(eps) only. For ``eps T' > I`` the equation is violently unstable
+downstream (growth rate ``1 / (eps w)``) and as stable upstream: it is marched from the free end, ``T(L) = T(1)``, back to
+the nozzle, and no condition is set at the inlet. For the linear spring with ``I > eps`` it is the other way round.
+
+A steady state that does not depend on the far end exists only while ``eps V' <= 1/4``: for ``V = g s``,
+``w / V = (1 - sqrt(1 - 4 eps g)) / (2 eps g)``. Beyond, a backward march still returns numbers, which depend on L, and the
+chain in time never settles: such jets are refused, with the place where the state is lost. A network at its contour
+is another matter: *locking* is nonlocal. As ``alpha_v -> inf``, it is fully extended from the s_1 that satisfies
+``int_{s_1}^{L} (V_S - V) ds = 0`` on.
+
+Method: Radau IIA collocation with 12 stages (order 23, L-stable) on panels marched upstream, each accepted when the last
+Legendre coefficients of w are below `rtol`. About 50 to 200 panels, 30 to 200 ms.
+
+References
+----------
+Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (32a), (33).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spinline.checks import FloatArray, positive, real
+from spinline.errors import InputError
+from spinline.network.tension import Tension
+
+__all__ = ["Manifold", "eq33", "steady_network"]
+
+_STAGES = 12
+_FRONT = 0.25  # eps V' beyond which no steady state is independent of the far end
+_LOCKED = 0.95  # extension from which the network counts as locked
+
+Profile = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Manifold:
+    """A steady network; call its methods anywhere in [0, length].
+
+    Attributes
+    ----------
+    length : float
+        Far end L, in initial radii.
+    eps, inertia : float
+        ``c / alpha_v`` and I.
+    law : Tension
+        Tension law of the strands.
+    edges : ndarray, (panel + 1,)
+        Panel edges, increasing.
+    coefficients : ndarray, (panel, stages + 1)
+        Legendre coefficients of T on each panel.
+    locked_from : float
+        Upstream end of the stretch of the jet over which strands are beyond 0.95 of their contour; NaN if none is.
+    """
+
+    length: float
+    eps: float
+    inertia: float
+    law: Tension
+    edges: FloatArray
+    coefficients: FloatArray
+    locked_from: float
+
+    def tension(self, s: ArrayLike) -> FloatArray:
+        """Tension T at s, in units of the strand force at rest."""
+        x = real("s", s, least=0.0, most=self.length)
+        i = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.edges.size - 2)
+        local = 2 * (x - self.edges[i]) / (self.edges[i + 1] - self.edges[i]) - 1
+        degree = np.arange(self.coefficients.shape[1])
+        basis = np.polynomial.legendre.legvander(local, degree[-1])
+        value: FloatArray = np.sum(basis * self.coefficients[i], axis=-1)
+        return value.reshape(x.shape)
+
+    def stretch(self, s: ArrayLike) -> FloatArray:
+        """Stretch ``w = xi_par / xi_0 = u / v_0`` at s."""
+        return self.law.stretch(self.tension(s))
+
+    def relative_extension(self, s: ArrayLike) -> FloatArray:
+        """Extension ``xi_par / xi_max`` at s; below 1 for every bounded law."""
+        return self.stretch(s) / self.law.full_stretch
+
+
+def eq33(velocity_ratio: ArrayLike, slope: ArrayLike, eps: float) -> FloatArray:
+    """Stretch by Eq. (33), ``w = V / (1 - eps V')``: the first iterate, right to O(eps).
+
+    Parameters
+    ----------
+    velocity_ratio, slope : array_like
+        V > 0 and dV/ds at the same places.
+    eps : float
+        ``c / alpha_v`` > 0.
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    InputError
+        Where ``eps V' >= 1``: the formula has no value there.
+    """
+    v = real("velocity_ratio", velocity_ratio, above=0.0)
+    share = positive("eps", eps) * real("slope", slope)
+    real("eps * slope", share, below=1.0, remedy="Eq. (33) has no value there; raise alpha_v")
+    return v / (1 - share)
+
+
+def steady_network(
+    velocity_ratio: Profile,
+    length: float,
+    *,
+    coupling: float,
+    spring: float = 3.0,
+    inertia: float = 0.0,
+    law: Tension | None = None,
+    breaks: Sequence[float] = (),
+    rtol: float = 1e-10,
+) -> Manifold:
+    """Steady network along a jet, marched the stable way.
+
+    Parameters
+    ----------
+    velocity_ratio : callable
+        V(s) > 0 for arrays of s in [0, length], in initial radii; smooth but for `breaks`.
+    length : float
+        Free far end L, in initial radii, > 0.
+    coupling : float
+        alpha_v > 0.
+    spring : float, optional
+        c > 0: 3 for Gaussian strands, 1 as printed in Eq. (32a).
+    inertia : float, optional
+        I >= 0.
+    law : Tension, optional
+        Tension law; default the linear spring, which has no contour.
+    breaks : sequence of float, optional
+        Places where V is not smooth (s_0 of a power-law jet).
+    rtol : float, optional
+        Tolerance of w, relative, in [1e-13, 1e-2].
+
+    Returns
+    -------
+    Manifold
+
+    Raises
+    ------
+    InputError
+        For values out of range; where no steady state independent of the far end exists (``eps V' > 1/4``), with the
+        place where it is lost; where inertia and elasticity balance, so that neither march is stable.
+
+    Examples
+    --------
+    >>> network = steady_network(lambda s: 1 + 0.1 * s, 50.0, coupling=10.0, spring=1.0)
+    >>> round(float(network.stretch(20.0)), 6)
+    3.030928
+    """
+    end, alpha = positive("length", length), positive("coupling", coupling)
+    eps = positive("spring", spring) / alpha
+    mass = float(real("inertia", inertia, least=0.0))
+    tol = float(real("rtol", rtol, least=1e-13, most=1e-2))
+    chosen = Tension.linear() if law is None else law
+    edges = [0.0, *sorted(float(b) for b in breaks if 0 < b < end), end]
+    _refuse_lost(velocity_ratio, edges, eps, chosen)
+    upstream = eps > mass
+    if not upstream and (chosen.bounded or eps == mass):
+        raise InputError(
+            "inertia", "is as large as the elastic coupling: no march of the steady network is stable", value=mass,
+            allowed=f"< c/alpha_v = {eps:g}", remedy="use the chain in time, or lower I",
+        )  # fmt: skip
+    march = _March(velocity_ratio, chosen, eps, mass, tol, -1.0 if upstream else 1.0)
+    pieces = list(pairwise(edges))
+    tension = chosen.tension_at_rest
+    for low, high in reversed(pieces) if upstream else pieces:
+        tension = march.over(low, high, tension)
+    panels = march.panels[::-1] if upstream else march.panels
+    return Manifold(
+        length=end,
+        eps=eps,
+        inertia=mass,
+        law=chosen,
+        edges=np.array([panels[0][0], *(panel[1] for panel in panels)]),
+        coefficients=np.array([panel[2] for panel in panels]),
+        locked_from=_locked_from(panels, chosen),
+    )
+
+
+def _refuse_lost(profile: Profile, edges: list[float], eps: float, law: Tension) -> None:
+    """Refuse a jet where ``eps V'`` passes 1/4 short of the contour."""
+    for low, high in pairwise(edges):
+        share = np.linspace(0.0, 1.0, 513)
+        s = low + (high - low) * np.concatenate((1e-3 * share[1:-1], share)) if low else low + (high - low) * share
+        s = np.unique(s)
+        v = profile(s)
+        slope = np.diff(v) / np.diff(s)
+        lost = (eps * slope > _FRONT) & (v[1:] < _LOCKED * law.full_stretch)
+        if lost.any():
+            where = float(s[1:][lost][0])
+            raise InputError(
+                "coupling", f"no steady network: eps V' = {eps * slope[lost][0]:.3g} passes 1/4 at s = {where:.6g}",
+                value=1 / eps, allowed=f"c V'/alpha_v <= 1/4, alpha_v / c >= {4 * slope[lost].max():.4g}",
+                remedy="raise alpha_v, or follow the chain in time (it does not settle there)",
+            )  # fmt: skip
+
+
+def _locked_from(panels: list[tuple[float, float, FloatArray]], law: Tension) -> float:
+    if not law.bounded:
+        return float("nan")
+    for low, high, coefficients in panels:
+        local = np.linspace(-1, 1, 33)
+        extension = law.stretch(np.polynomial.legendre.legval(local, coefficients)) / law.full_stretch
+        if (extension >= _LOCKED).any():
+            at = float(local[np.argmax(extension >= _LOCKED)])
+            return low + 0.5 * (1 + at) * (high - low)
+    return float("nan")
+
+
+class _March:
+    """Marches T panel by panel; `direction` is -1 upstream, 1 downstream."""
+
+    def __init__(
+        self, profile: Profile, law: Tension, eps: float, inertia: float, rtol: float, direction: float
+    ) -> None:
+        self.profile, self.law, self.eps, self.inertia, self.rtol = profile, law, eps, inertia, rtol
+        self.direction = direction
+        self.panels: list[tuple[float, float, FloatArray]] = []
+        self.nodes, self.integral, self.to_legendre = _radau(_STAGES)
+
+    def over(self, low: float, high: float, tension: float) -> float:
+        """March from one break to the next; return the tension there."""
+        start, stop = (high, low) if self.direction < 0 else (low, high)
+        distance, done = high - low, 0.0
+        step = min(distance, 0.1 * max(abs(self.eps - self.inertia), 1e-15 * distance))
+        while done < distance:
+            step = min(step, distance - done)
+            last = distance - done <= step * (1 + 1e-12)
+            a = start + self.direction * done
+            b = stop if last else start + self.direction * (done + step)
+            solved = self._panel(a, self.direction * step, tension)
+            if solved is None or solved[1] > 1:
+                if step < 1e-15 * done + 1e-30 * distance:
+                    raise InputError(
+                        "rtol", f"the steady network cannot be resolved at s = {a:.9g}", value=self.rtol,
+                        remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
+                    )  # fmt: skip
+                step *= 0.5
+                continue
+            coefficients, error = solved
+            if a != b:  # a layer thinner than the rounding of s is marched through, but has no place to be stored
+                self.panels.append((min(a, b), max(a, b), coefficients))
+            tension = float(coefficients.sum() if self.direction > 0 else coefficients @ self.signs)
+            done = distance if last else done + step
+            step *= 3.0 if error < 1e-4 else 1.5 if error < 1e-2 else 1.0
+        return tension
+
+    @property
+    def signs(self) -> FloatArray:
+        """Values of the Legendre polynomials at -1."""
+        return np.where(np.arange(_STAGES + 1) % 2 == 0, 1.0, -1.0)
+
+    def _panel(self, a: float, step: float, start: float) -> tuple[FloatArray, float] | None:
+        """Legendre coefficients of T over a signed step from a, and the error over the tolerance; None if Newton fails."""
+        v = self.profile(np.maximum(a + step * self.nodes[1:], 0.0))
+        weights = step * self.integral
+        tension = np.full(_STAGES, start)
+        for guess in (tension, self.law.tension(np.minimum(v, 0.999 * self.law.full_stretch))):
+            found = self._newton(guess.copy(), start, v, weights)
+            if found is not None:
+                break
+        else:
+            return None
+        values = np.concatenate(([start], found))
+        coefficients = self.to_legendre @ values
+        if step < 0:
+            coefficients = coefficients * self.signs
+        w = self.law.stretch(values)
+        tail = np.abs(self.to_legendre[-2:] @ w).max() / np.abs(w).max()
+        return coefficients, float(tail / self.rtol)
+
+    def _newton(self, tension: FloatArray, start: float, v: FloatArray, weights: FloatArray) -> FloatArray | None:
+        identity = np.eye(_STAGES)
+        for _ in range(30):
+            rate, slope = self._rate(tension, v)
+            residual = tension - start - weights @ rate
+            change = np.linalg.solve(identity - weights * slope, residual)
+            tension = tension - change
+            if not np.isfinite(tension).all() or (self.law.stretch(tension) <= 0).any():
+                return None
+            if np.abs(change).max() <= 1e-14 * np.abs(tension).max() + 1e-300:
+                return tension
+        small = np.abs(change).max() <= 1e-11 * np.abs(tension).max()
+        return tension if small else None
+
+    def _rate(self, tension: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """``dT/ds = (w - V) / ((eps - I dw/dT) w)`` and its derivative with respect to T."""
+        w, compliance = self.law.state(tension)
+        pull = self.eps - self.inertia * compliance
+        return (1 - v / w) / pull, v / w**2 * compliance / pull
+
+
+def _radau(stages: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Nodes (0 and the Radau IIA nodes on (0, 1]), integration matrix, and values-to-Legendre matrix."""
+    legendre = np.polynomial.legendre
+    difference = np.zeros(stages + 1)
+    difference[stages], difference[stages - 1] = 1.0, -1.0
+    roots = np.sort(legendre.legroots(difference).real)
+    roots[-1] = 1.0
+    derivative = legendre.legder(difference)
+    for _ in range(3):
+        inner = roots[:-1]
+        roots[:-1] = inner - legendre.legval(inner, difference) / legendre.legval(inner, derivative)
+    vander = legendre.legvander(roots, stages - 1)
+    integrals = np.stack(
+        [legendre.legval(roots, legendre.legint(np.eye(stages)[k], lbnd=-1)) for k in range(stages)], axis=1
+    )
+    all_nodes = np.concatenate(([-1.0], roots))
+    to_legendre = np.linalg.inv(legendre.legvander(all_nodes, stages))
+    integral = 0.5 * integrals @ np.linalg.inv(vander)
+    return (0.5 * (1 + all_nodes)).astype(np.float64), integral.astype(np.float64), to_legendre.astype(np.float64)
