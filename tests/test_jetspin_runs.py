@@ -15,7 +15,14 @@ from spinline.jetprofile.jetspin import read_parameters, read_statistics, write_
 
 DATA = Path(__file__).parent / "data" / "jetspin"
 BUNDLED = Path(str(files("spinline"))) / "data" / "jetspin" / "pvp3d"
-RUNS = ["airdrag_counterflow", "dynamic_refinement", "ex1_1d_single", "ex2_1d_insert", "pvp3d", "quasi_newtonian_kv"]
+RUNS = [
+    "airdrag_counterflow",
+    "dynamic_refinement",
+    "ex1_1d_single",
+    "ex2_1d_insert",
+    "pvp3d",
+    "quasi_newtonian_kv",
+]
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +113,9 @@ def test_radius_by_the_definition(runs):
     np.testing.assert_allclose(volume[inside], data.volume.values[inside], rtol=1e-12)
     p = read_parameters(runs / "dynamic_refinement")
     rest = data.volume.values / (np.pi * p.nozzle_radius**2)
-    np.testing.assert_allclose((data.stretch_ratio.values * rest)[inside], data.element_length.values[inside], rtol=1e-12)
+    np.testing.assert_allclose(
+        (data.stretch_ratio.values * rest)[inside], data.element_length.values[inside], rtol=1e-12
+    )
     share = data.volume.values[inside] / p.element_volume
     assert share.min() == pytest.approx(0.063, abs=0.001)
     assert share.max() == pytest.approx(1, abs=1e-6)
@@ -188,13 +197,17 @@ def test_velocity_and_strain_rate(runs):
 
 
 def test_stress_lies_with_its_element(runs):
-    """Upper-convected Maxwell along one element of the 1-D jet: ds/dt = G l'/l - s/tau, from two close frames."""
-    p = read_parameters(runs / "ex1_1d_single")
-    table = quiet(DATA / "pvp3d" / "statdat.dat")
+    """A bead's stress is that of the element towards the nozzle: the last row, the nozzle point, has none."""
+    modulus = read_parameters(runs / "ex1_1d_single").elastic_modulus
     data = quiet(runs / "ex1_1d_single", source="save.dat").isel(time=0)
-    assert float(data.stress[0]) == pytest.approx(0.21721353 * p.elastic_modulus, rel=1e-6)
     assert data.stress.dims == ("element",)
-    assert table.time.size == 101
+    assert float(data.stress[0]) == pytest.approx(0.21721353 * modulus, rel=1e-6)
+    raw = (runs / "pvp3d" / "save.dat").read_bytes()
+    assert np.frombuffer(raw[-44:-4], "<f4")[3] == 0  # nozzle point
+    jet = quiet(runs / "pvp3d", source="save.dat").isel(time=0)
+    table = read_statistics(runs / "pvp3d")
+    outermost = int(jet.n_bead) - 2  # the element of the first row
+    assert float(jet.stress[outermost]) == pytest.approx(float(table.stress[-1]), rel=1e-3)
 
 
 def test_whole_run_prefers_volumes(runs):
@@ -239,13 +252,17 @@ def test_pieces_make_the_whole(runs, run, source):
     assert at == whole.sizes["time"]
 
 
-@pytest.mark.parametrize(("run", "source"), [("pvp3d", None), ("ex2_1d_insert", "traj.xyz"), ("ex1_1d_single", None)])
+@pytest.mark.parametrize(
+    ("run", "source"), [("pvp3d", None), ("ex2_1d_insert", "traj.xyz"), ("ex1_1d_single", None)]
+)
 def test_netcdf_is_what_was_read(runs, tmp_path, monkeypatch, run, source):
     monkeypatch.setattr("spinline.jetprofile.jetspin.reading._ROWS", 300)
     seen = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)
-        out = write_jet(runs / run, tmp_path / "jet.nc", source=source, progress=lambda a, b: seen.append((a, b)))
+        out = write_jet(
+            runs / run, tmp_path / "jet.nc", source=source, progress=lambda a, b: seen.append((a, b))
+        )
     whole = quiet(runs / run, source=source)
     with xr.open_dataset(out) as stored:
         xr.testing.assert_equal(stored.load(), whole)
@@ -266,7 +283,10 @@ def test_netcdf_refusals_leave_nothing_behind(runs, tmp_path):
 
 
 def test_statistics_text_and_binary_agree(runs):
-    text, binary = read_statistics(runs / "pvp3d" / "statout.dat"), read_statistics(runs / "pvp3d" / "statdat.dat")
+    text, binary = (
+        read_statistics(runs / "pvp3d" / "statout.dat"),
+        read_statistics(runs / "pvp3d" / "statdat.dat"),
+    )
     np.testing.assert_array_equal(text.step, binary.step)
     for name in set(text.data_vars) & set(binary.data_vars) - {"cpu_time"}:
         np.testing.assert_allclose(text[name], binary[name], rtol=2e-6, atol=1e-30, err_msg=name)
@@ -291,7 +311,9 @@ def test_log_input_and_block_tell_the_same(runs, run):
     assert log.attrs["warnings"] == given.attrs["warnings"] == ""
     for name in set(log.data_vars) & set(given.data_vars):
         assert float(log[name]) == pytest.approx(float(given[name]), rel=2e-9), name
-    assert {"nozzle_radius", "resolution", "length_unit", "collector_distance", "charge_density"} <= set(given.data_vars)
+    assert {"nozzle_radius", "resolution", "length_unit", "collector_distance", "charge_density"} <= set(
+        given.data_vars
+    )
     jet = quiet(runs / run, source="save.dat")
     assert "disagree" not in jet.attrs["warnings"]
     assert jet.attrs["jetspin_version"] == "1.21"
