@@ -69,7 +69,7 @@ def check(data):
     if "valid_element" not in data:
         return
     valid = data.valid_element.values
-    assert (np.diff(data.time) > 0).all()
+    assert (np.diff(data.time.values) > 0).all()
     assert np.isfinite(data.element_length.values[valid]).all()
     radius = data.radius.values[valid]
     assert (radius[np.isfinite(radius)] > 0).all()

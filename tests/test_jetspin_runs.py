@@ -105,6 +105,22 @@ def truth_radius(run, truth):
     return np.sqrt(volume / (np.pi * truth.element_length.values))
 
 
+@pytest.mark.parametrize("run", ["pvp3d", "airdrag_counterflow", "quasi_newtonian_kv"])
+@pytest.mark.parametrize("source", ["traj.xyz", "frame*.xyz"])
+def test_radius_against_the_save_one_step_later(runs, run, source):
+    """save.dat is one time step later: its beads, moved back by their velocity, and its volumes."""
+    data = quiet(runs / run, source=source, time="last").isel(time=0)
+    save = quiet(runs / run, source="save.dat").isel(time=0)
+    step = float(save.time - data.time)
+    assert 0 < step < 3e-7
+    back = np.array([(save[axis] - step * save[f"velocity_{axis}"]).values for axis in "xyz"])
+    length = np.sqrt((np.diff(back, axis=1) ** 2).sum(axis=0))
+    valid = data.valid_element.values
+    error = np.abs(data.radius.values / np.sqrt(save.volume.values / (np.pi * length)) - 1)[valid]
+    assert np.median(error) < 5e-6
+    assert error[1:].max() < 2.1e-4
+
+
 def test_radius_by_the_definition(runs):
     """Volumes in save.dat, against pi r^2 l computed here from the raw records."""
     data = quiet(runs / "dynamic_refinement", source="save.dat").isel(time=0)
