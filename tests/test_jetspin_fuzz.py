@@ -20,11 +20,9 @@ FILES = sorted(
 )
 FORMATS = {
     "traj.xyz": DATA / "pvp3d" / "traj.xyz",
-    "traj.xyz cut": DATA / "ex2_1d_insert" / "traj.xyz",
     "frame.xyz": DATA / "pvp3d" / "frame000005.xyz",
     "traj.dat 5": BUNDLED / "traj.dat",
     "traj.dat 3": DATA / "ex2_1d_insert" / "traj.dat",
-    "save.dat": BUNDLED / "save.dat",
     "save.dat 6": DATA / "dynamic_refinement" / "save.dat",
     "statout.dat": BUNDLED / "statout.dat",
     "statdat.dat": DATA / "pvp3d" / "statdat.dat",
@@ -32,7 +30,7 @@ FORMATS = {
     "log.txt": BUNDLED / "log.txt",
     "input.dat": BUNDLED / "input.dat",
 }
-ENOUGH = {"traj.xyz": 15 * 5905, "traj.xyz cut": 15 * 3955, "traj.dat 3": 30_000}  # bytes
+ENOUGH = {"traj.xyz": 15 * 5905, "traj.dat 3": 30_000}  # bytes
 SLOWEST = 10.0  # s; a reading takes some 2 ms
 
 

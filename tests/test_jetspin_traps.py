@@ -319,6 +319,13 @@ def test_header_damage(run):
         assert data.attrs["dropped"]
 
 
+def test_last_time_is_doubted(run):
+    edit(run / "traj.xyz", b"0.2500000000E-01", b"0.2500000000E+01")
+    data, messages = read(run, source="traj.xyz")
+    assert data.sizes["time"] == 50
+    assert any("its time may be damaged" in text for text in messages)
+
+
 def test_absurd_count_asks_for_no_memory(tmp_path):
     text = xyz([(1.0, [(2.0, 0, 0), (0, 0, 0)])]).replace(b"         2", b"9999999999")
     (tmp_path / "traj.xyz").write_bytes(text)
