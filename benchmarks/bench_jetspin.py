@@ -86,7 +86,7 @@ def make_binary(path, source, size):
 
 
 def measure(label, path, **options):
-    """Read a file in pieces: MB/s and the largest resident size."""
+    """Read a file in pieces: MB/s and the largest resident size so far."""
     next(iter_jetspin(path, time="last", **options))  # compiled
     megabytes = (sum(f.stat().st_size for f in path.glob("frame*")) if path.is_dir() else path.stat().st_size) / 1e6
     begin, count = time.perf_counter(), 0
@@ -94,10 +94,8 @@ def measure(label, path, **options):
         count += data.sizes["time"]
     seconds = time.perf_counter() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(
-        f"{label:28s} {megabytes:8.1f} MB {count:8d} frames {seconds:7.2f} s {megabytes / seconds:7.1f} MB/s, "
-        f"peak resident {peak:.0f} MB"
-    )
+    speed = f"{seconds:7.2f} s {megabytes / seconds:7.1f} MB/s, peak resident {peak:.0f} MB"
+    print(f"{label:28s} {megabytes:8.1f} MB {count:8d} frames {speed}")
     return megabytes / seconds, data
 
 
@@ -142,8 +140,9 @@ def main():
         binary, _ = measure("traj.dat, style 5", folder / "traj.dat")
         measure("frame*.xyz", singles)
         speeds = plain(folder / "traj.xyz")
-        print(f"text against loadtxt {text / speeds['numpy.loadtxt']:.1f} times, ", end="")
-        print(f"against genfromtxt {text / speeds['numpy.genfromtxt']:.0f} times; binary/text {binary / text:.1f}")
+        ratios = {name.split(".")[1]: text / speed for name, speed in speeds.items()}
+        shown = ", ".join(f"{ratio:.1f} times {name}" for name, ratio in ratios.items())
+        print(f"reading text: {shown}; binary: {binary / text:.1f} times text")
         last = data.x.values[-1, : len(truth)][::-1]
         print(f"last frame of {count}: x against what was written, {np.abs(last - truth).max():.1e} m")
         if options.memory:
@@ -155,7 +154,8 @@ def main():
 
 def make_singles(source, folder, size):
     """Cut the first frames of a traj.xyz into frame*.xyz."""
-    content = source.read_bytes()[: int(size)]
+    with source.open("rb") as file:
+        content = file.read(int(size))
     starts = [m - 11 for m in _find(content, b"frame at time")]
     for number, (begin, stop) in enumerate(itertools.pairwise(starts), 1):
         (folder / f"frame{number:06d}.xyz").write_bytes(content[begin:stop])

@@ -1,4 +1,4 @@
-"""Files cut and bytes flipped anywhere: what is intact is read, with a warning, or one InputError says why not."""
+"""Files cut and bytes flipped anywhere: what is intact is read, or one InputError says why not."""
 
 import shutil
 import time
@@ -20,11 +20,9 @@ FILES = sorted(
 )
 FORMATS = {
     "traj.xyz": DATA / "pvp3d" / "traj.xyz",
-    "traj.xyz cut": DATA / "ex2_1d_insert" / "traj.xyz",
     "frame.xyz": DATA / "pvp3d" / "frame000005.xyz",
     "traj.dat 5": BUNDLED / "traj.dat",
     "traj.dat 3": DATA / "ex2_1d_insert" / "traj.dat",
-    "save.dat": BUNDLED / "save.dat",
     "save.dat 6": DATA / "dynamic_refinement" / "save.dat",
     "statout.dat": BUNDLED / "statout.dat",
     "statdat.dat": DATA / "pvp3d" / "statdat.dat",
@@ -32,7 +30,7 @@ FORMATS = {
     "log.txt": BUNDLED / "log.txt",
     "input.dat": BUNDLED / "input.dat",
 }
-ENOUGH = {"traj.xyz": 15 * 5905, "traj.xyz cut": 15 * 3955, "traj.dat 3": 30_000}  # bytes
+ENOUGH = {"traj.xyz": 15 * 5905, "traj.dat 3": 30_000}  # bytes
 SLOWEST = 10.0  # s; a reading takes some 2 ms
 
 
@@ -58,9 +56,8 @@ def outcome(path):
         begin = time.perf_counter()
         try:
             data = read_jetspin(path)
-        except InputError as error:
+        except InputError:
             data = None
-            assert len(str(error)) < 1000
         assert time.perf_counter() - begin < SLOWEST
     return data, caught
 
@@ -70,7 +67,7 @@ def check(data):
     if "valid_element" not in data:
         return
     valid = data.valid_element.values
-    assert (np.diff(data.time) > 0).all()
+    assert (np.diff(data.time.values) > 0).all()
     assert np.isfinite(data.element_length.values[valid]).all()
     radius = data.radius.values[valid]
     assert (radius[np.isfinite(radius)] > 0).all()

@@ -15,7 +15,14 @@ from spinline.jetprofile.jetspin import read_parameters, read_statistics, write_
 
 DATA = Path(__file__).parent / "data" / "jetspin"
 BUNDLED = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
-RUNS = ["airdrag_counterflow", "dynamic_refinement", "ex1_1d_single", "ex2_1d_insert", "pvp3d", "quasi_newtonian_kv"]
+RUNS = [
+    "airdrag_counterflow",
+    "dynamic_refinement",
+    "ex1_1d_single",
+    "ex2_1d_insert",
+    "pvp3d",
+    "quasi_newtonian_kv",
+]
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +103,22 @@ def truth_radius(run, truth):
         return np.sqrt(truth.volume.values / (np.pi * truth.element_length.values))
     volume = float(quiet(run, source="save.dat").volume[0, 0])
     return np.sqrt(volume / (np.pi * truth.element_length.values))
+
+
+@pytest.mark.parametrize("run", ["pvp3d", "airdrag_counterflow", "quasi_newtonian_kv"])
+@pytest.mark.parametrize("source", ["traj.xyz", "frame*.xyz"])
+def test_radius_against_the_save_one_step_later(runs, run, source):
+    """save.dat is one time step later: its beads, moved back by their velocity, and its volumes."""
+    data = quiet(runs / run, source=source, time="last").isel(time=0)
+    save = quiet(runs / run, source="save.dat").isel(time=0)
+    step = float(save.time - data.time)
+    assert 0 < step < 3e-7
+    back = np.array([(save[axis] - step * save[f"velocity_{axis}"]).values for axis in "xyz"])
+    length = np.sqrt((np.diff(back, axis=1) ** 2).sum(axis=0))
+    valid = data.valid_element.values
+    error = np.abs(data.radius.values / np.sqrt(save.volume.values / (np.pi * length)) - 1)[valid]
+    assert np.median(error) < 5e-6
+    assert error[1:].max() < 2.1e-4
 
 
 def test_radius_by_the_definition(runs):
@@ -190,13 +213,17 @@ def test_velocity_and_strain_rate(runs):
 
 
 def test_stress_lies_with_its_element(runs):
-    """Upper-convected Maxwell along one element of the 1-D jet: ds/dt = G l'/l - s/tau, from two close frames."""
-    p = read_parameters(runs / "ex1_1d_single")
-    table = quiet(DATA / "pvp3d" / "statdat.dat")
+    """A bead's stress is that of the element towards the nozzle: the last row, the nozzle point, has none."""
+    modulus = read_parameters(runs / "ex1_1d_single").elastic_modulus
     data = quiet(runs / "ex1_1d_single", source="save.dat").isel(time=0)
-    assert float(data.stress[0]) == pytest.approx(0.21721353 * p.elastic_modulus, rel=1e-6)
     assert data.stress.dims == ("element",)
-    assert table.time.size == 101
+    assert float(data.stress[0]) == pytest.approx(0.21721353 * modulus, rel=1e-6)
+    raw = (runs / "pvp3d" / "save.dat").read_bytes()
+    assert np.frombuffer(raw[-44:-4], "<f4")[3] == 0  # nozzle point
+    jet = quiet(runs / "pvp3d", source="save.dat").isel(time=0)
+    table = read_statistics(runs / "pvp3d")
+    outermost = int(jet.n_bead) - 2  # the element of the first row
+    assert float(jet.stress[outermost]) == pytest.approx(float(table.stress[-1]), rel=1e-3)
 
 
 def test_whole_run_prefers_volumes(runs):
@@ -268,7 +295,10 @@ def test_netcdf_refusals_leave_nothing_behind(runs, tmp_path):
 
 
 def test_statistics_text_and_binary_agree(runs):
-    text, binary = read_statistics(runs / "pvp3d" / "statout.dat"), read_statistics(runs / "pvp3d" / "statdat.dat")
+    text, binary = (
+        read_statistics(runs / "pvp3d" / "statout.dat"),
+        read_statistics(runs / "pvp3d" / "statdat.dat"),
+    )
     np.testing.assert_array_equal(text.step, binary.step)
     for name in set(text.data_vars) & set(binary.data_vars) - {"cpu_time"}:
         np.testing.assert_allclose(text[name], binary[name], rtol=2e-6, atol=1e-30, err_msg=name)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.block import BLOCK_BYTES, SYSTEMS, parse_block
-from spinline.jetprofile.jetspin.fortran import read_record, skip_records
+from spinline.jetprofile.jetspin.fortran import skip_records
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.placeholder import drop_placeholders
@@ -22,6 +22,7 @@ __all__ = ["BinarySource"]
 
 _MARK = b"\4\0\0\0"
 _HEAD = struct.Struct("<iiidi")
+_FRAME = struct.Struct("<iii" + "iiiidii" + "iiiii")  # records a, b and, for styles from 3, c
 # what follows position, stress and velocity, by style
 _EXTRA = {
     1: (),
@@ -129,20 +130,18 @@ class BinarySource:
     def _frame(self, at: int) -> tuple[float, int, int, int, int] | None:
         """Time, first bead, number of beads, inserted flag and end of a frame, if its head is sound."""
         content = self._content
-        body = read_record(content, at + 12, 24)
-        if body is None or content[at : at + 4] != _MARK or content[at + 8 : at + 12] != _MARK:
+        if at + 64 > len(content):
             return None
-        rows, style, system, time, inserted = _HEAD.unpack(body)
-        dimension = {1: 1, 2: 1, 3: 3, 4: 3}.get(system)
-        if rows < 1 or style != self.style or dimension != self.dimension or inserted not in (0, 1, -1):
+        words = _FRAME.unpack_from(content, at)
+        marks, span = (words[0], words[2], words[3], words[9]), words[10:]
+        rows, style, system, time, inserted = words[4:9]
+        if marks != (4, 4, 24, 24) or rows < 1 or style != self.style or inserted not in (0, 1, -1):
+            return None
+        if {1: 1, 2: 1, 3: 3, 4: 3}.get(system) != self.dimension:
             return None
         first = at + 44
         if style >= 3:
-            span = read_record(content, first, 12)
-            if span is None:
-                return None
-            low, high = struct.unpack("<ii", span[4:])
-            if style != 4 and high - low + 1 != rows:
+            if span[0] != 12 or span[4] != 12 or (style != 4 and span[3] - span[2] + 1 != rows):
                 return None
             first += 20
         return time, first, rows, int(inserted != 0), first + rows * (self._size + 8)
@@ -190,16 +189,19 @@ class BinarySource:
         }
         bad = np.zeros(len(words), dtype=np.bool_)
         values: dict[str, Floats] = {}
-        for number, name in enumerate(self.columns):
+        numbers = words.view("<f4")
+        for number, name in enumerate(self.columns, 1):
             factor = scale.get(name)
             if factor is None:
                 continue
-            column = np.ascontiguousarray(words[:, number + 1])
-            broken = (column & 0x7F800000) == 0x7F800000
-            if broken.any():
-                column[broken] = 0
+            broken = (words[:, number] & 0x7F800000) == 0x7F800000
+            some = bool(broken.any())
+            if some:
+                words[broken, number] = 0
                 bad |= broken
-            values[name] = column.view("<f4").astype(np.float64) * factor
-            if broken.any():
-                values[name][broken] = np.nan
+            column = numbers[:, number].astype(np.float64)
+            column *= factor
+            if some:
+                column[broken] = np.nan
+            values[name] = column
         return values, bad

@@ -74,21 +74,21 @@ def check_positions(
 
 def kinks(bead: dict[str, Floats]) -> Floats:
     """Path over every inner bead against the straight line between its neighbours; 1 where there is none."""
-    found = np.ones(bead["x"].shape)
-    if found.shape[1] < 3:
-        return found
+    shape = bead["x"].shape
+    if shape[1] < 3:
+        return np.ones(shape)
     points = [bead[axis] for axis in "xyz"]
-    one = _distance(points, 1)
-    two = _distance(points, 2)
+    one, two = _distance(points, 1), _distance(points, 2)
     path = one[:, 1:] + one[:, :-1]
-    np.divide(path, two, out=found[:, 1:-1], where=two > 1e-4 * path)
-    return np.nan_to_num(found, copy=False, nan=1.0, posinf=1.0)
+    inner = np.divide(path, two, out=np.ones_like(path), where=two > 1e-4 * path)
+    found = np.pad(inner, ((0, 0), (1, 1)), constant_values=1.0)
+    return np.asarray(np.nan_to_num(found, copy=False, nan=1.0, posinf=1.0))
 
 
 def _distance(points: list[Floats], apart: int) -> Floats:
     """Distance between beads so many numbers apart."""
-    x, y, z = (p[:, apart:] - p[:, :-apart] for p in points)
-    return np.asarray(np.sqrt(x**2 + y**2 + z**2))
+    squared = [(p[:, apart:] - p[:, :-apart]) ** 2 for p in points]
+    return np.asarray(np.sqrt(squared[0] + squared[1] + squared[2]))
 
 
 def peak_kink(block: Block) -> float:

@@ -1,5 +1,6 @@
 """Frames of a trajectory: where they are, when they are, and their beads as flat arrays."""
 
+from array import array
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -78,10 +79,10 @@ class FrameSource(Protocol):
 class FrameList:
     """Place of every frame while a file is being scanned."""
 
-    time: list[float] = field(default_factory=list)
-    offset: list[int] = field(default_factory=list)
-    rows: list[int] = field(default_factory=list)
-    extra: list[int] = field(default_factory=list)
+    time: "array[float]" = field(default_factory=lambda: array("d"))
+    offset: "array[int]" = field(default_factory=lambda: array("q"))
+    rows: "array[int]" = field(default_factory=lambda: array("q"))
+    extra: "array[int]" = field(default_factory=lambda: array("q"))
 
     def add(self, time: float, offset: int, rows: int, extra: int) -> None:
         """Append one frame."""
@@ -102,6 +103,8 @@ def order_frames(time: Floats, notes: Notes) -> Integers:
     notes.add("{n} frames with an impossible time left out", int(count - good.sum()), dropped=True)
     numbers = np.flatnonzero(good)
     steps = np.diff(time[numbers])
+    if len(steps) > 3 and steps[-1] > 20 * np.median(np.abs(steps)):
+        notes.add("the last frame is far later than those before; its time may be damaged")
     if np.all(steps > 0):
         return numbers
     spacing = float(np.median(np.abs(steps)))

@@ -137,9 +137,9 @@ def _lookup(found: _Values, name: str, value: str, column: int, notes: Notes) ->
 
 def _switch(found: _Values, line: str) -> None:
     for name, field in _SWITCHES.items():
-        match = re.match(rf"{name}\s+(yes|no)\b", line)
-        if match is not None:
-            found[field] = match[1] == "yes"
+        words = line[len(name) :].split() if line.startswith(name) else []
+        if words and words[0] in ("yes", "no"):
+            found[field] = words[0] == "yes"
 
 
 def _store(found: _Values, field: str, value: str, unit: str, notes: Notes) -> None:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import lru_cache
 
 __all__ = ["CM", "STATCOULOMB", "STATVOLT", "si_unit", "to_float"]
 
@@ -33,6 +34,7 @@ _TOKEN = re.compile(r"([A-Za-z°]+)(?:\^?(-?\d+))?$")
 _SHORT_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+|\d+))([+-]\d{1,4})$")
 
 
+@lru_cache(maxsize=256)
 def si_unit(text: str) -> tuple[float, str]:
     """Factor to SI and SI unit of a unit as JETSPIN prints it, e.g. ``g cm^-1 s^-2``.
 
