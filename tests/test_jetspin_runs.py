@@ -147,6 +147,13 @@ def test_refinement_is_not_guessed_from_positions(runs):
     assert "save.dat" in data.attrs["warnings"]
 
 
+def test_a_refined_run_is_read_from_its_volumes(runs):
+    with pytest.warns(SpinlineWarning, match="save.dat is read"):
+        data = read_jetspin(runs / "dynamic_refinement")
+    assert data.attrs["source_files"] == "save.dat"
+    assert np.isfinite(data.radius.values[data.valid_element.values]).all()
+
+
 def test_refinement_known_from_the_statistics_alone(runs, tmp_path):
     for name in ("frame000013.xyz", "statout.dat"):
         shutil.copy(runs / "dynamic_refinement" / name, tmp_path)
@@ -154,11 +161,12 @@ def test_refinement_known_from_the_statistics_alone(runs, tmp_path):
     assert data.attrs["refinement"] == "yes"
 
 
-@pytest.mark.parametrize("run", RUNS)
-@pytest.mark.parametrize("source", [None, "frame*.xyz", "traj.xyz", "save.dat", "traj.dat"])
+@pytest.mark.parametrize(
+    ("run", "source"),
+    [(run, source) for run in RUNS for source in (None, "frame*.xyz", "traj.xyz", "save.dat")]
+    + [("pvp3d", "traj.dat"), ("ex2_1d_insert", "traj.dat")],
+)
 def test_bead_zero_is_the_nozzle_and_arcs_grow(runs, run, source):
-    if source == "traj.dat" and not (runs / run / source).exists():
-        pytest.skip("the run has none")
     data = quiet(runs / run, source=source)
     whole = ~data.nozzle_missing.values
     assert (data.x.values[whole, 0] == 0).all()

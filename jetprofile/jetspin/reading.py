@@ -90,7 +90,12 @@ def open_reading(
             raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
         return _open([path], path, time, unit, Notes(str(path)))
     notes = Notes(str(path))
-    choices = choose_files(path, source)
+    choices = choose_files(path, source, refined=_refined(path))
+    if source is None and choices and choices[0][0].name == "save.dat" and len(choices) > 1:
+        notes.add(
+            "the run used dynamic refinement, so save.dat is read: it holds the volumes, of its last moment only "
+            f"({choices[1][0].name} has more times, but no radius: source asks for it)"
+        )
     for number, files in enumerate(choices):
         try:
             return _open(files, path, time, unit, notes)
@@ -103,6 +108,12 @@ def open_reading(
         "no traj.dat, frame*.xyz, traj.xyz or save.dat in it",
         remedy="give the directory JETSPIN ran in, or a file",
     )
+
+
+def _refined(folder: Path) -> bool:
+    """Whether the run says it used dynamic refinement."""
+    parameters, track = find_parameters(folder, Notes(folder.name)), statistics_track(folder)
+    return bool(parameters and parameters.refinement) or bool(track and track.refined)
 
 
 def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) -> Reading:

@@ -28,13 +28,14 @@ class Track:
     refined: bool
 
 
-def choose_files(folder: Path, source: str | None) -> list[list[Path]]:
-    """Files to read, the best ones first."""
+def choose_files(folder: Path, source: str | None, *, refined: bool = False) -> list[list[Path]]:
+    """Files to read, the best ones first; of a refined run those with volumes go before those without."""
     if source is None:
-        frames = frame_files(folder)
-        single = [[folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()]
-        at = int(bool(single) and single[0][0].name == "traj.dat")
-        return single[:at] + ([frames] if frames else []) + single[at:]
+        order = ("traj.dat", "save.dat", "frame*.xyz", "traj.xyz")
+        if not refined:
+            order = ("traj.dat", "frame*.xyz", "traj.xyz", "save.dat")
+        files = [frame_files(folder) if name == "frame*.xyz" else [folder / name] for name in order]
+        return [found for found in files if found and found[0].is_file()]
     if source in ("frame*.xyz", "frame.xyz", "frames"):
         frames = frame_files(folder)
         if not frames:
