@@ -251,8 +251,8 @@ class LagrangianJet:
         )
 
     def stretch_ratio(self, arc: ArrayLike) -> FloatArray:
-        """Material stretch at an arc length in m: linear in its logarithm between elements."""
-        return np.exp(self._along(arc, np.log(self._one("stretch"))))
+        """Material stretch at an arc length in m: linear in its logarithm between elements, 1 at the nozzle."""
+        return np.exp(self._along(arc, np.log(self._one("stretch")), 0.0))
 
     def velocity_ratio(self, arc: ArrayLike) -> FloatArray:
         """The material stretch: what takes the place of V in a bead jet."""
@@ -260,16 +260,18 @@ class LagrangianJet:
 
     def radius(self, arc: ArrayLike) -> FloatArray:
         """Jet radius in m at an arc length in m."""
-        return np.exp(self._along(arc, np.log(self._one("element_radius"))))
+        return np.exp(self._along(arc, np.log(self._one("element_radius")), float(np.log(self.initial_radius))))
 
     def strain_rate(self, arc: ArrayLike) -> FloatArray:
         """Rate of material stretch in 1/s at an arc length in m; NaN without velocities."""
-        return self._along(arc, self._one("element_strain_rate"))
+        rate = self._one("element_strain_rate")
+        return self._along(arc, rate, float(rate[0]))
 
     def position_of(self, velocity_ratio: ArrayLike) -> FloatArray:
         """First arc length in m where the material stretch passes a value; NaN where it never does."""
         targets = real("velocity_ratio", velocity_ratio, above=0.0)
-        arc, level = self._one("arc_length"), np.log(self._one("stretch"))
+        arc = np.concatenate(([0.0], self._one("arc_length")))
+        level = np.concatenate(([0.0], np.log(self._one("stretch"))))
         found = [_first_passage(arc, level, float(np.log(target))) for target in targets.ravel()]
         return np.reshape(np.asarray(found, dtype=np.float64), targets.shape)
 
@@ -279,10 +281,11 @@ class LagrangianJet:
         values: FloatArray = getattr(self, name)[self.usable]
         return values
 
-    def _along(self, arc: ArrayLike, values: FloatArray) -> FloatArray:
+    def _along(self, arc: ArrayLike, values: FloatArray, nozzle: float) -> FloatArray:
+        """Values at an arc length, linear between the middles of the elements and from the nozzle to the first."""
         nodes = self._one("arc_length")
-        s = real("arc_length", arc, least=float(nodes[0]), most=float(nodes[-1]), unit="m")
-        return np.interp(s, nodes, values)
+        s = real("arc_length", arc, least=0.0, most=float(nodes[-1]), unit="m")
+        return np.interp(s, np.concatenate(([0.0], nodes)), np.concatenate(([nozzle], values)))
 
 
 def _first_passage(arc: FloatArray, level: FloatArray, target: float) -> float:

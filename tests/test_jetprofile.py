@@ -369,3 +369,10 @@ def test_beads_from_csv(tmp_path) -> None:
     assert LagrangianJet.from_csv(file, initial_radius=1e-4).stretch.tolist() == [1, 2]
     with pytest.raises(InputError, match="initial_radius"):
         LagrangianJet.from_csv(file)
+
+
+def test_a_crossover_before_the_middle_of_the_first_element() -> None:
+    jet = LagrangianJet.from_arrays([0.0, 0.2, 0.5], initial_radius=1e-4, stretch_ratio=[np.e**2, np.e**3])
+    assert float(jet.position_of(np.e)) == pytest.approx(0.05)  # halfway, in logarithms, to the first middle at 0.1
+    assert float(jet.radius(0.05)) == pytest.approx(1e-4 * np.e**-0.5)
+    assert float(jet.position_of(1.0)) == 0.0

@@ -39,7 +39,7 @@ def words(result: xr.Dataset) -> list[str]:
     """
     if "time" in result.dims:
         last = result.isel(time=-1)
-        return [f"{result.sizes['time']} times; this is the last, {float(last['time']):.6g} s.", *words(last)]
+        return [f"Times: {result.sizes['time']}; this is the last, {float(last['time']):.6g} s.", *words(last)]
     line = headline(result)
     sentences = [f"The network is {line}." if line.startswith("fully") else f"{line[0].upper()}{line[1:]}."]
     extension, position = result.attrs["crossover_extension_criterion"], float(result["crossover_extension_position"])
