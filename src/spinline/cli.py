@@ -243,7 +243,10 @@ def fit_jet(
 
         typer.echo(json_.dumps({key: plain(value) for key, value in fit.__dict__.items()}))
         return
-    typer.echo(f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}")
+    share = fit.covariance[0, 1] / (fit.k_std * fit.beta_std) if fit.k_std and fit.beta_std else 0.0
+    typer.echo(
+        f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}, correlation {share:.3f}"
+    )
     typer.echo(
         f"over {1e3 * fit.z_min:.4g} to {1e3 * fit.z_max:.4g} mm ({fit.samples} of {fit.samples_given} samples), "
         f"r0 = {1e6 * fit.initial_radius:.4g} um, R^2 = {fit.r_squared:.6f}, departure {100 * fit.departure:.2g} %"
