@@ -8,14 +8,13 @@ module                 law
 `concentration`        Eqs. (39)-(40): network radius, polymer fraction in the core
 `crossover`            Eq. (38): where the network is fully stretched
 `coupling`             A, alpha_v: how well the network follows the flow
-`affine`               the affine rung: all of the above at once
+`state`                all of the above at once; the affine rung
 =====================  ==============================================================
 """
 
 if __name__ != "spinline.network":
     raise ImportError("import spinline.network, not network")
 
-from spinline.network.affine import AffineNetwork, affine_network
 from spinline.network.concentration import (
     compaction_velocity_ratio,
     conservative_radius_ratio,
@@ -40,11 +39,12 @@ from spinline.network.lattice_walk import (
     stretched_walk,
 )
 from spinline.network.mesh import Mesh, network_at_rest, rest_force
+from spinline.network.state import NetworkState, affine_network, network_state
 
 __all__ = [
-    "AffineNetwork",
     "Conformation",
     "Mesh",
+    "NetworkState",
     "affine_force",
     "affine_network",
     "affinity",
@@ -61,6 +61,7 @@ __all__ = [
     "log_fraction_eq40",
     "log_fraction_walk",
     "network_at_rest",
+    "network_state",
     "orientation",
     "radius_ratio",
     "random_walk",

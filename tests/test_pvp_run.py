@@ -24,7 +24,9 @@ def test_the_power_law_of_the_settled_run(jet) -> None:
     """
     x = 0.5 * (jet.x[1:] + jet.x[:-1])
     known = jet.usable
-    along_x = fit_power_law(x[known], jet.element_radius[known], initial_radius=jet.initial_radius, z_range=(5e-3, 2e-2))
+    along_x = fit_power_law(
+        x[known], jet.element_radius[known], initial_radius=jet.initial_radius, z_range=(5e-3, 2e-2)
+    )
     assert along_x.k == pytest.approx(0.161, rel=0.03)
     assert along_x.beta == pytest.approx(0.591, rel=0.01)
     assert along_x.r_squared == pytest.approx(0.9996, abs=1e-4)

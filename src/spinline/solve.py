@@ -17,11 +17,11 @@ from spinline.jetprofile.hyperbolic import Hyperbolic
 from spinline.jetprofile.k_estimate import estimate_k
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.jetprofile.straight import StraightJet
-from spinline.network.affine import affine_network
 from spinline.network.concentration import compaction_velocity_ratio
 from spinline.network.coupling import affinity, elastic_coupling, strand_force
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
 from spinline.network.mesh import network_at_rest
+from spinline.network.state import affine_network
 from spinline.rheology.materials import Polymer, polymer, solvent_viscosity
 from spinline.rheology.solution import Solution
 from spinline.scene import (
@@ -371,7 +371,7 @@ def _network_fields(profile: dict[str, FloatArray], scene: Scene, solution: Solu
     radius = profile["radius"][known]
     walk = net.conformation
     flat = {
-        "mean_polymer_fraction": np.full(radius.shape, solution.volume_fraction),
+        "mean_polymer_fraction": net.mean_polymer_fraction,
         "network_velocity_ratio": net.network_velocity_ratio,
         "axial_stretch": walk.axial_stretch,
         "relative_extension": walk.relative_extension,

@@ -1,11 +1,11 @@
-"""The affine rung: a network that moves with the solution, ``w = u / v_0 = V``, Eqs. (36)-(40) at once.
+"""The network where the jet has been stretched by V and the network moves at ``w = u / v_0``: everything at once.
 
-A closure turns w into the strands' conformation: ``"force"`` (f_z = f_0 [1 + A (w - 1)], as published) or
-``"stretch"`` (xi_par / xi_0 = w, held at the contour). They agree only for phi V << 1: 0.4867 against 0.5 of
-the contour at phi V = 1/2.
+A closure turns w into the strands' conformation: ``"force"`` (f_z = f_0 [1 + A (w - 1)], as published) or ``"stretch"``
+(xi_par / xi_0 = w, held at the contour). They agree only for phi V << 1: 0.4867 against 0.5 of the contour at
+phi V = 1/2.
 
-Cost: closed form, about 1 us per point. Error against the finite coupling of Eq. (32a): about
-``c V' / alpha_v`` relative in w; against relaxation: about ``1 / De``.
+The affine rung is ``w = V``, Eqs. (36)-(40) in closed form: about 1 us per point. Its error against the finite coupling of
+Eq. (32a) is about ``c V' / alpha_v`` relative in w (see `manifold`); against relaxation, about ``1 / De``.
 """
 
 from dataclasses import dataclass
@@ -25,12 +25,12 @@ from spinline.network.crossover import Closure, check_closure
 from spinline.network.lattice_walk import Conformation, random_walk, stretched_walk
 from spinline.network.mesh import SolventQuality
 
-__all__ = ["AffineNetwork", "affine_network"]
+__all__ = ["NetworkState", "affine_network", "network_state"]
 
 
 @dataclass(frozen=True)
-class AffineNetwork:
-    """Network where the jet has been stretched by V; arrays of the broadcast shape of the inputs.
+class NetworkState:
+    """Network at given w and V; arrays of the broadcast shape of the inputs.
 
     Attributes
     ----------
@@ -38,6 +38,8 @@ class AffineNetwork:
         Strands: stretch, extension, contraction, orientation, force.
     network_velocity_ratio : ndarray
         ``w = u / v_0``.
+    mean_polymer_fraction : ndarray
+        Polymer fraction of the cross-section that carries the flux, ``phi V / w``, held at 1.
     core_polymer_fraction, compacted : ndarray
         Exact walk, Eq. (40) left, held at 1 where `compacted`.
     core_polymer_fraction_eq40, compacted_eq40 : ndarray
@@ -56,6 +58,7 @@ class AffineNetwork:
 
     conformation: Conformation
     network_velocity_ratio: FloatArray
+    mean_polymer_fraction: FloatArray
     core_polymer_fraction: FloatArray
     compacted: BoolArray
     core_polymer_fraction_eq40: FloatArray
@@ -75,13 +78,53 @@ def affine_network(
     closure: Closure = "force",
     affinity: float = 1.0,
     solvent_quality: SolventQuality = "theta",
-) -> AffineNetwork:
-    """Everything the closed forms say of the network at velocity ratio V.
+) -> NetworkState:
+    """Everything the closed forms say of a network that moves with the solution, ``w = V``.
 
     Parameters
     ----------
     velocity_ratio : array_like
         V > 0, or the material stretch ratio along a Lagrangian jet.
+    volume_fraction, closure, affinity, solvent_quality
+        As for `network_state`.
+
+    Returns
+    -------
+    NetworkState
+
+    Examples
+    --------
+    >>> network = affine_network([1.0, 5.0, 20.0], 0.05)
+    >>> network.core_polymer_fraction_conservative.round(10).tolist()
+    [0.05, 0.059838121, 0.9512121369]
+    """
+    return network_state(
+        velocity_ratio,
+        velocity_ratio,
+        volume_fraction,
+        closure=closure,
+        affinity=affinity,
+        solvent_quality=solvent_quality,
+    )
+
+
+def network_state(
+    network_velocity_ratio: ArrayLike,
+    velocity_ratio: ArrayLike,
+    volume_fraction: float,
+    *,
+    closure: Closure = "force",
+    affinity: float = 1.0,
+    solvent_quality: SolventQuality = "theta",
+) -> NetworkState:
+    """Strands, network radius and concentration from the network's velocity and the solution's.
+
+    Parameters
+    ----------
+    network_velocity_ratio : array_like
+        ``w = u / v_0`` > 0, from any rung.
+    velocity_ratio : array_like
+        V > 0 of the solution at the same places.
     volume_fraction : float
         phi of the solution, in (0, 1).
     closure : {"force", "stretch"}
@@ -93,32 +136,28 @@ def affine_network(
 
     Returns
     -------
-    AffineNetwork
+    NetworkState
 
     Raises
     ------
     InputError
         For values out of range, not finite or unknown.
-
-    Examples
-    --------
-    >>> network = affine_network([1.0, 5.0, 20.0], 0.05)
-    >>> network.core_polymer_fraction_conservative.round(10).tolist()
-    [0.05, 0.059838121, 0.9512121369]
     """
+    w = real("network_velocity_ratio", network_velocity_ratio, above=0.0)
     v = real("velocity_ratio", velocity_ratio, above=0.0)
     phi = float(real("volume_fraction", volume_fraction, above=0.0, below=1.0))
     if check_closure(closure) == "force":
-        walk = random_walk(v, phi, affinity=affinity, solvent_quality=solvent_quality)
+        walk = random_walk(w, phi, affinity=affinity, solvent_quality=solvent_quality)
     else:
-        walk = stretched_walk(v, phi, solvent_quality=solvent_quality)
+        walk = stretched_walk(w, phi, solvent_quality=solvent_quality)
     core, compacted = saturate(fraction_walk(walk, phi))
-    eq40, compacted_eq40 = saturate(fraction_eq40(v, phi, solvent_quality))
+    eq40, compacted_eq40 = saturate(fraction_eq40(w, phi, solvent_quality))
     conservative, compacted_conservative = saturate(fraction_conservative(walk, v, phi, solvent_quality))
     ratio, needed = conservative_radius_ratio(walk, v, phi, solvent_quality)
-    return AffineNetwork(
+    return NetworkState(
         conformation=walk,
-        network_velocity_ratio=v.copy(),
+        network_velocity_ratio=w.copy(),
+        mean_polymer_fraction=np.minimum(phi * v / w, 1.0),
         core_polymer_fraction=core,
         compacted=compacted,
         core_polymer_fraction_eq40=eq40,
