@@ -53,6 +53,10 @@ class PowerLaw(StraightJet):
         real("k", self.k, least=1 / reach, most=reach)
         self.onset = float(self.k ** (-1 / self.beta))  # s_0
 
+    def kinks(self) -> tuple[float, ...]:
+        """The onset s_0, where the slope jumps."""
+        return (self.onset,)
+
     def _parameters(self) -> dict[str, object]:
         return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "k": self.k, "beta": self.beta}
 

@@ -92,6 +92,10 @@ class StraightJet(ABC):
         v = real("velocity_ratio", velocity_ratio, above=0.0)
         return self.initial_radius * self._inverse(v)
 
+    def kinks(self) -> tuple[float, ...]:
+        """Places where the profile is not smooth, in initial radii from `start`."""
+        return ()
+
     def _reduced(self, z: ArrayLike) -> FloatArray:
         most = min(self.end, _FARTHEST * self.initial_radius)
         return real("z", z, least=self.start, most=most, unit="m") / self.initial_radius

@@ -89,6 +89,10 @@ class Table(StraightJet):
             initial_radius=initial_radius,
         )
 
+    def kinks(self) -> tuple[float, ...]:
+        """The samples: the curvature jumps there."""
+        return tuple((self._s[1:-1] - self._s[0]).tolist())
+
     def _parameters(self) -> dict[str, object]:
         return {
             "z": (self._s * self.initial_radius).tolist(),

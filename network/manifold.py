@@ -30,6 +30,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 
 from spinline.checks import FloatArray, positive, real
 from spinline.errors import InputError
@@ -85,6 +86,19 @@ class Manifold:
     def stretch(self, s: ArrayLike) -> FloatArray:
         """Stretch ``w = xi_par / xi_0 = u / v_0`` at s."""
         return self.law.stretch(self.tension(s))
+
+    def first_passage(self, stretch: float) -> float:
+        """First s where w passes a value; NaN where it never does. To 1e-12 of the panel."""
+        for low, high in pairwise(self.edges.tolist()):
+            s = np.linspace(low, high, 33)
+            above = np.flatnonzero(self.stretch(s) >= stretch)
+            if not above.size:
+                continue
+            k = int(above[0])
+            if k == 0:
+                return float(s[0])
+            return float(brentq(lambda x: float(self.stretch(x)) - stretch, s[k - 1], s[k], xtol=1e-14, rtol=1e-14))
+        return float("nan")
 
     def relative_extension(self, s: ArrayLike) -> FloatArray:
         """Extension ``xi_par / xi_max`` at s; below 1 for every bounded law."""

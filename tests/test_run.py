@@ -277,3 +277,29 @@ def test_scalars_are_numbers() -> None:
     values = scalars(sl.run(load_scene("peo5-water")))
     assert len(values) == 9
     assert all(isinstance(value, float) for value in values.values())
+
+
+def test_manifold_rung_meets_the_affine_one_and_locks() -> None:
+    affine = sl.run(load_scene("peo5-water"))
+    linear = quiet("peo5-water", "network.model=manifold", "network.force_law=linear", "network.coupling=1e6")
+    inner = linear["z"].values < 4.5e-3
+    gap = linear["network_velocity_ratio"].values / linear["velocity_ratio"].values - 1
+    assert np.abs(gap[inner]).max() < 4e-6  # c V'/alpha_v at the steepest place
+    assert linear.attrs["model"] == "manifold"
+    assert float(linear["crossover_extension_position"]) == pytest.approx(
+        float(affine["crossover_extension_position"]), rel=1e-5
+    )
+    locked = quiet("peo5-water", "network.model=manifold", "network.closure=stretch")
+    w, full = locked["network_velocity_ratio"].values, float(locked["crossover_velocity_ratio"])
+    assert w.max() <= full
+    assert locked.attrs["locked_from"] < float(locked["crossover_position"])
+    flux = locked["mean_polymer_fraction"].values * w / locked["velocity_ratio"].values
+    free = locked["mean_polymer_fraction"].values < 1
+    np.testing.assert_allclose(flux[free], float(locked["volume_fraction"]), rtol=1e-10)
+    # bead by bead: what drags is what pulls; 5e-3 m of drag forces add up to the change of the strand force
+    assert locked["scission"].any() == (locked["strand_force"].max() > 5e-9)
+    for scene, override in (("pvp-jetspin", "network.model=manifold"), ("peo5-water", "network.force_law=fene")):
+        with pytest.raises(InputError, match="network"):
+            sl.run(load_scene(scene, [override]))
+    with pytest.raises(InputError, match="passes 1/4"):
+        sl.run(load_scene("peo5-water", ["network.model=manifold", "network.coupling=5"]))

@@ -56,7 +56,8 @@ def words(result: xr.Dataset) -> list[str]:
         here = int(np.nanargmin(np.where(known, np.abs(place - float(result["crossover_position"])), np.nan)))
         sentences.append(f"There {_state(result, here)}.")
     end = int(np.flatnonzero(known)[-1])
-    sentences.append(f"At the end, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
+    where = "At the free end" if result.attrs["model"] == "manifold" else "At the end"
+    sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
     return sentences
 
 

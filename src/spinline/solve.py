@@ -6,44 +6,33 @@ before anything runs; `run` puts the closed forms along the jet and names everyt
 
 import warnings
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spinline.build import build_jet, build_solution, coupling, coupling_error, jet_length
 from spinline.checks import FloatArray
 from spinline.errors import InputError, SpinlineWarning
-from spinline.jetprofile.hyperbolic import Hyperbolic
-from spinline.jetprofile.k_estimate import estimate_k
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.concentration import compaction_velocity_ratio
-from spinline.network.coupling import affinity, elastic_coupling, strand_force
+from spinline.network.coupling import BOLTZMANN, strand_force
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
 from spinline.network.mesh import network_at_rest
-from spinline.network.state import affine_network
-from spinline.rheology.materials import Polymer, polymer, solvent_viscosity
+from spinline.network.state import network_state
 from spinline.rheology.solution import Solution
-from spinline.scene import (
-    HyperbolicJet,
-    JetspinJet,
-    LagrangianJetFile,
-    PolymerData,
-    PowerLawJet,
-    Scene,
-    SolventData,
-    TableJet,
-)
-from spinline.units import Measured
+from spinline.scene import PowerLawJet, Scene
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.network.manifold import Manifold
 
 __all__ = ["Crossover", "build_jet", "build_solution", "crossover", "examine", "run"]
 
 _BOND_STRENGTH = 5e-9  # N, covalent bond
+_MODELS = ("auto", "affine", "manifold")
 
 
 @dataclass(frozen=True)
@@ -69,81 +58,6 @@ class Crossover:
     predicted: float
 
 
-def build_solution(scene: Scene) -> Solution:
-    """Solution of a scene, built-in properties filled in."""
-    s = scene.solution
-    data: Polymer
-    if isinstance(s.polymer, PolymerData):
-        data = Polymer(
-            name=s.polymer.name,
-            density=s.polymer.density.value,
-            repeat_unit_molar_mass=_value(s.polymer.repeat_unit_molar_mass, float("nan")),
-            backbone_bonds=s.polymer.backbone_bonds or 0,
-        )
-    else:
-        data = polymer(s.polymer, "solution.polymer")
-    density = _value(s.solvent_density)
-    solvent: Any = s.solvent
-    if isinstance(s.solvent, SolventData):
-        density = s.solvent.density.value if density is None else density
-        solvent = s.solvent.name
-    return Solution.build(
-        data,
-        solvent,
-        mass_fraction=_value(s.mass_fraction),
-        volume_fraction=_value(s.volume_fraction),
-        temperature=s.temperature.value,
-        polymer_density=_value(s.polymer_density),
-        solvent_density=density,
-        kuhn_length=s.kuhn_length.value,
-        molar_mass=_value(s.molar_mass),
-        viscosity=_value(s.viscosity),
-        relaxation_time=_value(s.relaxation_time),
-        field="solution.",
-    )
-
-
-def build_jet(scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet":
-    """Jet of a scene: analytic, tabulated or imported."""
-    j = scene.jet
-    if isinstance(j, PowerLawJet):
-        k = _value(j.k)
-        if k is None:
-            if solution.viscosity is None:
-                raise InputError("solution.viscosity", "is missing: the estimate of k needs it", remedy="give it, or k")
-            assert j.conductivity is not None
-            assert j.electric_field is not None
-            k = float(
-                estimate_k(
-                    radius=j.radius.value,
-                    flow_rate=j.flow_rate.value,
-                    conductivity=j.conductivity.value,
-                    viscosity=solution.viscosity,
-                    electric_field=j.electric_field.value,
-                )
-            )
-        return PowerLaw(radius=j.radius.value, flow_rate=j.flow_rate.value, k=k, beta=j.beta.value)
-    if isinstance(j, HyperbolicJet):
-        return Hyperbolic(radius=j.radius.value, flow_rate=j.flow_rate.value, p=j.p.value)
-    path = scene.folder / j.path
-    if not path.exists():
-        raise InputError("jet.path", "does not exist", value=j.path, remedy="paths start from the scene's folder")
-    if isinstance(j, TableJet):
-        from spinline.jetprofile.table import Table
-
-        return Table.from_csv(path, flow_rate=j.flow_rate.value, initial_radius=_value(j.radius))
-    from spinline.jetprofile.lagrangian import LagrangianJet
-
-    beads: LagrangianJet
-    if isinstance(j, LagrangianJetFile):
-        beads = LagrangianJet.from_csv(path, initial_radius=_value(j.radius))
-    else:
-        beads = LagrangianJet.from_dataset(_jet_dataset(j, path))
-    if j.time == "all":
-        return beads
-    return beads.at(None if isinstance(j.time, str) else j.time.value)
-
-
 def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> list[str]:
     """What is odd about a scene: every remark is a sentence with its number.
 
@@ -153,16 +67,27 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         For what this version cannot do.
     """
     n = scene.network
-    if n.model not in ("auto", "affine"):
-        raise InputError("network.model", "is not available", value=n.model, allowed='"auto", "affine"', remedy=_TAKE)
-    if n.force_law != "lattice":
-        raise InputError("network.force_law", "is not available", value=n.force_law, allowed='"lattice"', remedy=_TAKE)
+    if n.model not in _MODELS:
+        allowed = ", ".join(f'"{name}"' for name in _MODELS)
+        raise InputError("network.model", "is not available", value=n.model, allowed=allowed, remedy=_TAKE)
+    if n.model == "manifold" and not isinstance(jet, StraightJet):
+        raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
+    if n.model != "manifold" and n.force_law != "lattice":
+        raise InputError(
+            "network.force_law", "is not used by the affine network", value=n.force_law, allowed='"lattice"',
+            remedy='take model = "manifold" for other laws',
+        )  # fmt: skip
     for name, switch in scene.effects:
         if switch is True:
             raise InputError(f"effects.{name}", "is not available", value=True, allowed='"auto", false', remedy=_TAKE)
     phi = solution.volume_fraction
     rest = network_at_rest(phi, n.solvent_quality)
     remarks = []
+    if n.model == "manifold" and n.force_law != "linear" and n.closure == "force":
+        remarks.append(
+            'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; closure '
+            '"stretch" gives the extension that the force law itself has'
+        )
     strands = solution.strands_per_chain(float(rest.segments))
     if strands < 2:
         remarks.append(
@@ -177,14 +102,14 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
             f"the core is compact (V = {compact:.4g}) before the network is fully stretched (V = {full:.4g})"
         )
     if isinstance(jet, StraightJet):
-        eps = _coupling_error(scene, solution, jet)
-        if eps > scene.accuracy.rtol:
+        eps = coupling_error(scene, solution, jet)
+        if eps > scene.accuracy.rtol and n.model != "manifold":
             remarks.append(
                 f"the affine network errs by about {eps:.2g} in its velocity (largest c V'/alpha_v), more than rtol = "
-                f"{scene.accuracy.rtol:g}"
+                f"{scene.accuracy.rtol:g}: see --model manifold"
             )
         if solution.relaxation_time is not None:
-            place = float(np.fmin(jet.position_of(full), _length(scene, jet)))
+            place = float(np.fmin(jet.position_of(full), jet_length(scene, jet)))
             deborah = solution.relaxation_time * float(jet.strain_rate(place))
             if deborah < 1 / scene.accuracy.rtol:
                 remarks.append(
@@ -202,7 +127,7 @@ def crossover(scene: Scene, jet: "StraightJet | LagrangianJet", velocity_ratio: 
     if not isinstance(jet, StraightJet) and jet.time is not None:
         raise InputError("jet.time", "holds many times", remedy="take one")
     predicted = float(jet.position_of(velocity_ratio)) if velocity_ratio > 0 else float("nan")
-    end = _length(scene, jet) if isinstance(jet, StraightJet) else float("inf")
+    end = jet_length(scene, jet) if isinstance(jet, StraightJet) else float("inf")
     if not predicted <= end * (1 + 1e-12):
         nan = float("nan")
         return Crossover(velocity_ratio, nan, nan, nan, predicted)
@@ -258,11 +183,17 @@ def run(scene: Scene) -> "xr.Dataset":
     }
     frames = _frames(jet)
     found = {name: [crossover(scene, frame, target) for frame in frames] for name, target in targets.items()}
+    network = None
+    if scene.network.model == "manifold" and isinstance(jet, StraightJet):
+        network = steady_state(scene, solution, jet)
+        found["crossover_extension"] = [_slipping_crossover(network, jet, targets["crossover_extension"])]
     if isinstance(jet, StraightJet):
         profile = _straight_profile(scene, jet, [c[0].position for c in found.values()])
     else:
         profile = _bead_profile(jet)
-    fields = profile | _network_fields(profile, scene, solution)
+    fields = profile | _network_fields(profile, scene, solution, network)
+    if network is not None and isinstance(jet, StraightJet):
+        fields |= _slip_fields(fields, network, scene, solution, jet)
     forces = fields["strand_force"]
     if np.nanmax(forces, initial=0.0) > _BOND_STRENGTH:
         remarks.append(
@@ -275,40 +206,11 @@ def run(scene: Scene) -> "xr.Dataset":
     for remark in remarks:
         warnings.warn(remark, SpinlineWarning, stacklevel=2)
     scalars = {"volume_fraction": phi, **_crossover_scalars(found, single=not _has_times(jet))}
-    attributes = _attributes(scene, solution, jet, found, remarks)
+    attributes = _attributes(scene, solution, jet, found, remarks, network)
     return results.assemble(fields, scalars, attributes, jet)
 
 
 _TAKE = "take one of those"
-
-
-def _value(measured: Measured | None, default: Any = None) -> Any:
-    return default if measured is None else measured.value
-
-
-def _length(scene: Scene, jet: StraightJet) -> float:
-    length = scene.jet.length if isinstance(scene.jet, PowerLawJet | HyperbolicJet | TableJet) else None
-    if length is None:
-        return jet.end
-    if length.value > jet.end * (1 + 1e-12):
-        raise InputError(
-            "jet.length", "reaches beyond the last sample of the table", value=length.text,
-            allowed=f"up to {jet.end:g} m",
-        )  # fmt: skip
-    if length.value <= jet.start:
-        raise InputError("jet.length", "ends before the first sample", value=length.text, allowed=f"> {jet.start:g} m")
-    return min(length.value, jet.end)
-
-
-def _jet_dataset(section: JetspinJet, path: Path) -> "xr.Dataset":
-    """Beads of a JETSPIN run, or of the file that import-jet made of one."""
-    if path.suffix == ".nc":
-        from spinline.results import open_dataset
-
-        return open_dataset(path)
-    from spinline.jetprofile.jetspin import read_jetspin
-
-    return read_jetspin(path, source=section.source, unit=section.unit)
 
 
 def _has_times(jet: "StraightJet | LagrangianJet") -> bool:
@@ -323,12 +225,13 @@ def _frames(jet: "StraightJet | LagrangianJet") -> "list[StraightJet | Lagrangia
 
 def _straight_profile(scene: Scene, jet: StraightJet, special: list[float]) -> dict[str, FloatArray]:
     """Jet variables on a grid that is fine at the nozzle and holds the special places exactly."""
-    length, r0 = _length(scene, jet), jet.initial_radius
+    length, r0 = jet_length(scene, jet), jet.initial_radius
     span = length - jet.start
     grid = jet.start + r0 * np.expm1(np.linspace(0.0, np.log1p(span / r0), scene.accuracy.points))
     grid[-1] = length
-    onset = getattr(jet, "onset", 0.0) * r0
-    extra = [place for place in (*special, onset) if jet.start <= place <= length]
+    extra = [
+        place for place in (*special, *(jet.start + kink * r0 for kink in jet.kinks())) if jet.start <= place <= length
+    ]
     z = np.unique(np.concatenate((np.clip(grid, jet.start, length), extra)))
     return {
         "z": z,
@@ -358,11 +261,68 @@ def _bead_profile(jet: "LagrangianJet") -> dict[str, FloatArray]:
     }
 
 
-def _network_fields(profile: dict[str, FloatArray], scene: Scene, solution: Solution) -> dict[str, FloatArray]:
+def steady_state(scene: Scene, solution: Solution, jet: StraightJet) -> "Manifold":
+    """Steady network of a scene at its finite coupling (rung ``manifold``)."""
+    from spinline.network.manifold import steady_network
+    from spinline.network.tension import Tension
+
+    n, r0 = scene.network, jet.initial_radius
+    alpha, _, _ = coupling(scene, solution, jet)
+    full = float(network_at_rest(solution.volume_fraction, n.solvent_quality).full_stretch)
+    length = jet_length(scene, jet) - jet.start
+    return steady_network(
+        lambda s: jet.velocity_ratio(np.minimum(jet.start + s * r0, jet.end)),
+        length / r0,
+        coupling=alpha,
+        spring=n.spring.value,
+        inertia=n.inertia.value,
+        law=Tension.of(n.force_law, full),
+        breaks=jet.kinks(),
+        rtol=min(1e-8, 1e-3 * scene.accuracy.rtol),
+    )
+
+
+def _slipping_crossover(network: "Manifold", jet: StraightJet, target: float) -> Crossover:
+    """First place where the network's own stretch passes a value."""
+    nan = float("nan")
+    s = network.first_passage(target)
+    if np.isnan(s):
+        return Crossover(nan, nan, nan, nan, nan)
+    place = min(jet.start + s * jet.initial_radius, jet.end)
+    radius = float(jet.radius(place))
+    return Crossover(float(jet.velocity_ratio(place)), place, radius, radius / jet.initial_radius, place)
+
+
+def _slip_fields(
+    fields: dict[str, FloatArray], network: "Manifold", scene: Scene, solution: Solution, jet: StraightJet
+) -> dict[str, Any]:
+    """What slips and pulls where the network does not move with the solution."""
+    s = np.minimum((fields["z"] - jet.start) / jet.initial_radius, network.length)
+    alpha, _, _ = coupling(scene, solution, jet)
+    slip = fields["velocity_ratio"] - fields["network_velocity_ratio"]
+    full = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).full_stretch)
+    pull = scene.network.spring.value / full * network.tension(s)  # c = 3 is the Gaussian strand, f_0 = 3 / V_S
+    force = strand_force(pull, solution.kuhn_length, solution.temperature)
+    return {
+        "slip_velocity": slip * jet.initial_velocity,
+        "drag_force": alpha * BOLTZMANN * solution.temperature / jet.initial_radius * slip,
+        "strand_force": force,
+        "scission": force > _BOND_STRENGTH,
+    }
+
+
+def _network_fields(
+    profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | None"
+) -> dict[str, FloatArray]:
     """Network variables wherever the stretch is known, NaN (or False) elsewhere."""
     stretch = profile["stretch_ratio"]
     known = np.isfinite(stretch)
-    net = affine_network(
+    moved = stretch[known]
+    if network is not None:
+        s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
+        moved = network.stretch(np.clip(s, 0.0, network.length))
+    net = network_state(
+        moved,
         stretch[known],
         solution.volume_fraction,
         closure=scene.network.closure,
@@ -370,7 +330,7 @@ def _network_fields(profile: dict[str, FloatArray], scene: Scene, solution: Solu
     )
     radius = profile["radius"][known]
     walk = net.conformation
-    flat = {
+    flat: dict[str, Any] = {
         "mean_polymer_fraction": net.mean_polymer_fraction,
         "network_velocity_ratio": net.network_velocity_ratio,
         "axial_stretch": walk.axial_stretch,
@@ -409,58 +369,9 @@ def _crossover_scalars(found: dict[str, list[Crossover]], *, single: bool) -> di
     return scalars
 
 
-def _coupling(scene: Scene, solution: Solution, jet: StraightJet) -> tuple[float, float, str]:
-    """alpha_v, A and the viscosity they were made with, in words."""
-    if scene.network.coupling is not None:
-        alpha = scene.network.coupling.value
-        return alpha, alpha * solution.kuhn_length / (3 * jet.initial_radius), "given as network.coupling"
-    viscosity, words = _drag_viscosity(scene, solution)
-    xi = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).size) * solution.kuhn_length
-    alpha = float(elastic_coupling(xi, jet.initial_velocity, viscosity, jet.initial_radius, solution.temperature))
-    a = float(affinity(xi, jet.initial_velocity, viscosity, solution.kuhn_length, solution.temperature))
-    return alpha, a, f"{words}, {viscosity:.4g} Pa s"
-
-
-def _drag_viscosity(scene: Scene, solution: Solution) -> tuple[float, str]:
-    choice = scene.network.drag_viscosity
-    if isinstance(choice, Measured):
-        return choice.value, "given viscosity"
-    if choice == "solution":
-        if solution.viscosity is None:
-            raise InputError(
-                "solution.viscosity", 'is missing: network.drag_viscosity = "solution" needs it', remedy="give it"
-            )
-        return solution.viscosity, "viscosity of the solution"
-    given = scene.solution.solvent_viscosity
-    if given is not None:
-        return given.value, "viscosity of the solvent"
-    if isinstance(scene.solution.solvent, SolventData):
-        raise InputError(
-            "solution.solvent_viscosity", "is missing: alpha_v needs it for a solvent that is not built in",
-            remedy="give it, or network.coupling",
-        )  # fmt: skip
-    logs = [
-        share * np.log(solvent_viscosity(name, solution.temperature, "solution.solvent"))
-        for name, share in solution.solvent.items()
-    ]
-    words = "viscosity of the solvent" if len(logs) == 1 else "viscosity of the solvents (mean of logarithms)"
-    return float(np.exp(np.sum(logs))), words
-
-
-def _coupling_error(scene: Scene, solution: Solution, jet: StraightJet) -> float:
-    """Largest relative error of w = V along the jet, ``c V' / alpha_v`` (first term of the series of Eq. 33)."""
-    alpha, _, _ = _coupling(scene, solution, jet)
-    length = _length(scene, jet)
-    z = jet.start + jet.initial_radius * np.expm1(
-        np.linspace(0, np.log1p((length - jet.start) / jet.initial_radius), 257)
-    )
-    onset = getattr(jet, "onset", 0.0) * jet.initial_radius
-    z = np.clip(np.append(z, onset), jet.start, length)
-    slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
-    return float(scene.network.spring.value * slope.max() / alpha)
-
-
 def _elsewhere(place: Crossover) -> str:
+    if np.isnan(place.velocity_ratio):
+        return "the network never stretches that far"
     if np.isnan(place.predicted):
         return f"the jet never stretches to V = {place.velocity_ratio:.6g}"
     return (
@@ -484,16 +395,18 @@ def _attributes(
     jet: "StraightJet | LagrangianJet",
     found: dict[str, list[Crossover]],
     remarks: list[str],
+    network: "Manifold | None",
 ) -> dict[str, Any]:
     from spinline import __version__
 
+    slip = "" if network else "elastic slip, inertia, "
     attributes: dict[str, Any] = {
         "title": scene.title or scene.name,
         "Conventions": "CF-1.11",
         "source": f"spinline {__version__}",
         "spinline_version": __version__,
         "scene": scene.text,
-        "model": "affine",
+        "model": "affine" if network is None else "manifold",
         "model_requested": scene.network.model,
         "closure": scene.network.closure,
         "force_law": scene.network.force_law,
@@ -502,7 +415,7 @@ def _attributes(
         "crossover": _sentence("crossover", found["crossover"]),
         "crossover_extension": _sentence("crossover_extension", found["crossover_extension"]),
         "crossover_extension_criterion": scene.network.crossover_extension.value,
-        "effects_left_out": "elastic slip, inertia, relaxation, evaporation, radial gradients",
+        "effects_left_out": slip + "relaxation, evaporation, radial gradients",
         "polymer": solution.polymer.name,
         "polymer_density": solution.polymer.density,
         "solvent": ", ".join(f"{name} {share:g}" for name, share in solution.solvent.items()),
@@ -521,9 +434,11 @@ def _attributes(
             f"; polymer data: {solution.polymer.source}"
         ),
     }
+    if network is not None:
+        attributes |= {"locked_from": network.locked_from * jet.initial_radius, "inertia": network.inertia}
     if isinstance(jet, StraightJet):
-        alpha, a, viscosity = _coupling(scene, solution, jet)
-        eps = _coupling_error(scene, solution, jet)
+        alpha, a, viscosity = coupling(scene, solution, jet)
+        eps = coupling_error(scene, solution, jet)
         attributes |= {
             "jet": repr(jet) if len(repr(jet)) < 400 else type(jet).__name__,
             "initial_velocity": jet.initial_velocity,
@@ -534,8 +449,8 @@ def _attributes(
             "spring": scene.network.spring.value,
             "coupling_error": eps,
             "model_reason": (
-                f"affine: elastic slip changes the network velocity by about {eps:.2g} (largest c V'/alpha_v, alpha_v = "
-                f"{alpha:.4g}; {viscosity}), rtol = {scene.accuracy.rtol:g}"
+                f"{'affine' if network is None else 'manifold, asked for'}: elastic slip changes the network velocity by "
+                f"about {eps:.2g} (largest c V'/alpha_v, alpha_v = {alpha:.4g}; {viscosity}), rtol = {scene.accuracy.rtol:g}"
             ),
         }
     else:

@@ -1,0 +1,189 @@
+"""What a scene needs before anything runs: its solution, its jet, and the numbers that couple network and flow."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spinline.errors import InputError
+from spinline.jetprofile.hyperbolic import Hyperbolic
+from spinline.jetprofile.k_estimate import estimate_k
+from spinline.jetprofile.power_law import PowerLaw
+from spinline.jetprofile.straight import StraightJet
+from spinline.network.coupling import affinity, elastic_coupling
+from spinline.network.mesh import network_at_rest
+from spinline.rheology.materials import Polymer, polymer, solvent_viscosity
+from spinline.rheology.solution import Solution
+from spinline.scene import (
+    HyperbolicJet,
+    JetspinJet,
+    LagrangianJetFile,
+    PolymerData,
+    PowerLawJet,
+    Scene,
+    SolventData,
+    TableJet,
+)
+from spinline.units import Measured
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from spinline.jetprofile.lagrangian import LagrangianJet
+
+__all__ = ["build_jet", "build_solution", "coupling", "coupling_error", "jet_length"]
+
+
+def build_solution(scene: Scene) -> Solution:
+    """Solution of a scene, built-in properties filled in."""
+    s = scene.solution
+    data: Polymer
+    if isinstance(s.polymer, PolymerData):
+        data = Polymer(
+            name=s.polymer.name,
+            density=s.polymer.density.value,
+            repeat_unit_molar_mass=_value(s.polymer.repeat_unit_molar_mass, float("nan")),
+            backbone_bonds=s.polymer.backbone_bonds or 0,
+        )
+    else:
+        data = polymer(s.polymer, "solution.polymer")
+    density = _value(s.solvent_density)
+    solvent: Any = s.solvent
+    if isinstance(s.solvent, SolventData):
+        density = s.solvent.density.value if density is None else density
+        solvent = s.solvent.name
+    return Solution.build(
+        data,
+        solvent,
+        mass_fraction=_value(s.mass_fraction),
+        volume_fraction=_value(s.volume_fraction),
+        temperature=s.temperature.value,
+        polymer_density=_value(s.polymer_density),
+        solvent_density=density,
+        kuhn_length=s.kuhn_length.value,
+        molar_mass=_value(s.molar_mass),
+        viscosity=_value(s.viscosity),
+        relaxation_time=_value(s.relaxation_time),
+        field="solution.",
+    )
+
+
+def build_jet(scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet":
+    """Jet of a scene: analytic, tabulated or imported."""
+    j = scene.jet
+    if isinstance(j, PowerLawJet):
+        k = _value(j.k)
+        if k is None:
+            if solution.viscosity is None:
+                raise InputError("solution.viscosity", "is missing: the estimate of k needs it", remedy="give it, or k")
+            assert j.conductivity is not None
+            assert j.electric_field is not None
+            k = float(
+                estimate_k(
+                    radius=j.radius.value,
+                    flow_rate=j.flow_rate.value,
+                    conductivity=j.conductivity.value,
+                    viscosity=solution.viscosity,
+                    electric_field=j.electric_field.value,
+                )
+            )
+        return PowerLaw(radius=j.radius.value, flow_rate=j.flow_rate.value, k=k, beta=j.beta.value)
+    if isinstance(j, HyperbolicJet):
+        return Hyperbolic(radius=j.radius.value, flow_rate=j.flow_rate.value, p=j.p.value)
+    path = scene.folder / j.path
+    if not path.exists():
+        raise InputError("jet.path", "does not exist", value=j.path, remedy="paths start from the scene's folder")
+    if isinstance(j, TableJet):
+        from spinline.jetprofile.table import Table
+
+        return Table.from_csv(path, flow_rate=j.flow_rate.value, initial_radius=_value(j.radius))
+    from spinline.jetprofile.lagrangian import LagrangianJet
+
+    beads: LagrangianJet
+    if isinstance(j, LagrangianJetFile):
+        beads = LagrangianJet.from_csv(path, initial_radius=_value(j.radius))
+    else:
+        beads = LagrangianJet.from_dataset(_jet_dataset(j, path))
+    if j.time == "all":
+        return beads
+    return beads.at(None if isinstance(j.time, str) else j.time.value)
+
+
+def jet_length(scene: Scene, jet: StraightJet) -> float:
+    """Length of the jet in m: the scene's, within what the profile covers."""
+    length = scene.jet.length if isinstance(scene.jet, PowerLawJet | HyperbolicJet | TableJet) else None
+    if length is None:
+        return jet.end
+    if length.value > jet.end * (1 + 1e-12):
+        raise InputError(
+            "jet.length", "reaches beyond the last sample of the table", value=length.text,
+            allowed=f"up to {jet.end:g} m",
+        )  # fmt: skip
+    if length.value <= jet.start:
+        raise InputError("jet.length", "ends before the first sample", value=length.text, allowed=f"> {jet.start:g} m")
+    return min(length.value, jet.end)
+
+
+def coupling(scene: Scene, solution: Solution, jet: StraightJet) -> tuple[float, float, str]:
+    """alpha_v, A and the viscosity they were made with, in words."""
+    if scene.network.coupling is not None:
+        alpha = scene.network.coupling.value
+        return alpha, alpha * solution.kuhn_length / (3 * jet.initial_radius), "given as network.coupling"
+    viscosity, words = _drag_viscosity(scene, solution)
+    xi = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).size) * solution.kuhn_length
+    alpha = float(elastic_coupling(xi, jet.initial_velocity, viscosity, jet.initial_radius, solution.temperature))
+    a = float(affinity(xi, jet.initial_velocity, viscosity, solution.kuhn_length, solution.temperature))
+    return alpha, a, f"{words}, {viscosity:.4g} Pa s"
+
+
+def _drag_viscosity(scene: Scene, solution: Solution) -> tuple[float, str]:
+    choice = scene.network.drag_viscosity
+    if isinstance(choice, Measured):
+        return choice.value, "given viscosity"
+    if choice == "solution":
+        if solution.viscosity is None:
+            raise InputError(
+                "solution.viscosity", 'is missing: network.drag_viscosity = "solution" needs it', remedy="give it"
+            )
+        return solution.viscosity, "viscosity of the solution"
+    given = scene.solution.solvent_viscosity
+    if given is not None:
+        return given.value, "viscosity of the solvent"
+    if isinstance(scene.solution.solvent, SolventData):
+        raise InputError(
+            "solution.solvent_viscosity", "is missing: alpha_v needs it for a solvent that is not built in",
+            remedy="give it, or network.coupling",
+        )  # fmt: skip
+    logs = [
+        share * np.log(solvent_viscosity(name, solution.temperature, "solution.solvent"))
+        for name, share in solution.solvent.items()
+    ]
+    words = "viscosity of the solvent" if len(logs) == 1 else "viscosity of the solvents (mean of logarithms)"
+    return float(np.exp(np.sum(logs))), words
+
+
+def coupling_error(scene: Scene, solution: Solution, jet: StraightJet) -> float:
+    """Largest relative error of w = V along the jet, ``c V' / alpha_v`` (first term of the series of Eq. 33)."""
+    alpha, _, _ = coupling(scene, solution, jet)
+    length = jet_length(scene, jet)
+    z = jet.start + jet.initial_radius * np.expm1(
+        np.linspace(0, np.log1p((length - jet.start) / jet.initial_radius), 257)
+    )
+    z = np.clip(np.append(z, [jet.start + kink * jet.initial_radius for kink in jet.kinks()]), jet.start, length)
+    slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
+    return float(scene.network.spring.value * slope.max() / alpha)
+
+
+def _jet_dataset(section: JetspinJet, path: Path) -> "xr.Dataset":
+    """Beads of a JETSPIN run, or of the file that import-jet made of one."""
+    if path.suffix == ".nc":
+        from spinline.results import open_dataset
+
+        return open_dataset(path)
+    from spinline.jetprofile.jetspin import read_jetspin
+
+    return read_jetspin(path, source=section.source, unit=section.unit)
+
+
+def _value(measured: Measured | None, default: Any = None) -> Any:
+    return default if measured is None else measured.value
