@@ -1,0 +1,177 @@
+"""Speed, memory and error of the JETSPIN reader on a synthetic trajectory of a given size.
+
+Frames of the bundled PVP run are repeated with perturbed numbers, as text and as binary, and read in pieces.
+Plain numpy reads the same numbers on a slice of the text, in the same run, without looking for damage.
+
+    python benchmarks/bench_jetspin.py [MEGABYTES] [--frames] [--keep DIR]
+"""
+
+import argparse
+import io
+import resource
+import struct
+import tempfile
+import time
+import tracemalloc
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from spinline.jetprofile import iter_jetspin
+
+L0 = 0.034877280224  # cm, of the PVP run
+BLOCK = 1084  # bytes of the parameter block
+
+
+def real_frames(run):
+    """Last-frame positions of the bundled run, one array per stored frame."""
+    return [
+        np.stack([data[axis].values[0, : int(data.n_bead[0])] for axis in "xyz"], axis=1)[::-1]
+        for data in iter_jetspin(run / "traj.dat", chunk_frames=1)
+    ]
+
+
+def make_text(path, frames, size, rng, maxnumber=150):
+    """Write a traj.xyz of at least `size` bytes; returns rounded x of the beads of the last frame (m)."""
+    number = 0
+    with path.open("wb") as file:
+        while file.tell() < size:
+            for beads in frames:
+                number += 1
+                moved = beads / (L0 * 0.01) * (1 + 1e-4 * rng.standard_normal(beads.shape))
+                moved[-1] = 0
+                rows = np.zeros((maxnumber, 3))
+                rows[: len(moved)] = moved
+                rows[: len(moved), 0] = np.clip(rows[: len(moved), 0], 0, 16 / L0)
+                body = "".join([f"C       {x:10.5f}{y:10.5f}{z:10.5f}\n" for x, y, z in rows.tolist()])
+                text = f"{maxnumber:10d}\nframe at time{number * 5e-4:20.10E}{number * 5000:10d}\n{body}"
+                file.write(text.encode())
+            if file.tell() > 4e6:  # the numbers of the first megabytes are repeated under new times
+                break
+        begin = path.read_bytes() if file.flush() is None else b""
+        whole = begin.split(b"frame at time")
+        step = len(whole) - 1
+        while file.tell() < size:
+            shifted = [whole[0]]
+            for k, part in enumerate(whole[1:], 1):
+                number += 1
+                stop = part.index(b"\n")
+                head = f"{number * 5e-4:20.10E}{number * 5000:10d}".encode()
+                shifted.append(head + part[stop:])
+                assert k <= step
+            file.write(b"frame at time".join(shifted))
+    return number, np.round(rows[: len(moved), 0], 5) * L0 * 0.01
+
+
+def make_binary(path, source, size):
+    """Write a traj.dat of at least `size` bytes from the frames of a real one, under new times."""
+    content = source.read_bytes()
+    frames, at = [], BLOCK
+    while at < len(content):
+        rows = struct.unpack_from("<i", content, at + 16)[0]
+        stop = at + 64 + rows * 48
+        frames.append(bytearray(content[at:stop]))
+        at = stop
+    number = 0
+    with path.open("wb") as file:
+        file.write(content[:BLOCK])
+        while file.tell() < size:
+            for frame in frames:
+                number += 1
+                struct.pack_into("<d", frame, 28, number * 5e-3)
+                file.write(frame)
+    return number
+
+
+def measure(label, path, **options):
+    """Read a file in pieces: MB/s and the largest resident size."""
+    next(iter_jetspin(path, time="last", **options))  # compiled
+    megabytes = (
+        sum(f.stat().st_size for f in path.glob("frame*")) if path.is_dir() else path.stat().st_size
+    ) / 1e6
+    begin, count = time.perf_counter(), 0
+    for data in iter_jetspin(path, **options):
+        count += data.sizes["time"]
+    seconds = time.perf_counter() - begin
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(
+        f"{label:28s} {megabytes:8.1f} MB {count:8d} frames {seconds:7.2f} s {megabytes / seconds:7.1f} MB/s, "
+        f"peak resident {peak:.0f} MB"
+    )
+    return megabytes / seconds, data
+
+
+def plain(path, limit=4_000_000):
+    """numpy.genfromtxt and numpy.loadtxt on the rows of the first megabytes, MB/s."""
+    lines = [
+        line
+        for line in path.read_bytes()[:limit].splitlines()
+        if len(line.split()) == 4 and line.startswith(b"C")
+    ]
+    text = b"\n".join(lines)
+    speeds = {}
+    for name, reader, options in (
+        ("numpy.loadtxt", np.loadtxt, {"usecols": (1, 2, 3)}),
+        ("numpy.genfromtxt", np.genfromtxt, {"delimiter": (8, 10, 10, 10), "usecols": (1, 2, 3)}),
+    ):
+        begin = time.perf_counter()
+        reader(io.BytesIO(text), **options)
+        speeds[name] = len(text) / 1e6 / (time.perf_counter() - begin)
+        print(f"{name:28s} {len(text) / 1e6:8.1f} MB, numbers only {'':17s} {speeds[name]:7.1f} MB/s")
+    return speeds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("megabytes", type=float, nargs="?", default=100.0)
+    parser.add_argument("--memory", action="store_true", help="also trace allocations (slow)")
+    parser.add_argument("--keep", type=Path, help="directory for the synthetic files")
+    options = parser.parse_args()
+    run = Path(str(files("spinline"))) / "data" / "jetspin" / "pvp3d"
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = options.keep or Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "log.txt").write_bytes((run / "log.txt").read_bytes())
+        size = options.megabytes * 1e6
+        frames = real_frames(run)
+        count, truth = make_text(folder / "traj.xyz", frames, size, np.random.default_rng(1))
+        make_binary(folder / "traj.dat", run / "traj.dat", size)
+        singles = folder / "singles"
+        singles.mkdir(exist_ok=True)
+        (singles / "log.txt").write_bytes((run / "log.txt").read_bytes())
+        make_singles(folder / "traj.xyz", singles, min(size, 20e6))
+        text, data = measure("traj.xyz", folder / "traj.xyz")
+        binary, _ = measure("traj.dat, style 5", folder / "traj.dat")
+        measure("frame*.xyz", singles)
+        speeds = plain(folder / "traj.xyz")
+        print(f"text against loadtxt {text / speeds['numpy.loadtxt']:.1f} times, ", end="")
+        print(
+            f"against genfromtxt {text / speeds['numpy.genfromtxt']:.0f} times; binary/text {binary / text:.1f}"
+        )
+        last = data.x.values[-1, : len(truth)][::-1]
+        print(f"last frame of {count}: x against what was written, {np.abs(last - truth).max():.1e} m")
+        if options.memory:
+            tracemalloc.start()
+            for data in iter_jetspin(folder / "traj.xyz"):
+                pass
+            print(f"largest traced allocation {tracemalloc.get_traced_memory()[1] / 1e6:.0f} MB")
+
+
+def make_singles(source, folder, size):
+    """Cut the first frames of a traj.xyz into frame*.xyz."""
+    content = source.read_bytes()[: int(size)]
+    starts = [m - 11 for m in _find(content, b"frame at time")]
+    for number, (begin, stop) in enumerate(zip(starts[:-1], starts[1:], strict=True), 1):
+        (folder / f"frame{number:06d}.xyz").write_bytes(content[begin:stop])
+
+
+def _find(content, what):
+    at = content.find(what)
+    while at >= 0:
+        yield at
+        at = content.find(what, at + 1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,157 @@
+"""Beads that cannot be where, or what, the file says."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
+from spinline.jetprofile.jetspin.header import RunParameters
+from spinline.jetprofile.jetspin.notes import Notes
+
+__all__ = [
+    "FAR",
+    "KINK",
+    "LONE_KINK",
+    "check_content",
+    "check_motion",
+    "check_positions",
+    "kinks",
+    "peak_kink",
+]
+
+Flags = NDArray[np.bool_]
+FAR = 20.0  # collector distances; nothing of a jet is farther away
+KINK = 1.5  # by how much a kink may exceed those of the frames before and after
+LONE_KINK = 10.0  # and what it may be in a frame without them (8 is met in sound runs)
+_FAST = 1e6  # m/s
+_STIFF = 1e15  # Pa
+
+
+def check_positions(
+    bead: dict[str, Floats],
+    there: Flags,
+    error: float,
+    around: tuple[float, float],
+    parameters: RunParameters,
+    notes: Notes,
+) -> tuple[Flags, Flags]:
+    """Deposited beads, and beads whose position is not believed.
+
+    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle, or at a kink that the
+    frames before and after do not have, keeps its position. `around` is the sharpest kink of the frame before
+    these and of the one after, NaN where there is none.
+    """
+    x, y, z = bead["x"], bead["y"], bead["z"]
+    collector = parameters.collector_distance
+    odd = np.isnan(x) & there
+    deposited = np.zeros(x.shape, dtype=np.bool_)
+    limit = 1e3 if collector is None else FAR * collector
+    lost = (np.abs(x) > limit) | (np.abs(y) > limit) | (np.abs(z) > limit)
+    if lost.any():
+        shown = f"{limit:.4g} m" if collector is None else f"{FAR:.0f} collector distances"
+        notes.add(f"{{n}} beads farther than {shown} from the nozzle have NaN positions", int(lost.sum()))
+        for values in (x, y, z):
+            values[lost] = np.nan
+        odd |= lost
+    if collector is not None:
+        deposited = x >= collector - error - 1e-6 * collector
+        if parameters.removing is not False:
+            beyond = x > collector + 2 * error + 1e-6 * collector
+            notes.add("{n} beads beyond the collector, taken as deposited", int(beyond.sum()))
+    behind = x < -error - 1e-9
+    inner = there.copy()
+    inner[:, 0] = False
+    behind &= inner
+    notes.add(
+        "{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum())
+    )
+    odd |= behind
+    stray = _strays(bead, deposited, around)
+    notes.add(
+        "{n} beads far off the line of their neighbours; the elements beside them are not valid",
+        int(stray.sum()),
+    )
+    odd |= stray
+    return deposited, odd
+
+
+def kinks(bead: dict[str, Floats]) -> Floats:
+    """Path over every inner bead against the straight line between its neighbours; 1 where there is none."""
+    found = np.ones(bead["x"].shape)
+    if found.shape[1] < 3:
+        return found
+    points = [bead[axis] for axis in "xyz"]
+    one = _distance(points, 1)
+    two = _distance(points, 2)
+    path = one[:, 1:] + one[:, :-1]
+    np.divide(path, two, out=found[:, 1:-1], where=two > 1e-4 * path)
+    return np.nan_to_num(found, copy=False, nan=1.0, posinf=1.0)
+
+
+def _distance(points: list[Floats], apart: int) -> Floats:
+    """Distance between beads so many numbers apart."""
+    squared = np.zeros(1)
+    for p in points:
+        squared = squared + (p[:, apart:] - p[:, :-apart]) ** 2
+    return np.asarray(np.sqrt(squared))
+
+
+def peak_kink(block: Block) -> float:
+    """Sharpest kink of the frames of a block."""
+    peak = 1.0
+    for first, length in zip(block.first.tolist(), block.length.tolist(), strict=True):
+        rows = slice(first, first + length)
+        zero = np.zeros((1, length))
+        bead = {axis: block.values[axis][None, rows] if axis in block.values else zero for axis in "xyz"}
+        peak = max(peak, float(kinks(bead).max(initial=1.0)))
+    return peak
+
+
+def _strays(bead: dict[str, Floats], deposited: Flags, around: tuple[float, float]) -> Flags:
+    """Beads at a kink that neither the frame before nor the one after knows the like of."""
+    kink = kinks(bead)
+    kink[:, :-1][deposited[:, 1:]] = 1.0
+    peak = kink.max(axis=1, initial=1.0)
+    known = np.fmax(np.concatenate([[around[0]], peak[:-1]]), np.concatenate([peak[1:], [around[1]]]))
+    allowed = np.where(np.isnan(known), LONE_KINK, KINK * known)
+    return np.asarray(kink > allowed[:, None])
+
+
+def check_motion(pad: Padder, notes: Notes) -> Flags:
+    """Beads with a velocity or a stress that nothing has."""
+    odd: Flags = np.zeros(pad.there.shape, dtype=np.bool_)
+    bounds = [(f"velocity_{axis}", _FAST, "speeds") for axis in "xyz"] + [("stress", _STIFF, "stresses")]
+    for name, limit, text in bounds:
+        if name in pad:
+            wrong = np.abs(pad(name)) > limit
+            notes.add(
+                f"{{n}} {text} are beyond all bounds; the elements beside them are not valid",
+                int(wrong.sum()),
+            )
+            odd |= wrong
+    return odd
+
+
+def check_content(pad: Padder, parameters: RunParameters, notes: Notes) -> Flags:
+    """Beads whose volume, mass or charge cannot be; volumes are judged by mass and charge, and the reverse."""
+    volume = pad("volume")
+    odd: Flags = np.isfinite(volume) & ~(volume > 0)
+    notes.add("{n} volumes are not positive; their elements have no radius", int(odd.sum()))
+    nominal, mass, charge = parameters.element_volume, parameters.mass_unit, parameters.charge_unit
+    if nominal is None or mass is None or charge is None:
+        return odd
+    share = volume / nominal
+    by_mass, by_charge = pad("mass") / mass, pad("charge") / charge
+    large = share > 1.001
+    differs = np.abs(share - by_mass) > 1e-4 * np.abs(share)
+    differs_too = np.abs(share - by_charge) > 1e-4 * np.abs(share)
+    heavy = (by_mass > 1.001) & (by_charge > 1.001) & ~large
+    notes.add(
+        "{n} beads have more mass and charge than their volume can hold (JETSPIN 1.21 gives beads inserted after a "
+        "restart wrong ones)",
+        int((heavy & differs).sum()),
+    )
+    wrong = (large | (differs & differs_too & ~heavy)) & ~odd
+    notes.add("{n} volumes contradict mass and charge; their elements are not valid", int(wrong.sum()))
+    single = (differs ^ differs_too) & ~wrong
+    notes.add("{n} beads have a mass or charge that contradicts their volume", int(single.sum()))
+    return odd | wrong

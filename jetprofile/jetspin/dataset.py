@@ -1,0 +1,156 @@
+"""Beads to a Dataset: numbered from the nozzle, padded, with radius, stretch ratio and flags.
+
+Element i joins bead i and bead i + 1. What JETSPIN keeps with a bead but which belongs to the piece of jet between
+it and the next bead towards the nozzle (its volume, its stress) lies on `element`.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from spinline.jetprofile.jetspin.checks import check_content, check_motion, check_positions
+from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
+from spinline.jetprofile.jetspin.header import RunParameters
+from spinline.jetprofile.jetspin.notes import Notes
+
+__all__ = ["Meaning", "build_dataset"]
+
+_ATTRS: dict[str, tuple[str, str, str]] = {
+    "x": ("bead", "m", "position along the spinning axis, nozzle at 0"),
+    "y": ("bead", "m", "first lateral position"),
+    "z": ("bead", "m", "second lateral position"),
+    "arc_length": ("bead", "m", "distance from the nozzle along the jet"),
+    "velocity_x": ("bead", "m s-1", "velocity along the spinning axis"),
+    "velocity_y": ("bead", "m s-1", "first lateral velocity"),
+    "velocity_z": ("bead", "m s-1", "second lateral velocity"),
+    "velocity": ("bead", "m s-1", "speed"),
+    "mass": ("bead", "kg", "mass of the bead"),
+    "charge": ("bead", "C", "charge of the bead"),
+    "deposited": ("bead", "", "bead has reached the collector"),
+    "element_length": ("element", "m", "length of the element between bead i and bead i + 1"),
+    "element_arc_length": ("element", "m", "distance of the element's middle from the nozzle along the jet"),
+    "radius": ("element", "m", "radius of the jet"),
+    "stretch_ratio": ("element", "1", "length of the element over its length at the nozzle radius"),
+    "strain_rate": ("element", "s-1", "rate of elongation of the element, (dv . t)/l"),
+    "stress": ("element", "Pa", "viscoelastic axial stress"),
+    "volume": ("element", "m3", "volume of the element"),
+    "valid_element": (
+        "element",
+        "",
+        "element is whole: not laid down, not damaged, not beside a damaged bead",
+    ),
+    "n_bead": ("", "1", "number of beads stored"),
+    "nozzle_missing": (
+        "",
+        "",
+        "beads next to the nozzle are not in the file; bead 0 is the nearest one stored",
+    ),
+    "inserted": ("", "", "the bead nearest the nozzle has been inserted"),
+}
+
+
+@dataclass
+class Meaning:
+    """What is known about a run beside its beads.
+
+    `position_error` is half a unit in the last decimal of the file (m); `text` tells that the file holds only
+    positions.
+    """
+
+    parameters: RunParameters
+    position_error: float
+    text: bool
+    attrs: dict[str, Any]
+
+
+def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], notes: Notes) -> xr.Dataset:
+    """Dataset of the frames in `block`; `around` is the sharpest kink of the frames before and after them.
+
+    Positions that cannot be are NaN; elements that touch them, deposited beads or damaged rows keep their values,
+    where they have one, and `valid_element` is False. From a bead that is NaN outwards, `arc_length` is NaN.
+    """
+    pad = Padder(block)
+    there = pad.there
+    bead: dict[str, Floats] = {axis: pad(axis) for axis in "xyz"}
+    bad = pad.bad()
+    p = meaning.parameters
+    deposited, odd = check_positions(bead, there, meaning.position_error, around, p, notes)
+    bad |= odd
+    whole = there[:, 1:]
+    step = [np.diff(bead[axis], axis=1) for axis in "xyz"]
+    length = np.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
+    coincident = whole & (length <= 0)
+    notes.add(
+        "{n} elements of no length (coincident beads) have no radius",
+        int(coincident.sum()),
+        warn=False,
+        dropped=True,
+    )
+    notes.add(
+        "{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum())
+    )
+    safe = np.where(coincident, np.nan, length)
+    volume = pad("volume")[:, 1:] if "volume" in pad else None
+    if volume is not None:
+        bad |= check_content(pad, p, notes)
+    if "velocity_x" in pad:
+        bad |= check_motion(pad, notes)
+    at_rest = _rest_length(volume, meaning)
+    invalid = bad[:, 1:] | bad[:, :-1] | deposited[:, 1:] | deposited[:, :-1] | coincident
+    out: dict[str, NDArray[Any]] = {**bead}
+    arc = np.zeros_like(bead["x"])
+    np.cumsum(length, axis=1, out=arc[:, 1:])
+    arc[~block.reaches_nozzle] = np.nan
+    arc[~there | np.isnan(bead["x"])] = np.nan
+    out["arc_length"] = arc
+    out["element_length"] = length
+    out["element_arc_length"] = 0.5 * (arc[:, 1:] + arc[:, :-1])
+    stretch = safe / at_rest
+    radius_at_rest = math.nan if p.nozzle_radius is None else p.nozzle_radius
+    out["stretch_ratio"] = stretch
+    out["radius"] = radius_at_rest / np.sqrt(stretch)
+    if "velocity_x" in pad:
+        for axis in "xyz":
+            out[f"velocity_{axis}"] = pad(f"velocity_{axis}")
+        speeds = [out[f"velocity_{axis}"] for axis in "xyz"]
+        out["velocity"] = np.sqrt(speeds[0] ** 2 + speeds[1] ** 2 + speeds[2] ** 2)
+        rate = sum(np.diff(v, axis=1) * d for v, d in zip(speeds, step, strict=True))
+        out["strain_rate"] = rate / safe**2
+    if "stress" in pad:
+        out["stress"] = pad("stress")[:, 1:]
+    if volume is not None:
+        out["volume"] = volume
+    for name in ("mass", "charge"):
+        if name in pad:
+            out[name] = pad(name)
+    out["deposited"] = deposited
+    out["valid_element"] = whole & ~invalid & np.isfinite(length)
+    out["n_bead"] = block.length.astype(np.int32)
+    out["nozzle_missing"] = ~block.reaches_nozzle
+    if block.inserted is not None:
+        out["inserted"] = block.inserted
+    return _dataset(out, block.time, meaning.attrs)
+
+
+def _rest_length(volume: Floats | None, meaning: Meaning) -> Floats | float:
+    """Length of an element at the radius of the nozzle, NaN where it cannot be known."""
+    p = meaning.parameters
+    if volume is not None and p.nozzle_radius is not None:
+        return np.where(volume > 0, volume, np.nan) / (math.pi * p.nozzle_radius**2)
+    if p.resolution is None or p.refinement:
+        return math.nan
+    return p.resolution
+
+
+def _dataset(values: dict[str, NDArray[Any]], time: Floats, attrs: dict[str, Any]) -> xr.Dataset:
+    variables = {}
+    for name, data in values.items():
+        dim, unit, text = _ATTRS[name]
+        about = {"long_name": text} | ({"units": unit} if unit else {})
+        variables[name] = (("time", dim) if dim else ("time",), data, about)
+    about = {"units": "s", "long_name": "time"}
+    return xr.Dataset(variables, coords={"time": ("time", time, about)}, attrs=attrs)

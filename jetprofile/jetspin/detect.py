@@ -1,0 +1,100 @@
+"""What a file of a JETSPIN run is: by its content, by its name where the content is damaged."""
+
+import re
+from pathlib import Path
+
+from spinline.errors import InputError
+from spinline.jetprofile.jetspin.fortran import record_sizes
+
+__all__ = ["file_kind", "frame_files"]
+
+_FRAME = re.compile(r"frame(\d+)\.xyz", re.IGNORECASE)
+_NAMES = (
+    (re.compile(r"(traj.*|frame\d+)\.xyz", re.I), "xyz"),
+    (re.compile(r"(traj|save|restart).*\.dat", re.I), "beads"),
+    (re.compile(r"statdat.*\.dat", re.I), "statdat"),
+    (re.compile(r"statout.*\.dat", re.I), "statout"),
+    (re.compile(r"bead.*\.dat", re.I), "landed"),
+    (re.compile(r"(log.*\.txt|.*\.log)", re.I), "setup"),
+    (re.compile(r"input.*\.dat", re.I), "setup"),
+)
+_DIRECTIVES = re.compile(
+    rb"^\s*(system|integrator|timestep|final time|points|initial length|nozzle cross|viscosity|elastic mod"
+    rb"|collector dist|external potential|print (xyz|time|list)|printstat)\b",
+    re.M | re.I,
+)
+
+
+def file_kind(path: Path) -> str:
+    """Kind of a file: "xyz", "beads", "statdat", "landed", "statout" or "setup".
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, is empty, is none of them, or is a PDB or PSF file.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(1 << 16)
+    except OSError as error:
+        raise InputError(
+            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
+        ) from None
+    if not head:
+        raise InputError(
+            str(path),
+            "is empty (0 bytes)",
+            remedy="JETSPIN writes late; read another file of the run, e.g. traj.xyz",
+        )
+    kind = _by_content(head)
+    if kind is None:
+        kind = next((kind for pattern, kind in _NAMES if pattern.fullmatch(path.name)), None)
+    if kind in ("pdb", "psf") or (kind is None and path.suffix.lower() in (".pdb", ".psf")):
+        raise InputError(
+            str(path),
+            "a PDB or PSF file: it holds no time, and no radius can be had from its 0.01 cm",
+            remedy="read the frame*.xyz, traj.xyz, traj.dat or save.dat of the run",
+        )
+    if kind is None:
+        raise InputError(
+            str(path),
+            "not a file of a JETSPIN run",
+            remedy="give traj.xyz, frame*.xyz, traj.dat, save.dat, statout.dat, statdat.dat, bead.dat, log.txt, input.dat "
+            "or the directory of the run",
+        )
+    return kind
+
+
+def _by_content(head: bytes) -> str | None:
+    sizes = record_sizes(head, 3)
+    if sizes[:1] == [188]:
+        return "statdat"
+    if sizes[:2] == [4, 52]:
+        return "landed"
+    if sizes[:2] == [4, 24]:
+        return "beads"
+    if re.match(rb"[ 0-9]{1,12}\r?\nframe at time", head):
+        return "xyz"
+    if head.startswith(b"#*****"):
+        return "statout"
+    if head.startswith(b"ATOM ") or head.startswith(b"HEADER") or head.startswith(b"REMARK"):
+        return "pdb"
+    if re.match(rb"\s{0,3}PSF", head):
+        return "psf"
+    if b"frame at time" in head and b"\nC     " in head:
+        return "xyz"
+    if any(mark in head for mark in (b"Start printing input file", b"Internal units:", b"JETSPIN:")):
+        return "setup"
+    if b"\0" not in head and len(_DIRECTIVES.findall(head)) >= 2:
+        return "setup"
+    return None
+
+
+def frame_files(folder: Path) -> list[Path]:
+    """The ``frame*.xyz`` of a directory in order of their number."""
+    numbered = []
+    for path in folder.iterdir():
+        match = _FRAME.fullmatch(path.name)
+        if match is not None:
+            numbered.append((int(match[1]), path))
+    return [path for _, path in sorted(numbered)]

@@ -1,0 +1,325 @@
+"""What a run was set up with: ``log.txt`` (the terminal output) and ``input.dat``.
+
+The XYZ files do not say which length unit they are in, nor the nozzle radius: both come from here.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, replace
+from os import PathLike
+from pathlib import Path
+
+from spinline.errors import InputError
+from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.units import CM, si_unit, to_float
+
+__all__ = ["RunParameters", "merge_parameters", "parse_input", "parse_log", "read_parameters"]
+
+
+@dataclass(frozen=True)
+class RunParameters:
+    """Parameters of a JETSPIN run, SI; None where the file does not say.
+
+    `length_unit`, `time_unit`, `stress_unit`, `mass_unit` and `charge_unit` are JETSPIN's internal units.
+    `complete` tells that the whole set-up was seen, so that a directive not met was not given.
+    """
+
+    source: str = ""
+    complete: bool = False
+    version: str | None = None
+    system: int | None = None
+    points: int | None = None
+    nozzle_radius: float | None = None
+    resolution: float | None = None
+    initial_length: float | None = None
+    density: float | None = None
+    charge_density: float | None = None
+    viscosity: float | None = None
+    elastic_modulus: float | None = None
+    collector_distance: float | None = None
+    potential: float | None = None
+    surface_tension: float | None = None
+    nozzle_velocity: float | None = None
+    nozzle_stress: float | None = None
+    yield_stress: float | None = None
+    perturbation_amplitude: float | None = None
+    perturbation_frequency: float | None = None
+    air_velocity: float | None = None
+    timestep: float | None = None
+    final_time: float | None = None
+    xyz_interval: float | None = None
+    frame_interval: float | None = None
+    xyz_rescale: float | None = None
+    maxnumber: int | None = None
+    refinement: bool | None = None
+    inserting: bool | None = None
+    removing: bool | None = None
+    length_unit: float | None = None
+    time_unit: float | None = None
+    stress_unit: float | None = None
+    mass_unit: float | None = None
+    charge_unit: float | None = None
+
+    @property
+    def dimension(self) -> int | None:
+        """1 for a straight jet (systems 1 and 2), 3 otherwise."""
+        if self.system is None:
+            return None
+        return 1 if self.system in (1, 2) else 3
+
+    @property
+    def element_volume(self) -> float | None:
+        """Volume of an element as it leaves the nozzle, m3."""
+        if self.nozzle_radius is None or self.resolution is None:
+            return None
+        return math.pi * self.nozzle_radius**2 * self.resolution
+
+
+# field: (beginning in log.txt, beginning in input.dat, unit)
+_VALUES: dict[str, tuple[str, str, str]] = {
+    "points": ("points of jet", "point", "n"),
+    "system": ("system", "system", "n"),
+    "nozzle_radius": ("nozzle cross", "nozzle cross", "cm"),
+    "initial_length": ("initial length", "initial length", "cm"),
+    "resolution": ("resolution", "resolution", "cm"),
+    "density": ("density mass", "density mass", "g cm^-3"),
+    "charge_density": ("density charge", "density charge", "statC cm^-3"),
+    "viscosity": ("viscosity", "viscosity", "g cm^-1 s^-1"),
+    "elastic_modulus": ("elastic modulus", "elastic modul", "g cm^-1 s^-2"),
+    "collector_distance": ("collector dist", "collector dist", "cm"),
+    "potential": ("external potential", "external potential", "statV"),
+    "surface_tension": ("surface tension", "surface tension", "g s^-2"),
+    "nozzle_velocity": ("nozzle velocity", "nozzle velocity", "cm s^-1"),
+    "nozzle_stress": ("nozzle stress", "nozzle stress", "g cm^-1 s^-2"),
+    "yield_stress": ("yield stress", "yield stress", "g cm^-1 s^-2"),
+    "perturbation_frequency": ("nozzle perturbation freq", "perturbation freq", "s^-1"),
+    "perturbation_amplitude": ("nozzle perturbation ampl", "perturbation ampl", "cm"),
+    "air_velocity": ("airdrag airvelocity", "airdrag airvelocity", "cm s^-1"),
+    "timestep": ("timestep", "timestep", "s"),
+    "final_time": ("final time", "final time", "s"),
+    "xyz_rescale": ("print xyz file rescaled", "print xyz rescalexyz", ""),
+    "maxnumber": ("print xyz maxnumber", "print xyz maxnumber", "n"),
+    "frame_interval": ("print a single xyz", "print xyz frame", "s"),
+    "xyz_interval": ("print xyz file every", "print xyz", "s"),
+}
+_INTERNAL = {
+    "Time unit": ("time_unit", "s"),
+    "Length unit": ("length_unit", "cm"),
+    "Stress unit": ("stress_unit", "g cm^-1 s^-2"),
+    "Mass unit": ("mass_unit", "g"),
+    "Charge unit": ("charge_unit", "statC"),
+}
+_SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
+_POSITIVE = frozenset(
+    "points nozzle_radius initial_length resolution density viscosity elastic_modulus collector_distance "
+    "timestep final_time xyz_interval frame_interval maxnumber length_unit time_unit stress_unit mass_unit "
+    "charge_unit system".split()
+)
+_Values = dict[str, object]
+
+
+def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
+    """Read the set-up JETSPIN echoes to the terminal."""
+    found: _Values = {}
+    version = re.search(r"Version\s+([0-9][^\s(]*)", text)
+    if version is not None:
+        found["version"] = version[1]
+    inside = ended = False
+    for line in text.splitlines():
+        if line.startswith(("Start printing input", "Start simulation")):
+            inside = "input" in line
+        elif line.startswith("Finish printing input"):
+            inside, ended = False, True
+        resolution = re.match(r"The 'resolution' value is equal to\s+(\S+)", line)
+        if resolution is not None:
+            _store(found, "resolution", resolution[1], "cm", notes)
+        name, _, rest = line.partition("=")
+        internal = _INTERNAL.get(name.strip())
+        if internal is not None and rest.split():
+            _store(found, internal[0], rest.split()[0], internal[1], notes)
+        elif inside and rest.split():
+            _lookup(found, name.strip(), rest.split()[0], 0, notes)
+        elif inside:
+            _switch(found, line)
+    return _finish(found, source, ended, notes)
+
+
+def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
+    """Read the directives of an ``input.dat``."""
+    found: _Values = {}
+    ended = False
+    for raw in text.splitlines():
+        line = " ".join(raw[:150].split("!")[0].split("#")[0].split()).lower()
+        if line.startswith("finish"):
+            ended = True
+            break
+        words = line.split()
+        numbers = [word for word in words if re.match(r"[+-]?\.?\d", word)]
+        _switch(found, line)
+        if numbers:
+            _lookup(found, line, numbers[0], 1, notes)
+    return _finish(found, source, ended, notes)
+
+
+def _lookup(found: _Values, name: str, value: str, column: int, notes: Notes) -> None:
+    for field, rule in _VALUES.items():
+        if name.startswith(rule[column]):
+            _store(found, field, value, rule[2], notes)
+            return
+
+
+def _switch(found: _Values, line: str) -> None:
+    for name, field in _SWITCHES.items():
+        match = re.match(rf"{name}\s+(yes|no)\b", line)
+        if match is not None:
+            found[field] = match[1] == "yes"
+
+
+def _store(found: _Values, field: str, value: str, unit: str, notes: Notes) -> None:
+    number = to_float(value)
+    unusable = not abs(number) < 1e30 or (field in _POSITIVE and number <= 0)
+    if unusable or (unit == "n" and number != int(number)):
+        notes.add(f"{field.replace('_', ' ')} = {value[:30]} cannot be right and is not used")
+        found.pop(field, None)
+        return
+    found[field] = int(number) if unit == "n" else number * si_unit(unit)[0]
+
+
+def _finish(found: _Values, source: str, ended: bool, notes: Notes) -> RunParameters:
+    known = {field.name for field in fields(RunParameters)}
+    params = RunParameters(source=source, complete=ended, **{k: v for k, v in found.items() if k in known})  # type: ignore[arg-type]
+    if ended:
+        params = replace(
+            params,
+            refinement=bool(params.refinement),
+            inserting=bool(params.inserting),
+            removing=bool(params.removing),
+        )
+    if params.resolution is None and params.initial_length is not None and params.points is not None:
+        params = replace(params, resolution=params.initial_length / params.points)
+    return with_internal_units(params, notes)
+
+
+def with_internal_units(params: RunParameters, notes: Notes) -> RunParameters:
+    """Fill in the internal units from the set-up, or compare them with it."""
+    volume, charge_density = params.element_volume, params.charge_density
+    expected: dict[str, float] = {}
+    if params.elastic_modulus is not None:
+        expected["stress_unit"] = params.elastic_modulus
+        if params.viscosity is not None:
+            expected["time_unit"] = params.viscosity / params.elastic_modulus
+    if volume is not None and params.density is not None:
+        expected["mass_unit"] = volume * params.density
+    if volume is not None and charge_density is not None:
+        expected["charge_unit"] = volume * charge_density
+        if params.elastic_modulus is not None and params.nozzle_radius is not None:
+            statc = expected["charge_unit"] / si_unit("statC")[0]
+            r0, modulus = params.nozzle_radius / CM, params.elastic_modulus / si_unit("g cm^-1 s^-2")[0]
+            expected["length_unit"] = abs(statc) / math.sqrt(math.pi * r0**2 * modulus) * CM
+    for name, value in expected.items():
+        printed = getattr(params, name)
+        if not 0 < value < 1e30:
+            continue
+        if printed is None:
+            params = replace(params, **{name: value})  # type: ignore[arg-type]
+        elif abs(printed - value) > 1e-6 * value:
+            label = name.replace("_", " ")
+            notes.add(
+                f"internal {label} in {params.source} ({printed:.9g}) contradicts the set-up there ({value:.9g}, SI)"
+            )
+    return params
+
+
+def merge_parameters(sets: Iterable[RunParameters], notes: Notes) -> RunParameters | None:
+    """Join what several files say; the first one wins, contradictions are noted."""
+    merged: RunParameters | None = None
+    for params in sets:
+        if merged is None:
+            merged = params
+            continue
+        taken: _Values = {}
+        for field in fields(RunParameters):
+            mine, other = getattr(merged, field.name), getattr(params, field.name)
+            if field.name in ("source", "complete", "version") or other is None:
+                continue
+            if mine is None:
+                both = merged.complete and params.complete and field.name == "xyz_rescale"
+                differs = both
+                if not both:
+                    taken[field.name] = other
+            else:
+                differs = abs(float(mine) - float(other)) > 1e-6 * max(abs(float(mine)), abs(float(other)))
+            if differs:
+                notes.add(
+                    f"{merged.source} and {params.source} disagree about {field.name.replace('_', ' ')} "
+                    f"({mine} and {other}, SI); {merged.source} is believed"
+                )
+        taken["source"] = f"{merged.source}, {params.source}"
+        taken["complete"] = merged.complete or params.complete
+        merged = replace(merged, **taken)  # type: ignore[arg-type]
+    return merged
+
+
+def read_parameters(path: str | PathLike[str]) -> RunParameters:
+    """Read the set-up of a run.
+
+    Parameters
+    ----------
+    path : path
+        ``log.txt``, ``input.dat``, or the run directory that holds one of them or both.
+
+    Returns
+    -------
+    RunParameters
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    path = Path(path)
+    notes = Notes(str(path))
+    params = find_parameters(path, notes) if path.is_dir() else parse_file(path, notes)
+    if params is None or not any(_told(params)):
+        raise InputError(
+            str(path), "no JETSPIN set-up found", remedy="give log.txt, input.dat or their directory"
+        )
+    notes.emit()
+    return params
+
+
+def parse_file(path: Path, notes: Notes) -> RunParameters:
+    """Read one set-up file, log or input by its content."""
+    text = read_text(path)
+    reader: Callable[[str, str, Notes], RunParameters] = parse_log if is_log(text) else parse_input
+    return reader(text, path.name, notes)
+
+
+def is_log(text: str) -> bool:
+    """Whether a text is JETSPIN's terminal output rather than its input."""
+    return any(mark in text for mark in ("Start printing input file", "JETSPIN:", "Internal units:"))
+
+
+def read_text(path: Path, limit: int = 2_000_000) -> str:
+    """Read the beginning of a text file, which holds the set-up, whatever its bytes."""
+    try:
+        with path.open("rb") as file:
+            return file.read(limit).decode("utf-8", errors="replace")
+    except OSError as error:
+        raise InputError(
+            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
+        ) from None
+
+
+def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
+    """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
+    sets = [
+        parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()
+    ]
+    return merge_parameters([params for params in sets if any(_told(params))], notes)
+
+
+def _told(params: RunParameters) -> list[bool]:
+    skip = ("source", "complete", "version")
+    return [getattr(params, f.name) not in (None, False) for f in fields(params) if f.name not in skip]

@@ -1,0 +1,115 @@
+"""The files of a run: which hold the beads, and what stands beside them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spinline.errors import InputError
+from spinline.jetprofile.jetspin.detect import frame_files
+from spinline.jetprofile.jetspin.frames import Floats, order_frames
+from spinline.jetprofile.jetspin.header import RunParameters
+from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.scale import check_scale, length_scale
+from spinline.jetprofile.jetspin.stats import read_table
+from spinline.jetprofile.jetspin.xyz import XyzSource
+
+__all__ = ["Track", "choose_files", "open_xyz", "statistics_track"]
+
+_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Track:
+    """The first bead in ``statout.dat``: times (s) and x (m); `refined` if it counts refinements."""
+
+    time: Floats
+    x: Floats
+    refined: bool
+
+
+def choose_files(folder: Path, source: str | None) -> list[list[Path]]:
+    """Files to read, the best ones first."""
+    if source is None:
+        frames = frame_files(folder)
+        single = [
+            [folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()
+        ]
+        at = int(bool(single) and single[0][0].name == "traj.dat")
+        return single[:at] + ([frames] if frames else []) + single[at:]
+    if source in ("frame*.xyz", "frame.xyz", "frames"):
+        frames = frame_files(folder)
+        if not frames:
+            raise InputError("source", f"no frame*.xyz in {folder}", value=source, remedy=_there(folder))
+        return [frames]
+    path = folder / source
+    if not path.is_file():
+        raise InputError("source", f"not in {folder}", value=source, remedy=_there(folder))
+    return [[path]]
+
+
+def _there(folder: Path) -> str:
+    names = [files[0].name if len(files) == 1 else "frame*.xyz" for files in choose_files(folder, None)]
+    return f"there is {', '.join(names)}" if names else "there is no file with beads"
+
+
+def statistics_track(folder: Path) -> Track | None:
+    """Position of the first bead in time from ``statout.dat``, where it was printed."""
+    path = folder / "statout.dat"
+    if not path.is_file() or path.stat().st_size == 0:
+        return None
+    try:
+        table = read_table(path, Notes(path.name))
+    except InputError:
+        return None
+    time = np.asarray(table["time"].values, dtype=np.float64)
+    refined = bool((table["refinements"] > 0).any()) if "refinements" in table else False
+    x = np.asarray(table["x"].values, dtype=np.float64) if "x" in table else np.full(len(time), np.nan)
+    return Track(time, x, refined)
+
+
+def open_xyz(
+    files: list[Path],
+    parameters: RunParameters | None,
+    track: Track | None,
+    unit: str | float | None,
+    notes: Notes,
+) -> tuple[XyzSource, str]:
+    """Source of XYZ frames with its length unit set, and where that unit came from."""
+    source = XyzSource(files, notes)
+    if len(source.time) == 0:
+        raise InputError(
+            str(files[0]),
+            "holds no whole frame (JETSPIN leaves traj.xyz empty if its interval is longer than the run, or after the "
+            "directive `print xyz rescale`)",
+            remedy="read another file of the run",
+        )
+    kept = order_frames(source.time, Notes(""))
+    kept = kept[np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))] if len(kept) else kept
+    sample = source.load(kept, Notes(""))
+    time, x = sample.time, sample.values["x"][sample.first]
+    name = files[0].name.lower()
+    padded = bool((source.weight[kept] > sample.length).any())
+    kind: str | None = None
+    if padded or len(source.time) > len(files):
+        kind = "traj"
+    else:
+        kind = next((begin for begin in ("frame", "traj") if name.startswith(begin)), None)
+    pair = None if track is None else (track.time, track.x)
+    scale = length_scale(files[0].name, kind, parameters, unit, pair, (time, x))
+    told = scale.source
+    if "column x" not in told:
+        told += check_scale(scale.metres, pair, (time, x), notes)
+    _check_collector(float(np.nanmax(x, initial=0.0)) * scale.metres, parameters, notes)
+    source.scale = scale.metres
+    return source, told
+
+
+def _check_collector(farthest: float, parameters: RunParameters | None, notes: Notes) -> None:
+    if parameters is None or parameters.collector_distance is None or parameters.removing is False:
+        return
+    if farthest > 1.02 * parameters.collector_distance:
+        notes.add(
+            f"beads reach x = {farthest:.4g} m, beyond the collector at {parameters.collector_distance:.4g} m: the length "
+            "unit is in doubt"
+        )

@@ -1,0 +1,80 @@
+"""Gaussian CGS to SI, as JETSPIN needs it, and numbers as Fortran writes them."""
+
+import math
+import re
+
+__all__ = ["CM", "STATCOULOMB", "STATVOLT", "si_unit", "to_float"]
+
+CM = 0.01
+STATCOULOMB = 3.3356409519815204e-10  # C; 1/(10 c) with c in m/s
+STATVOLT = 299.792458  # V
+
+# factor and powers of (kg, m, s, C)
+_BASE: dict[str, tuple[float, tuple[int, int, int, int]]] = {
+    "g": (1e-3, (1, 0, 0, 0)),
+    "cm": (CM, (0, 1, 0, 0)),
+    "s": (1.0, (0, 0, 1, 0)),
+    "statC": (STATCOULOMB, (0, 0, 0, 1)),
+    "statV": (STATVOLT, (1, 2, -2, -1)),
+    "dyne": (1e-5, (1, 1, -2, 0)),
+    "dyn": (1e-5, (1, 1, -2, 0)),
+    "°": (math.pi / 180, (0, 0, 0, 0)),
+}
+_NAMED = {
+    (1, -1, -2, 0): "Pa",
+    (1, -1, -1, 0): "Pa s",
+    (1, 1, -2, 0): "N",
+    (1, 0, -2, 0): "N m-1",
+    (1, 2, -2, -1): "V",
+    (0, 0, -1, 1): "A",
+    (0, 0, 0, 0): "1",
+}
+_TOKEN = re.compile(r"([A-Za-z°]+)(?:\^?(-?\d+))?$")
+_SHORT_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+|\d+))([+-]\d{1,4})$")
+
+
+def si_unit(text: str) -> tuple[float, str]:
+    """Factor to SI and SI unit of a unit as JETSPIN prints it, e.g. ``g cm^-1 s^-2``.
+
+    An unknown unit returns the factor 1 and the text itself.
+    """
+    factor, powers = 1.0, [0, 0, 0, 0]
+    for token in text.split():
+        match = _TOKEN.match(token)
+        if match is None or match[1] not in _BASE:
+            return 1.0, text
+        power = int(match[2] or 1)
+        if abs(power) > 9:
+            return 1.0, text
+        base, dims = _BASE[match[1]]
+        factor *= base**power
+        powers = [p + power * d for p, d in zip(powers, dims, strict=True)]
+    if text.strip() == "°":
+        return factor, "rad"
+    named = _NAMED.get((powers[0], powers[1], powers[2], powers[3]))
+    if named is not None:
+        return factor, named
+    names = zip(("kg", "m", "s", "C"), powers, strict=True)
+    return factor, " ".join(name if p == 1 else f"{name}{p}" for name, p in names if p)
+
+
+def to_float(text: str) -> float:
+    """Read a number as Fortran writes or reads it; NaN where it is none.
+
+    Knows ``1.d-7``, the three-digit exponent without its letter (``0.5520854571-127``), ``Infinity`` and
+    fields of asterisks (NaN).
+    """
+    text = text.strip()
+    if not text.isascii() or "_" in text:
+        return math.nan
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    match = _SHORT_EXPONENT.match(text)
+    if match is not None:
+        return float(f"{match[1]}e{match[2]}")
+    try:
+        return float(re.sub("[dD]", "e", re.sub("[dDeE]$", "", text), count=1))
+    except ValueError:
+        return math.nan

@@ -1,0 +1,264 @@
+"""Frames of ``traj.xyz`` and ``frame*.xyz``.
+
+A first pass finds the frames (two header lines and so many rows; by jumping, or by search where the text is
+damaged), a second one reads the rows of those that are wanted. Files are mapped, so that a trajectory may
+be larger than memory.
+"""
+
+import mmap
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spinline.errors import InputError
+from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
+from spinline.jetprofile.jetspin.header import RunParameters
+from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.units import to_float
+
+__all__ = ["XyzSource", "map_file", "scan_frames"]
+
+_HEADER = re.compile(rb"frame at time([ 0-9.+\-EeDd*]{20})([ 0-9*]{10})\r?\n")
+_COUNT = re.compile(rb" *[0-9]{1,10}\Z")
+_KEEP = 64 << 20  # bytes of small files kept after the first pass
+
+
+def map_file(path: Path) -> mmap.mmap | bytes:
+    """Content of a file, mapped into memory (empty bytes for an empty file)."""
+    try:
+        with path.open("rb") as file:
+            if path.stat().st_size == 0:
+                return b""
+            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    except OSError as error:
+        raise InputError(
+            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
+        ) from None
+
+
+def forget_pages(content: mmap.mmap | bytes) -> None:
+    """Let go of the pages of a mapped file that have been read."""
+    if isinstance(content, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+        content.madvise(mmap.MADV_DONTNEED)
+
+
+def scan_frames(content: mmap.mmap | bytes, notes: Notes) -> FrameList:
+    """Find the whole frames of an XYZ text: time, offset of the first row, number of rows, line length."""
+    found = FrameList()
+    size = len(content)
+    at = _next_header(content, 0, notes)
+    released = 0
+    while at < size:
+        end = content.find(b"\n", at, at + 32) + 1
+        head = _HEADER.match(content[end : end + 64]) if end else None
+        count = _count(content[at:end]) if end else -1
+        if head is None or count < 1:
+            if not content[at : at + 4096].strip():
+                break
+            notes.add("{n} frames with a damaged header left out", dropped=True)
+            at = _next_header(content, max(at, end) + 1, notes, quiet=True)
+            continue
+        first = end + head.end()
+        stride = 40 if content[first + 38 : first + 40] == b"\r\n" else 39
+        after = first + count * stride
+        whole = after <= size or (after - size <= stride - 38 and content[size - 1 :] not in (b"\n",))
+        if whole and (after >= size or _starts_header(content, after) or _ends_here(content, after)):
+            stop = min(after, size)
+        else:
+            stop = _frame_end(content, first)
+            lines = _count_lines(content, first, stop, count)
+            if lines != count:
+                _lost(notes, cut=stop >= size and lines < count)
+                at = _next_header(content, stop, notes, quiet=True)
+                continue
+            stride = 0
+        found.add(to_float(head[1].decode()), first, count, stride)
+        at = stop
+        if at - released > _KEEP:
+            forget_pages(content)
+            released = at
+    return found
+
+
+def _lost(notes: Notes, *, cut: bool) -> None:
+    if cut:
+        notes.add("the last frame is cut off and left out", dropped=True)
+    else:
+        notes.add("{n} frames whose number of rows is not the one in their header left out", dropped=True)
+
+
+def _count(line: bytes) -> int:
+    match = _COUNT.match(line.rstrip(b"\r\n"))
+    return int(match[0]) if match is not None else -1
+
+
+def _starts_header(content: mmap.mmap | bytes, at: int) -> bool:
+    end = content.find(b"\n", at, at + 32) + 1
+    return end > 0 and content[end : end + 13] == b"frame at time"
+
+
+def _ends_here(content: mmap.mmap | bytes, at: int) -> bool:
+    """Whether a line ends before `at` and no row follows (the next header may be damaged)."""
+    return content[at - 1 : at] == b"\n" and content[at : at + 1] != b"C"
+
+
+def _frame_end(content: mmap.mmap | bytes, first: int) -> int:
+    """Where the line before the next header begins (a cut line may be glued to it), or the end."""
+    mark = content.find(b"frame at time", first)
+    if mark < 0:
+        return len(content)
+    return max(content.rfind(b"\n", first, mark - 1) + 1, first) if mark > first else first
+
+
+def _next_header(content: mmap.mmap | bytes, start: int, notes: Notes, *, quiet: bool = False) -> int:
+    """Begin of the next pair of header lines at or after `start`, or the end of the text."""
+    size = len(content)
+    while True:
+        mark = content.find(b"frame at time", start)
+        if mark < 0:
+            rest = content[start : start + 4096]
+            if rest.strip() and not quiet:
+                notes.add("text that belongs to no frame left out", dropped=True)
+            return size
+        line = content.rfind(b"\n", 0, max(mark - 1, 0)) + 1
+        number = re.search(rb"[ 0-9]{1,10}\r?\n\Z", content[line:mark])
+        if number is not None:
+            begin = line + number.start()
+            if begin > start and not quiet:
+                notes.add("text that belongs to no frame left out", dropped=True)
+            return begin
+        notes.add("{n} frames with a damaged header left out", dropped=True)
+        start, quiet = mark + 13, True
+
+
+def _count_lines(content: mmap.mmap | bytes, first: int, stop: int, enough: int) -> int:
+    """Lines between two offsets, the last one possibly without its end; stops a little above `enough`."""
+    lines = 0
+    for at in range(first, stop, 1 << 20):
+        lines += content[at : min(at + (1 << 20), stop)].count(b"\n")
+        if lines > enough:
+            return lines
+    tail = content[max(stop - 64, first) : stop]
+    unfinished = len(tail) - (tail.rfind(b"\n") + 1)
+    return lines + (unfinished >= 38)
+
+
+class XyzSource:
+    """Frames of one ``traj.xyz`` or of many ``frame*.xyz``, lengths in the unit of the file times `scale`.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        One trajectory, or single frames in order of their number.
+    notes : Notes
+    """
+
+    def __init__(self, paths: Sequence[Path], notes: Notes) -> None:
+        self.paths = list(paths)
+        self.notes = notes
+        self.name = paths[0].name if len(paths) == 1 else "frame*.xyz"
+        self.files = paths[0].name if len(paths) == 1 else f"{paths[0].name} to {paths[-1].name}"
+        self.parameters: RunParameters | None = None
+        self.scale = 1.0
+        self._content: dict[int, Any] = {}
+        frames = FrameList()
+        owner: list[int] = []
+        kept = 0
+        for number, path in enumerate(self.paths):
+            content = self._open(number)
+            found = scan_frames(content, notes)
+            owner += [number] * len(found.time)
+            frames.time += found.time
+            frames.offset += found.offset
+            frames.rows += found.rows
+            frames.extra += found.extra
+            kept += path.stat().st_size
+            if len(self.paths) > 1 and kept > _KEEP:
+                self._content.pop(number, None)
+        self.time: Floats = np.array(frames.time, dtype=np.float64)
+        self.weight: Integers = np.array(frames.rows, dtype=np.int64)
+        self._offset = np.array(frames.offset, dtype=np.int64)
+        self._stride = np.array(frames.extra, dtype=np.int64)
+        self._owner = np.array(owner, dtype=np.int64)
+
+    @property
+    def position_error(self) -> float:
+        """Half a unit in the last decimal, m."""
+        return 0.5e-5 * self.scale
+
+    def _open(self, number: int) -> Any:
+        content = self._content.get(number)
+        if content is None:
+            path = self.paths[number]
+            content = map_file(path) if len(self.paths) == 1 else _read(path)
+            self._content[number] = content
+        return content
+
+    def _gather(self, frames: Integers) -> tuple[NDArray[np.uint8], Integers]:
+        """Bytes of the frames in one array, and the offsets of the frames in it."""
+        if len(self.paths) == 1:
+            return np.frombuffer(self._open(0), dtype=np.uint8), self._offset[frames]
+        parts: list[Any] = []
+        shift: dict[int, int] = {}
+        length = 0
+        for number in np.unique(self._owner[frames]):
+            known = int(number) in self._content
+            content = self._open(int(number))
+            parts.append(np.frombuffer(content, dtype=np.uint8))
+            shift[int(number)] = length
+            length += len(content)
+            if not known:
+                del self._content[int(number)]
+        moved = np.array([shift[int(owner)] for owner in self._owner[frames]], dtype=np.int64)
+        joined = np.concatenate(parts)
+        joined.flags.writeable = False
+        return joined, self._offset[frames] + moved
+
+    def load(self, frames: Integers, notes: Notes) -> Block:
+        """Beads of the frames with these numbers, m."""
+        from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE, parse_rows
+
+        buffer, offset = self._gather(frames)
+        rows = self.weight[frames]
+        out = np.empty((3, int(rows.sum())))
+        status = np.empty(out.shape[1], dtype=np.uint8)
+        chains = np.empty((len(frames), 4), dtype=np.int64)
+        used = parse_rows(buffer, offset, rows, self._stride[frames], out, status, chains)
+        if len(self.paths) == 1:
+            forget_pages(self._content[0])
+        out, status = out[:, :used], status[:used]
+        out *= self.scale
+        add = notes.add
+        add("{n} rows hold asterisks (numbers too wide for their field) and are NaN", _bits(status, OVERFLOW))
+        bad = (status & (UNREADABLE | OVERFLOW)) != 0
+        add("{n} rows cannot be read and are NaN", int(bad.sum()) - _bits(status, OVERFLOW))
+        add("{n} rows are damaged outside their numbers", int((status == DAMAGED).sum()))
+        add(
+            "{n} rows behind the nozzle are not the padding they should be and are left out",
+            chains[:, 3].sum(),
+        )
+        return Block(
+            time=self.time[frames],
+            first=chains[:, 0].copy(),
+            length=chains[:, 1].copy(),
+            values={"x": out[0], "y": out[1], "z": out[2]},
+            bad=bad,
+            reaches_nozzle=chains[:, 2] == 1,
+        )
+
+
+def _bits(status: NDArray[np.uint8], flag: int) -> int:
+    return int(((status & flag) != 0).sum())
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
+        ) from None
