@@ -128,7 +128,7 @@ def main():
     parser.add_argument("--memory", action="store_true", help="also trace allocations (slow)")
     parser.add_argument("--keep", type=Path, help="directory for the synthetic files")
     options = parser.parse_args()
-    run = Path(str(files("spinline"))) / "data" / "jetspin" / "pvp3d"
+    run = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
