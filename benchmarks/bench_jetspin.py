@@ -8,6 +8,7 @@ Plain numpy reads the same numbers on a slice of the text, in the same run, with
 
 import argparse
 import io
+import itertools
 import resource
 import struct
 import tempfile
@@ -87,9 +88,7 @@ def make_binary(path, source, size):
 def measure(label, path, **options):
     """Read a file in pieces: MB/s and the largest resident size."""
     next(iter_jetspin(path, time="last", **options))  # compiled
-    megabytes = (
-        sum(f.stat().st_size for f in path.glob("frame*")) if path.is_dir() else path.stat().st_size
-    ) / 1e6
+    megabytes = (sum(f.stat().st_size for f in path.glob("frame*")) if path.is_dir() else path.stat().st_size) / 1e6
     begin, count = time.perf_counter(), 0
     for data in iter_jetspin(path, **options):
         count += data.sizes["time"]
@@ -105,9 +104,7 @@ def measure(label, path, **options):
 def plain(path, limit=4_000_000):
     """numpy.genfromtxt and numpy.loadtxt on the rows of the first megabytes, MB/s."""
     lines = [
-        line
-        for line in path.read_bytes()[:limit].splitlines()
-        if len(line.split()) == 4 and line.startswith(b"C")
+        line for line in path.read_bytes()[:limit].splitlines() if len(line.split()) == 4 and line.startswith(b"C")
     ]
     text = b"\n".join(lines)
     speeds = {}
@@ -146,14 +143,12 @@ def main():
         measure("frame*.xyz", singles)
         speeds = plain(folder / "traj.xyz")
         print(f"text against loadtxt {text / speeds['numpy.loadtxt']:.1f} times, ", end="")
-        print(
-            f"against genfromtxt {text / speeds['numpy.genfromtxt']:.0f} times; binary/text {binary / text:.1f}"
-        )
+        print(f"against genfromtxt {text / speeds['numpy.genfromtxt']:.0f} times; binary/text {binary / text:.1f}")
         last = data.x.values[-1, : len(truth)][::-1]
         print(f"last frame of {count}: x against what was written, {np.abs(last - truth).max():.1e} m")
         if options.memory:
             tracemalloc.start()
-            for data in iter_jetspin(folder / "traj.xyz"):
+            for _ in iter_jetspin(folder / "traj.xyz"):
                 pass
             print(f"largest traced allocation {tracemalloc.get_traced_memory()[1] / 1e6:.0f} MB")
 
@@ -162,7 +157,7 @@ def make_singles(source, folder, size):
     """Cut the first frames of a traj.xyz into frame*.xyz."""
     content = source.read_bytes()[: int(size)]
     starts = [m - 11 for m in _find(content, b"frame at time")]
-    for number, (begin, stop) in enumerate(zip(starts[:-1], starts[1:], strict=True), 1):
+    for number, (begin, stop) in enumerate(itertools.pairwise(starts), 1):
         (folder / f"frame{number:06d}.xyz").write_bytes(content[begin:stop])
 
 

@@ -1,9 +1,9 @@
 """Fit of the power law ``r = (r_0 / k) (z / r_0)^(-beta)`` to a measured profile, and where it holds.
 
 Weighted least squares of ln r against ln z. A power law is an asymptote: real jets leave it near the nozzle, where r
-must meet the nozzle's, and where they bend. So the fit looks for the widest range of ln z over which the profile shows
-no curvature that matters: a cubic in ln z is fitted beside the line, and the range passes if the cubic never leaves the
-line by more than `tolerance` (relative radius) or three standard errors of itself, and beta is one of a jet, in
+must meet the nozzle's, and where they bend. So the fit looks for the widest range of ln z over which the profile is a
+power law but for noise: a cubic in ln z, fitted beside the line, stays within `tolerance` (relative radius) or three
+standard errors of it; the scatter about the line is within `tolerance` or twice the noise; and beta is one of a jet, in
 [1/4, 1] within three standard errors. Without `radius_std` the noise is taken from neighbouring samples.
 
 Uncertainty is that of the line, from `radius_std` where given, from the residuals otherwise; that of r_0 (which moves k
@@ -47,7 +47,7 @@ class PowerLawFit:
     samples : int
         Samples in that range, of `samples_given`.
     samples_given : int
-        Samples with z > 0.
+        Samples with z > 0, within `z_range`.
     r_squared : float
         Of ln r against ln z in the range.
     reduced_chi_squared : float
@@ -105,7 +105,7 @@ def fit_power_law(
     initial_radius : float, optional
         r_0, m. Default: the largest radius.
     z_range : (float, float), optional
-        Fit this range, m, instead of searching for one.
+        Look at the samples between these places only, m.
     tolerance : float, optional
         Relative departure of the radius that is still a power law.
 
@@ -134,22 +134,15 @@ def fit_power_law(
     >>> round(fit.k, 6), round(fit.beta, 6)
     (1.0, 0.47)
     """
-    x, y, sigma, given, r0 = _samples(z, radius, radius_std, initial_radius)
+    x, y, sigma, r0 = _samples(z, radius, radius_std, initial_radius, z_range)
     tol = positive("tolerance", tolerance)
     groups = _group(x, y, sigma)
-    if z_range is None:
-        low, high, holds = _widest(*groups, tol)
-    else:
-        low, high = (float(np.log(positive("z_range", end, "m"))) for end in z_range)
+    low, high, holds = _widest(*groups, tol)
     inside = (x >= low) & (x <= high)
-    if inside.sum() < 3:
-        raise InputError("z_range", "holds fewer than three samples", value=z_range, remedy="widen it")
     line, cov, chi2 = _line(x[inside], y[inside], sigma[inside])
     if radius_std is None:  # sigma is only a guess from neighbours: let the residuals speak
         cov, chi2 = cov * chi2, float("nan")
-    bend, noise = _departure(x[inside], y[inside], sigma[inside])
-    if z_range is not None:
-        holds = bend <= max(tol, 3 * noise)
+    bend, _ = _departure(x[inside], y[inside], sigma[inside])
     outside = (groups[0] < low) | (groups[0] > high)
     missed = np.abs(np.expm1(groups[1] - np.polyval(line, groups[0])))[outside]
     beta = -float(line[0])
@@ -166,7 +159,7 @@ def fit_power_law(
         z_min=float(np.exp(x[inside].min())),
         z_max=float(np.exp(x[inside].max())),
         samples=int(inside.sum()),
-        samples_given=given,
+        samples_given=x.size,
         r_squared=1 - misfit / spread if spread else float("nan"),
         reduced_chi_squared=chi2,
         departure=bend,
@@ -180,14 +173,24 @@ def fit_power_law(
 
 
 def _samples(
-    z: ArrayLike, radius: ArrayLike, radius_std: ArrayLike | None, initial_radius: float | None
-) -> tuple[FloatArray, FloatArray, FloatArray, int, float]:
+    z: ArrayLike,
+    radius: ArrayLike,
+    radius_std: ArrayLike | None,
+    initial_radius: float | None,
+    z_range: tuple[float, float] | None,
+) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Ln z, ln r and its standard deviation, sorted, of the samples looked at; and r_0."""
     position, r = real("z", z, unit="m"), real("radius", radius, above=0.0, unit="m")
     if position.ndim != 1 or position.shape != r.shape:
         raise InputError("radius", "must have one value for each z", value=f"{r.shape} against {position.shape}")
     use = position > 0
+    if z_range is not None:
+        low, high = real("z_range", z_range, unit="m")
+        use &= (position >= low) & (position <= high)
     if use.sum() < _FEWEST:
-        raise InputError("z", f"has fewer than {_FEWEST} samples beyond the nozzle", value=int(use.sum()))
+        raise InputError(
+            "z", f"has fewer than {_FEWEST} samples beyond the nozzle, or in the range asked for", value=int(use.sum())
+        )
     order = np.argsort(position[use], kind="stable")
     x, y = np.log(position[use][order]), np.log(r[use][order])
     if not x[-1] > x[0]:
@@ -198,7 +201,7 @@ def _samples(
         std = np.broadcast_to(real("radius_std", radius_std, above=0.0, unit="m"), r.shape)
         sigma = (std / r)[use][order]
     r0 = float(r.max()) if initial_radius is None else positive("initial_radius", initial_radius, "m")
-    return x, y, sigma, int(use.sum()), r0
+    return x, y, sigma, r0
 
 
 def _group(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -219,17 +222,24 @@ def _widest(x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float) -
     n = x.size
     spans = [(x[j] - x[i], x[i], i, j) for i in range(n) for j in range(i + _FEWEST - 1, n)]
     for _, _, i, j in sorted(spans, reverse=True):
-        part = slice(i, j + 1)
-        line, cov, _ = _line(x[part], y[part], sigma[part])
-        slack = 3 * float(np.sqrt(cov[0, 0]))
-        bend, error = _departure(x[part], y[part], sigma[part])
-        if bend <= max(tolerance, 3 * error) and _LEAST - slack <= -line[0] <= _MOST + slack:
+        if _is_power_law(x[i : j + 1], y[i : j + 1], sigma[i : j + 1], tolerance):
             return (
                 -np.inf if i == 0 else 0.5 * float(x[i - 1] + x[i]),
                 np.inf if j == n - 1 else 0.5 * float(x[j] + x[j + 1]),
                 True,
             )
     return -np.inf, np.inf, False
+
+
+def _is_power_law(x: FloatArray, y: FloatArray, sigma: FloatArray, tolerance: float) -> bool:
+    """Whether samples lie on the line but for noise: exponent of a jet, no bend, no wiggle."""
+    line, cov, chi2 = _line(x, y, sigma)
+    slack = 3 * float(np.sqrt(cov[0, 0]))
+    if not _LEAST - slack - 1e-9 <= -line[0] <= _MOST + slack + 1e-9:
+        return False
+    noise = float(np.sqrt(np.mean(sigma**2)))
+    bend, error = _departure(x, y, sigma)
+    return bend <= max(tolerance, 3 * error) and np.sqrt(chi2) * noise <= max(tolerance, 2 * noise)
 
 
 def _local_noise(x: FloatArray, y: FloatArray) -> float:
@@ -269,7 +279,8 @@ def _judge(fit: PowerLawFit, tolerance: float, holds: bool, whole: tuple[float, 
 
     if not holds:
         return (
-            f"no power law holds: between {mm(fit.z_min)} and {mm(fit.z_max)} the radius leaves the fitted one by "
+            f"no power law of a jet holds between {mm(fit.z_min)} and {mm(fit.z_max)}: beta = {fit.beta:.3g} (jets: "
+            f"{_LEAST:g} to {_MOST:g}), R^2 = {fit.r_squared:.4f}, and the radius leaves the fitted one by "
             f"{100 * fit.departure:.2g} % (tolerance {100 * tolerance:g} %)"
         )
     if fit.z_min > whole[0] or fit.z_max < whole[1]:
@@ -278,6 +289,4 @@ def _judge(fit: PowerLawFit, tolerance: float, holds: bool, whole: tuple[float, 
             f"samples, given from {mm(whole[0])} to {mm(whole[1])}); outside, the radius leaves it by up to "
             f"{100 * fit.departure_outside:.2g} %"
         )
-    if not _LEAST <= fit.beta <= _MOST:
-        return f"no power law of a jet: the exponent {fit.beta:.3g} is outside [{_LEAST:g}, {_MOST:g}]"
     return ""

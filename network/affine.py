@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 from spinline.checks import BoolArray, FloatArray, real
 from spinline.network.concentration import (
     conservative_radius_ratio,
-    log_fraction_conservative,
-    log_fraction_eq40,
-    log_fraction_walk,
+    fraction_conservative,
+    fraction_eq40,
+    fraction_walk,
     saturate,
 )
 from spinline.network.crossover import Closure, check_closure
@@ -112,9 +112,9 @@ def affine_network(
         walk = random_walk(v, phi, affinity=affinity, solvent_quality=solvent_quality)
     else:
         walk = stretched_walk(v, phi, solvent_quality=solvent_quality)
-    core, compacted = saturate(log_fraction_walk(walk, phi))
-    eq40, compacted_eq40 = saturate(log_fraction_eq40(v, phi, solvent_quality))
-    conservative, compacted_conservative = saturate(log_fraction_conservative(walk, v, phi, solvent_quality))
+    core, compacted = saturate(fraction_walk(walk, phi))
+    eq40, compacted_eq40 = saturate(fraction_eq40(v, phi, solvent_quality))
+    conservative, compacted_conservative = saturate(fraction_conservative(walk, v, phi, solvent_quality))
     ratio, needed = conservative_radius_ratio(walk, v, phi, solvent_quality)
     return AffineNetwork(
         conformation=walk,

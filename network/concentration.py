@@ -9,9 +9,10 @@
 
 They differ at rest (0.050752, 0.050376 and 0.05 for phi = 0.05) because the walk's rest state is ``T xi_0``,
 not ``xi_0``. The conservative form is normalised there and keeps the polymer flux exactly, with a network that
-moves at ``v_0 xi_par / xi_par(V = 1)``. All grow without bound, which a volume fraction cannot: `saturate` holds
-them at 1 and says where, and past that point the network radius is the one that carries the polymer,
-``r_P / r = phi^(1/2)``, or ``[phi V / (xi_par / xi_par(1))]^(1/2)`` for the conservative form.
+moves at ``v_0 xi_par / xi_par(V = 1)``. All grow without bound (inf beyond 1e308; the ``log_`` functions go on),
+which a volume fraction cannot: `saturate` holds them at 1 and says where. Past that point the network radius is
+the one that carries the polymer, ``r_P / r = phi^(1/2)``, or ``[phi V / (xi_par / xi_par(1))]^(1/2)`` for the
+conservative form.
 
 The review's other expression, ``b^3 N_s / (xi_par xi_perp^2)``, equals the conservative form when xi_perp is the
 lateral mesh of the contracted network, not the walk's xi_perp; it is not offered.
@@ -32,17 +33,18 @@ from spinline.network.mesh import SolventQuality, rest_force
 __all__ = [
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
+    "fraction_conservative",
+    "fraction_eq40",
+    "fraction_walk",
     "log_fraction_conservative",
     "log_fraction_eq40",
     "log_fraction_walk",
     "saturate",
 ]
 
-_LOG_9 = np.log(9.0)
 
-
-def log_fraction_walk(conformation: Conformation, volume_fraction: ArrayLike) -> FloatArray:
-    """Natural logarithm of ``phi (xi_0 / xi_perp)^2``: Eq. (40), left, with the exact walk.
+def fraction_walk(conformation: Conformation, volume_fraction: ArrayLike) -> FloatArray:
+    """Polymer fraction ``phi (xi_0 / xi_perp)^2``: Eq. (40), left, with the exact walk.
 
     Parameters
     ----------
@@ -54,16 +56,23 @@ def log_fraction_walk(conformation: Conformation, volume_fraction: ArrayLike) ->
     Returns
     -------
     ndarray
-        inf where the strand is at its contour (no lateral extension left).
+        Unbounded; inf where the strand is at its contour (no lateral extension left) or past 1e308.
     """
-    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
-    return np.log(phi) - 2 * conformation.log_radial_contraction
+    phi = _fraction(volume_fraction)
+    with np.errstate(over="ignore", divide="ignore"):  # inf is the answer there
+        value: FloatArray = phi / conformation.radial_contraction**2
+    return value
 
 
-def log_fraction_eq40(
+def log_fraction_walk(conformation: Conformation, volume_fraction: ArrayLike) -> FloatArray:
+    """Natural logarithm of `fraction_walk`, finite wherever the strand is short of its contour."""
+    return np.log(_fraction(volume_fraction)) - 2 * conformation.log_radial_contraction
+
+
+def fraction_eq40(
     velocity_ratio: ArrayLike, volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
 ) -> FloatArray:
-    """Natural logarithm of ``(phi / 9) [cosh(f_0 V) + 2]^2``: Eq. (40), right, as printed.
+    """Polymer fraction ``(phi / 9) [cosh(f_0 V) + 2]^2``: Eq. (40), right, as printed.
 
     Parameters
     ----------
@@ -75,26 +84,32 @@ def log_fraction_eq40(
     Returns
     -------
     ndarray
+        Unbounded; inf past 1e308.
     """
-    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
-    v = real("velocity_ratio", velocity_ratio, above=0.0, most=1e150)
-    rest, rest_error = rest_force(phi, solvent_quality)
-    force, error = _twofold.product(rest, v)
-    error = error + rest_error * v
+    phi, force, error = _eq40_force(velocity_ratio, volume_fraction, solvent_quality)
+    with np.errstate(over="ignore"):  # inf is the answer there
+        held = np.minimum(force, 709.0)
+        value: FloatArray = phi / 9 * (np.cosh(held) + np.sinh(held) * error + 2) ** 2
+    return np.where(force > held, np.inf, value)
+
+
+def log_fraction_eq40(
+    velocity_ratio: ArrayLike, volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta"
+) -> FloatArray:
+    """Natural logarithm of `fraction_eq40`, finite everywhere."""
+    phi, force, error = _eq40_force(velocity_ratio, volume_fraction, solvent_quality)
     bracket = force + np.log((1 + np.exp(-2 * force)) / 2 + 2 * np.exp(-force))
-    # d ln(cosh f + 2)/df, for the rounding of f
-    slope = -np.expm1(-2 * force) / (1 + np.exp(-2 * force) + 4 * np.exp(-force))
-    value: FloatArray = np.log(phi) - _LOG_9 + 2 * (bracket + slope * error)
+    value: FloatArray = np.log(phi / 9) + 2 * (bracket + error)
     return value
 
 
-def log_fraction_conservative(
+def fraction_conservative(
     conformation: Conformation,
     velocity_ratio: ArrayLike,
     volume_fraction: ArrayLike,
     solvent_quality: SolventQuality = "theta",
 ) -> FloatArray:
-    """Natural logarithm of the flux-conserving fraction (see the module's text).
+    """Polymer fraction that conserves the polymer flux (see the module's text).
 
     Parameters
     ----------
@@ -108,13 +123,24 @@ def log_fraction_conservative(
     Returns
     -------
     ndarray
-        ``log(phi)`` at V = 1 with the affine force.
+        phi at V = 1 with the affine force; unbounded; inf past 1e308.
     """
-    v = real("velocity_ratio", velocity_ratio, above=0.0)
-    rest, _ = rest_force(volume_fraction, solvent_quality)
-    slip: FloatArray = np.log(v) - np.log(conformation.axial_stretch)
-    at_rest: FloatArray = np.log(np.tanh(rest) / rest)
-    return log_fraction_walk(conformation, volume_fraction) + (3 * at_rest + slip)
+    slip = _slip(conformation, velocity_ratio, volume_fraction, solvent_quality)
+    with np.errstate(over="ignore"):  # inf is the answer there
+        value: FloatArray = fraction_walk(conformation, volume_fraction) * slip
+    return value
+
+
+def log_fraction_conservative(
+    conformation: Conformation,
+    velocity_ratio: ArrayLike,
+    volume_fraction: ArrayLike,
+    solvent_quality: SolventQuality = "theta",
+) -> FloatArray:
+    """Natural logarithm of `fraction_conservative`, finite wherever the strand is short of its contour."""
+    slip = _slip(conformation, velocity_ratio, volume_fraction, solvent_quality)
+    value: FloatArray = log_fraction_walk(conformation, volume_fraction) + np.log(slip)
+    return value
 
 
 def conservative_radius_ratio(
@@ -137,7 +163,7 @@ def conservative_radius_ratio(
     compacted : ndarray
         ``[phi V / (xi_par / xi_par(1))]^(1/2)``. Above 1 the steady network cannot carry the flux.
     """
-    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    phi = _fraction(volume_fraction)
     v = real("velocity_ratio", velocity_ratio, above=0.0)
     rest, _ = rest_force(phi, solvent_quality)
     at_rest = np.tanh(rest) / rest
@@ -145,13 +171,13 @@ def conservative_radius_ratio(
     return np.maximum(conformation.radial_contraction / at_rest, compacted), compacted
 
 
-def saturate(log_fraction: FloatArray) -> tuple[FloatArray, BoolArray]:
+def saturate(unbounded: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Volume fraction held at 1, and the flag that says where it is held.
 
     Parameters
     ----------
-    log_fraction : ndarray
-        Natural logarithm of an unbounded fraction.
+    unbounded : ndarray
+        From one of the ``fraction_`` functions.
 
     Returns
     -------
@@ -160,8 +186,7 @@ def saturate(log_fraction: FloatArray) -> tuple[FloatArray, BoolArray]:
     compacted : ndarray of bool
         True where the formula is at or past 1.
     """
-    compacted = log_fraction >= 0
-    return np.exp(np.minimum(log_fraction, 0.0)), compacted
+    return np.minimum(unbounded, 1.0), unbounded >= 1
 
 
 def compaction_velocity_ratio(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta") -> FloatArray:
@@ -181,8 +206,33 @@ def compaction_velocity_ratio(volume_fraction: ArrayLike, solvent_quality: Solve
     -----
     ``acosh(1 + u) = log1p(u + sqrt(u (u + 2)))`` with ``u = 3 (1 - phi^(1/2)) / phi^(1/2)``, exact near phi = 1.
     """
-    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    phi = _fraction(volume_fraction)
     root = np.sqrt(phi)
     u = 3 * ((1 - phi) / (1 + root)) / root
     value: FloatArray = np.log1p(u + np.sqrt(u * (u + 2))) / rest_force(phi, solvent_quality)[0]
+    return value
+
+
+def _fraction(volume_fraction: ArrayLike) -> FloatArray:
+    return real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+
+
+def _eq40_force(
+    velocity_ratio: ArrayLike, volume_fraction: ArrayLike, solvent_quality: SolventQuality
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Volume fraction, ``f_0 V`` and the rounding error it leaves."""
+    v = real("velocity_ratio", velocity_ratio, above=0.0, most=1e150)
+    rest, rest_error = rest_force(volume_fraction, solvent_quality)
+    force, error = _twofold.product(rest, v)
+    return _fraction(volume_fraction), force, error + rest_error * v
+
+
+def _slip(
+    conformation: Conformation, velocity_ratio: ArrayLike, volume_fraction: ArrayLike, solvent_quality: SolventQuality
+) -> FloatArray:
+    """``T^2 V / (xi_par / (T xi_0))``: what the conservative form adds to the walk's."""
+    v = real("velocity_ratio", velocity_ratio, above=0.0)
+    rest, _ = rest_force(volume_fraction, solvent_quality)
+    at_rest = np.tanh(rest) / rest
+    value: FloatArray = at_rest**3 * (v / conformation.axial_stretch)
     return value

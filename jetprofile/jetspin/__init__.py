@@ -11,13 +11,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spinline.jetprofile.jetspin.header import RunParameters, read_parameters
+    from spinline.jetprofile.jetspin.header import read_parameters
     from spinline.jetprofile.jetspin.netcdf import write_jet
+    from spinline.jetprofile.jetspin.parameters import RunParameters
     from spinline.jetprofile.jetspin.run import iter_jetspin, read_jetspin
     from spinline.jetprofile.jetspin.stats import read_statistics
 
 _NAMES = {
-    "RunParameters": "header",
+    "RunParameters": "parameters",
     "iter_jetspin": "run",
     "read_jetspin": "run",
     "read_parameters": "header",

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 
 __all__ = [
     "FAR",
@@ -20,7 +20,7 @@ __all__ = [
 
 Flags = NDArray[np.bool_]
 FAR = 20.0  # collector distances; nothing of a jet is farther away
-KINK = 1.5  # by how much a kink may exceed those of the frames before and after
+KINK = 2.0  # by how much a kink may exceed those of the frames before and after
 LONE_KINK = 10.0  # and what it may be in a frame without them (8 is met in sound runs)
 _FAST = 1e6  # m/s
 _STIFF = 1e15  # Pa
@@ -36,9 +36,9 @@ def check_positions(
 ) -> tuple[Flags, Flags]:
     """Deposited beads, and beads whose position is not believed.
 
-    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle, or at a kink that the
-    frames before and after do not have, keeps its position. `around` is the sharpest kink of the frame before
-    these and of the one after, NaN where there is none.
+    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle, or at a kink
+    that the frames before and after do not have, keeps its position. `around` is the sharpest kink of the
+    frame before these and of the one after, NaN where there is none.
     """
     x, y, z = bead["x"], bead["y"], bead["z"]
     collector = parameters.collector_distance
@@ -61,9 +61,7 @@ def check_positions(
     inner = there.copy()
     inner[:, 0] = False
     behind &= inner
-    notes.add(
-        "{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum())
-    )
+    notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum()))
     odd |= behind
     stray = _strays(bead, deposited, around)
     notes.add(
@@ -89,10 +87,8 @@ def kinks(bead: dict[str, Floats]) -> Floats:
 
 def _distance(points: list[Floats], apart: int) -> Floats:
     """Distance between beads so many numbers apart."""
-    squared = np.zeros(1)
-    for p in points:
-        squared = squared + (p[:, apart:] - p[:, :-apart]) ** 2
-    return np.asarray(np.sqrt(squared))
+    x, y, z = (p[:, apart:] - p[:, :-apart] for p in points)
+    return np.asarray(np.sqrt(x**2 + y**2 + z**2))
 
 
 def peak_kink(block: Block) -> float:
@@ -132,7 +128,7 @@ def check_motion(pad: Padder, notes: Notes) -> Flags:
 
 
 def check_content(pad: Padder, parameters: RunParameters, notes: Notes) -> Flags:
-    """Beads whose volume, mass or charge cannot be; volumes are judged by mass and charge, and the reverse."""
+    """Beads whose volume cannot be; it is judged by mass and charge, and they by it."""
     volume = pad("volume")
     odd: Flags = np.isfinite(volume) & ~(volume > 0)
     notes.add("{n} volumes are not positive; their elements have no radius", int(odd.sum()))
@@ -146,8 +142,8 @@ def check_content(pad: Padder, parameters: RunParameters, notes: Notes) -> Flags
     differs_too = np.abs(share - by_charge) > 1e-4 * np.abs(share)
     heavy = (by_mass > 1.001) & (by_charge > 1.001) & ~large
     notes.add(
-        "{n} beads have more mass and charge than their volume can hold (JETSPIN 1.21 gives beads inserted after a "
-        "restart wrong ones)",
+        "{n} beads have more mass and charge than their volume can hold (JETSPIN 1.21 gives wrong ones to "
+        "beads inserted after a restart)",
         int((heavy & differs).sum()),
     )
     wrong = (large | (differs & differs_too & ~heavy)) & ~odd

@@ -1,7 +1,7 @@
 """Beads to a Dataset: numbered from the nozzle, padded, with radius, stretch ratio and flags.
 
-Element i joins bead i and bead i + 1. What JETSPIN keeps with a bead but which belongs to the piece of jet between
-it and the next bead towards the nozzle (its volume, its stress) lies on `element`.
+Element i joins bead i and bead i + 1. What JETSPIN keeps with a bead but which belongs to the piece of jet
+between it and the next bead towards the nozzle (its volume, its stress) lies on `element`.
 """
 
 import math
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from spinline.jetprofile.jetspin.checks import check_content, check_motion, check_positions
 from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 
 __all__ = ["Meaning", "build_dataset"]
 
@@ -70,8 +70,9 @@ class Meaning:
 def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], notes: Notes) -> xr.Dataset:
     """Dataset of the frames in `block`; `around` is the sharpest kink of the frames before and after them.
 
-    Positions that cannot be are NaN; elements that touch them, deposited beads or damaged rows keep their values,
-    where they have one, and `valid_element` is False. From a bead that is NaN outwards, `arc_length` is NaN.
+    Positions that cannot be are NaN; elements that touch them, deposited beads or damaged rows keep their
+    values, where they have one, and `valid_element` is False. From a bead that is NaN outwards, `arc_length`
+    is NaN.
     """
     pad = Padder(block)
     there = pad.there
@@ -90,9 +91,7 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
         warn=False,
         dropped=True,
     )
-    notes.add(
-        "{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum())
-    )
+    notes.add("{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum()))
     safe = np.where(coincident, np.nan, length)
     volume = pad("volume")[:, 1:] if "volume" in pad else None
     if volume is not None:

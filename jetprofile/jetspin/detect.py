@@ -59,8 +59,8 @@ def file_kind(path: Path) -> str:
         raise InputError(
             str(path),
             "not a file of a JETSPIN run",
-            remedy="give traj.xyz, frame*.xyz, traj.dat, save.dat, statout.dat, statdat.dat, bead.dat, log.txt, input.dat "
-            "or the directory of the run",
+            remedy="give traj.xyz, frame*.xyz, traj.dat, save.dat, statout.dat, statdat.dat, bead.dat, "
+            "log.txt, input.dat or the directory of the run",
         )
     return kind
 

@@ -19,9 +19,9 @@ Integers = NDArray[np.int64]
 class Block:
     """Beads of some frames, as stored: farthest bead first, the nozzle point last.
 
-    Frame i owns the rows ``first[i] : first[i] + length[i]`` of every array in `values` (SI). `bad` marks rows
-    that could not be read. `reaches_nozzle` is False where the rows next to the nozzle are missing.
-    `placeholders` counts what was left out, `inserted` is None where the file does not say.
+    Frame i owns the rows ``first[i] : first[i] + length[i]`` of every array in `values` (SI). `bad` marks
+    rows that could not be read. `reaches_nozzle` is False where the rows next to the nozzle are missing.
+    `inserted` is None where the file does not say.
     """
 
     time: Floats
@@ -116,12 +116,7 @@ def order_frames(time: Floats, notes: Notes) -> Integers:
             odd += 1
             continue
         while kept and time[kept[-1]] >= now - tol:
-            spike = (
-                len(kept) > 1
-                and time[kept[-2]] < now - tol
-                and time[kept[-1]] > now + tol
-                and after is not None
-            )
+            spike = len(kept) > 1 and time[kept[-2]] < now - tol and time[kept[-1]] > now + tol and after is not None
             odd += spike
             superseded += not spike
             kept.pop()
@@ -151,9 +146,7 @@ def select_frames(time: Floats, wanted: float | str | slice | None, name: str) -
     if isinstance(wanted, str):
         if wanted == "last":
             return everything[-1:]
-        raise InputError(
-            "time", "not a time", value=wanted, allowed='None, "last", seconds or a slice of seconds'
-        )
+        raise InputError("time", "not a time", value=wanted, allowed='None, "last", seconds or a slice of seconds')
     if isinstance(wanted, slice):
         return everything[_inside(time, wanted, name, shown)]
     try:
@@ -171,9 +164,7 @@ def select_frames(time: Floats, wanted: float | str | slice | None, name: str) -
 
 def _inside(time: Floats, wanted: slice, name: str, shown: str) -> NDArray[np.bool_]:
     if wanted.step is not None:
-        raise InputError(
-            "time", "a slice of times has no step", value=wanted, remedy="select every nth afterwards"
-        )
+        raise InputError("time", "a slice of times has no step", value=wanted, remedy="select every nth afterwards")
     try:
         low = -np.inf if wanted.start is None else float(wanted.start)
         high = np.inf if wanted.stop is None else float(wanted.stop)

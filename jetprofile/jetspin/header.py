@@ -3,77 +3,23 @@
 The XYZ files do not say which length unit they are in, nor the nozzle radius: both come from here.
 """
 
-import math
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import fields, replace
 from os import PathLike
 from pathlib import Path
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.notes import Notes
-from spinline.jetprofile.jetspin.units import CM, si_unit, to_float
+from spinline.jetprofile.jetspin.parameters import (
+    RunParameters,
+    merge_parameters,
+    tells_anything,
+    with_internal_units,
+)
+from spinline.jetprofile.jetspin.units import si_unit, to_float
 
-__all__ = ["RunParameters", "merge_parameters", "parse_input", "parse_log", "read_parameters"]
-
-
-@dataclass(frozen=True)
-class RunParameters:
-    """Parameters of a JETSPIN run, SI; None where the file does not say.
-
-    `length_unit`, `time_unit`, `stress_unit`, `mass_unit` and `charge_unit` are JETSPIN's internal units.
-    `complete` tells that the whole set-up was seen, so that a directive not met was not given.
-    """
-
-    source: str = ""
-    complete: bool = False
-    version: str | None = None
-    system: int | None = None
-    points: int | None = None
-    nozzle_radius: float | None = None
-    resolution: float | None = None
-    initial_length: float | None = None
-    density: float | None = None
-    charge_density: float | None = None
-    viscosity: float | None = None
-    elastic_modulus: float | None = None
-    collector_distance: float | None = None
-    potential: float | None = None
-    surface_tension: float | None = None
-    nozzle_velocity: float | None = None
-    nozzle_stress: float | None = None
-    yield_stress: float | None = None
-    perturbation_amplitude: float | None = None
-    perturbation_frequency: float | None = None
-    air_velocity: float | None = None
-    timestep: float | None = None
-    final_time: float | None = None
-    xyz_interval: float | None = None
-    frame_interval: float | None = None
-    xyz_rescale: float | None = None
-    maxnumber: int | None = None
-    refinement: bool | None = None
-    inserting: bool | None = None
-    removing: bool | None = None
-    length_unit: float | None = None
-    time_unit: float | None = None
-    stress_unit: float | None = None
-    mass_unit: float | None = None
-    charge_unit: float | None = None
-
-    @property
-    def dimension(self) -> int | None:
-        """1 for a straight jet (systems 1 and 2), 3 otherwise."""
-        if self.system is None:
-            return None
-        return 1 if self.system in (1, 2) else 3
-
-    @property
-    def element_volume(self) -> float | None:
-        """Volume of an element as it leaves the nozzle, m3."""
-        if self.nozzle_radius is None or self.resolution is None:
-            return None
-        return math.pi * self.nozzle_radius**2 * self.resolution
+__all__ = ["find_parameters", "parse_file", "parse_input", "parse_log", "read_parameters"]
 
 
 # field: (beginning in log.txt, beginning in input.dat, unit)
@@ -112,9 +58,27 @@ _INTERNAL = {
 }
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
 _POSITIVE = frozenset(
-    "points nozzle_radius initial_length resolution density viscosity elastic_modulus collector_distance "
-    "timestep final_time xyz_interval frame_interval maxnumber length_unit time_unit stress_unit mass_unit "
-    "charge_unit system".split()
+    [
+        "points",
+        "nozzle_radius",
+        "initial_length",
+        "resolution",
+        "density",
+        "viscosity",
+        "elastic_modulus",
+        "collector_distance",
+        "timestep",
+        "final_time",
+        "xyz_interval",
+        "frame_interval",
+        "maxnumber",
+        "length_unit",
+        "time_unit",
+        "stress_unit",
+        "mass_unit",
+        "charge_unit",
+        "system",
+    ]
 )
 _Values = dict[str, object]
 
@@ -127,8 +91,10 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
         found["version"] = version[1]
     inside = ended = False
     for line in text.splitlines():
-        if line.startswith(("Start printing input", "Start simulation")):
-            inside = "input" in line
+        if line.startswith("Start simulation"):
+            break
+        if line.startswith("Start printing input"):
+            inside = True
         elif line.startswith("Finish printing input"):
             inside, ended = False, True
         resolution = re.match(r"The 'resolution' value is equal to\s+(\S+)", line)
@@ -201,66 +167,6 @@ def _finish(found: _Values, source: str, ended: bool, notes: Notes) -> RunParame
     return with_internal_units(params, notes)
 
 
-def with_internal_units(params: RunParameters, notes: Notes) -> RunParameters:
-    """Fill in the internal units from the set-up, or compare them with it."""
-    volume, charge_density = params.element_volume, params.charge_density
-    expected: dict[str, float] = {}
-    if params.elastic_modulus is not None:
-        expected["stress_unit"] = params.elastic_modulus
-        if params.viscosity is not None:
-            expected["time_unit"] = params.viscosity / params.elastic_modulus
-    if volume is not None and params.density is not None:
-        expected["mass_unit"] = volume * params.density
-    if volume is not None and charge_density is not None:
-        expected["charge_unit"] = volume * charge_density
-        if params.elastic_modulus is not None and params.nozzle_radius is not None:
-            statc = expected["charge_unit"] / si_unit("statC")[0]
-            r0, modulus = params.nozzle_radius / CM, params.elastic_modulus / si_unit("g cm^-1 s^-2")[0]
-            expected["length_unit"] = abs(statc) / math.sqrt(math.pi * r0**2 * modulus) * CM
-    for name, value in expected.items():
-        printed = getattr(params, name)
-        if not 0 < value < 1e30:
-            continue
-        if printed is None:
-            params = replace(params, **{name: value})  # type: ignore[arg-type]
-        elif abs(printed - value) > 1e-6 * value:
-            label = name.replace("_", " ")
-            notes.add(
-                f"internal {label} in {params.source} ({printed:.9g}) contradicts the set-up there ({value:.9g}, SI)"
-            )
-    return params
-
-
-def merge_parameters(sets: Iterable[RunParameters], notes: Notes) -> RunParameters | None:
-    """Join what several files say; the first one wins, contradictions are noted."""
-    merged: RunParameters | None = None
-    for params in sets:
-        if merged is None:
-            merged = params
-            continue
-        taken: _Values = {}
-        for field in fields(RunParameters):
-            mine, other = getattr(merged, field.name), getattr(params, field.name)
-            if field.name in ("source", "complete", "version") or other is None:
-                continue
-            if mine is None:
-                both = merged.complete and params.complete and field.name == "xyz_rescale"
-                differs = both
-                if not both:
-                    taken[field.name] = other
-            else:
-                differs = abs(float(mine) - float(other)) > 1e-6 * max(abs(float(mine)), abs(float(other)))
-            if differs:
-                notes.add(
-                    f"{merged.source} and {params.source} disagree about {field.name.replace('_', ' ')} "
-                    f"({mine} and {other}, SI); {merged.source} is believed"
-                )
-        taken["source"] = f"{merged.source}, {params.source}"
-        taken["complete"] = merged.complete or params.complete
-        merged = replace(merged, **taken)  # type: ignore[arg-type]
-    return merged
-
-
 def read_parameters(path: str | PathLike[str]) -> RunParameters:
     """Read the set-up of a run.
 
@@ -281,10 +187,8 @@ def read_parameters(path: str | PathLike[str]) -> RunParameters:
     path = Path(path)
     notes = Notes(str(path))
     params = find_parameters(path, notes) if path.is_dir() else parse_file(path, notes)
-    if params is None or not any(_told(params)):
-        raise InputError(
-            str(path), "no JETSPIN set-up found", remedy="give log.txt, input.dat or their directory"
-        )
+    if params is None or not tells_anything(params):
+        raise InputError(str(path), "no JETSPIN set-up found", remedy="give log.txt, input.dat or their directory")
     notes.emit()
     return params
 
@@ -314,12 +218,5 @@ def read_text(path: Path, limit: int = 2_000_000) -> str:
 
 def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
     """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
-    sets = [
-        parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()
-    ]
-    return merge_parameters([params for params in sets if any(_told(params))], notes)
-
-
-def _told(params: RunParameters) -> list[bool]:
-    skip = ("source", "complete", "version")
-    return [getattr(params, f.name) not in (None, False) for f in fields(params) if f.name not in skip]
+    sets = [parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()]
+    return merge_parameters([params for params in sets if tells_anything(params)], notes)

@@ -5,13 +5,14 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
+import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.detect import file_kind
-from spinline.jetprofile.jetspin.run import Time, Unit, open_reading, read_jetspin
+from spinline.jetprofile.jetspin.reading import Time, Unit, open_reading
+from spinline.jetprofile.jetspin.run import read_jetspin
 
 __all__ = ["write_jet"]
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from spinline.jetprofile.jetspin.frames import Block
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 
 __all__ = ["drop_placeholders"]
 
@@ -32,9 +32,7 @@ def drop_placeholders(block: Block, parameters: RunParameters, notes: Notes) -> 
         (~fits).sum(),
     )
     last, frames = last[fits], frames[fits]
-    notes.add(
-        "{n} place-holder beads (the next bead, not yet inserted)", len(frames), warn=False, dropped=True
-    )
+    notes.add("{n} place-holder beads (the next bead, not yet inserted)", len(frames), warn=False, dropped=True)
     for values in block.values.values():
         values[last - 1] = values[last]
     block.bad[last - 1] = block.bad[last]

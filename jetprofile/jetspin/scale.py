@@ -1,7 +1,7 @@
 """Which length unit an XYZ file is in. The file does not say, and two files of one run always differ.
 
-``traj.xyz`` is in internal units, or in cm times the factor of ``print xyz rescalexyz``; ``frame*.xyz`` is in cm,
-or in cm times factor times the internal unit (JETSPIN applies it twice).
+``traj.xyz`` is in internal units, or in cm times the factor of ``print xyz rescalexyz``; ``frame*.xyz`` is in
+cm, or in cm times factor times the internal unit (JETSPIN applies it twice).
 """
 
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ import numpy as np
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.frames import Block, Floats
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.units import CM
 
 __all__ = ["Scale", "check_scale", "length_scale"]
@@ -67,9 +67,7 @@ def length_scale(
             return Scale(internal, f"internal length unit of {internal:.9g} m, {told}")
         if known and internal is not None and factor:
             metres = CM / (factor * internal / CM)
-            return Scale(
-                metres, f"cm times {factor:g} times the internal length unit in cm (rescalexyz), {told}"
-            )
+            return Scale(metres, f"cm times {factor:g} times the internal length unit in cm (rescalexyz), {told}")
     ratio = None if track is None else _ratio(track, first)
     if ratio is not None:
         return Scale(ratio, f"column x of statout.dat at the same times ({ratio:.6g} m)")
@@ -97,9 +95,7 @@ def _given(name: str, unit: str | float, internal: float | None) -> Scale:
     except (TypeError, ValueError):
         metres = np.nan
     if isinstance(unit, str) or not 0 < metres < 1e6:
-        raise InputError(
-            "unit", "not a length unit", value=unit, allowed='"cm", "internal" or a length in metres'
-        )
+        raise InputError("unit", "not a length unit", value=unit, allowed='"cm", "internal" or a length in metres')
     return Scale(metres, f"{metres:.9g} m, given by the caller")
 
 
@@ -126,16 +122,15 @@ def _ratio(track: tuple[Floats, Floats], first: tuple[Floats, Floats]) -> float 
     return middle if agree.sum() > 0.5 * len(ratios) else None
 
 
-def check_scale(
-    metres: float, track: tuple[Floats, Floats] | None, first: tuple[Floats, Floats], notes: Notes
-) -> str:
+def check_scale(metres: float, track: tuple[Floats, Floats] | None, first: tuple[Floats, Floats], notes: Notes) -> str:
     """Compare a unit with ``statout.dat``; the finding in words."""
     ratio = None if track is None else _ratio(track, first)
     if ratio is None:
         return ""
     if abs(ratio / metres - 1) > 1e-2:
         notes.add(
-            f"column x of statout.dat says that its length unit is {ratio:.6g} m, not {metres:.6g} m: lengths are in doubt"
+            f"column x of statout.dat says that its length unit is {ratio:.6g} m, not {metres:.6g} m: "
+            "lengths are in doubt"
         )
         return f"; contradicted by statout.dat ({ratio:.6g} m)"
     return "; agrees with statout.dat"

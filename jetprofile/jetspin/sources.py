@@ -8,8 +8,8 @@ import numpy as np
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.detect import frame_files
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.scale import check_scale, length_scale
 from spinline.jetprofile.jetspin.stats import read_table
 from spinline.jetprofile.jetspin.xyz import XyzSource
@@ -32,9 +32,7 @@ def choose_files(folder: Path, source: str | None) -> list[list[Path]]:
     """Files to read, the best ones first."""
     if source is None:
         frames = frame_files(folder)
-        single = [
-            [folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()
-        ]
+        single = [[folder / name] for name in ("traj.dat", "traj.xyz", "save.dat") if (folder / name).is_file()]
         at = int(bool(single) and single[0][0].name == "traj.dat")
         return single[:at] + ([frames] if frames else []) + single[at:]
     if source in ("frame*.xyz", "frame.xyz", "frames"):
@@ -80,8 +78,8 @@ def open_xyz(
     if len(source.time) == 0:
         raise InputError(
             str(files[0]),
-            "holds no whole frame (JETSPIN leaves traj.xyz empty if its interval is longer than the run, or after the "
-            "directive `print xyz rescale`)",
+            "holds no whole frame (JETSPIN leaves traj.xyz empty if its interval is longer than the run, or "
+            "after the directive `print xyz rescale`)",
             remedy="read another file of the run",
         )
     kept = order_frames(source.time, Notes(""))
@@ -110,6 +108,6 @@ def _check_collector(farthest: float, parameters: RunParameters | None, notes: N
         return
     if farthest > 1.02 * parameters.collector_distance:
         notes.add(
-            f"beads reach x = {farthest:.4g} m, beyond the collector at {parameters.collector_distance:.4g} m: the length "
-            "unit is in doubt"
+            f"beads reach x = {farthest:.4g} m, beyond the collector at {parameters.collector_distance:.4g} "
+            "m: the length unit is in doubt"
         )

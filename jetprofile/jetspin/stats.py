@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
-from spinline.jetprofile.jetspin.header import find_parameters, parse_file
+from spinline.jetprofile.jetspin.header import find_parameters, is_log, parse_file, read_text
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.observables import BY_KEY, OBSERVABLES
 from spinline.jetprofile.jetspin.units import si_unit, to_float
@@ -25,17 +25,17 @@ _UNITS = {
     "points": "",
     "maxnumber": "",
     "xyz_rescale": "",
-    **dict.fromkeys("nozzle_radius resolution initial_length collector_distance length_unit".split(), "m"),
+    **dict.fromkeys(["nozzle_radius", "resolution", "initial_length", "collector_distance", "length_unit"], "m"),
     "perturbation_amplitude": "m",
     "density": "kg m-3",
     "charge_density": "C m-3",
     "viscosity": "Pa s",
-    **dict.fromkeys("elastic_modulus nozzle_stress yield_stress stress_unit".split(), "Pa"),
+    **dict.fromkeys(["elastic_modulus", "nozzle_stress", "yield_stress", "stress_unit"], "Pa"),
     "potential": "V",
     "surface_tension": "N m-1",
-    **dict.fromkeys("nozzle_velocity air_velocity".split(), "m s-1"),
+    **dict.fromkeys(["nozzle_velocity", "air_velocity"], "m s-1"),
     "perturbation_frequency": "s-1",
-    **dict.fromkeys("timestep final_time xyz_interval frame_interval time_unit".split(), "s"),
+    **dict.fromkeys(["timestep", "final_time", "xyz_interval", "frame_interval", "time_unit"], "s"),
     "mass_unit": "kg",
     "charge_unit": "C",
 }
@@ -47,7 +47,7 @@ def read_statistics(path: str | PathLike[str]) -> xr.Dataset:
     Parameters
     ----------
     path : path
-        ``statout.dat`` or ``statdat.dat``, or the run directory (the text file is preferred: it has more digits).
+        ``statout.dat`` or ``statdat.dat``, or the run directory (the text file is preferred: more digits).
 
     Returns
     -------
@@ -69,9 +69,7 @@ def read_statistics(path: str | PathLike[str]) -> xr.Dataset:
             )
         path = there[0]
     elif file_kind(path) not in ("statout", "statdat"):
-        raise InputError(
-            str(path), "not a statout.dat or statdat.dat", remedy="read_jetspin reads the other files"
-        )
+        raise InputError(str(path), "not a statout.dat or statdat.dat", remedy="read_jetspin reads the other files")
     notes = Notes(str(path))
     table = read_table(path, notes)
     notes.emit()
@@ -120,9 +118,23 @@ def _binary_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
     numbers[broken] = 0
     values = numbers.view("<f4").astype(np.float64)
     values[broken] = np.nan
+    _check_record(values, notes)
     rows = np.column_stack([words[:, 1].view("<i4").astype(np.float64), values])
     columns = [_STEP] + [(name, *si_unit(unit), text) for _, name, unit, text in OBSERVABLES]
     return rows, columns
+
+
+def _check_record(values: Floats, notes: Notes) -> None:
+    """Compare the observables that a record holds twice, in CGS and in internal units."""
+    wrong = np.zeros(len(values), dtype=np.bool_)
+    for plain, internal in [(0, 23), (1, 24), (2, 25), (3, 26), (4, 27), (5, 28), (6, 29), (7, 30), (8, 31)]:
+        one, two = values[:, plain], values[:, internal]
+        both = np.isfinite(one) & np.isfinite(two) & (np.abs(two) > 1e-30) & (np.abs(one) > 1e-30)
+        if both.sum() > 2:
+            factor = float(np.median(one[both] / two[both]))
+            wrong |= both & (np.abs(one - factor * two) > 1e-5 * np.abs(one))
+        wrong |= np.isfinite(one) & np.isfinite(two) & ((one == 0) != (two == 0))
+    notes.add("{n} records contradict themselves (one observable in two units)", int(wrong.sum()))
 
 
 def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
@@ -143,9 +155,7 @@ def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
                     break
                 continue
             if columns is None:
-                raise InputError(
-                    str(path), "its header is missing or damaged", remedy="read statdat.dat instead"
-                )
+                raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
             width = 10 + _WIDTH * (len(columns) - 1)
             if not width - 5 <= len(line.rstrip()) <= width or not raw.endswith(b"\n"):
                 torn += 1
@@ -259,10 +269,11 @@ def read_setup(path: Path, notes: Notes) -> xr.Dataset:
         about = {"long_name": field.name.replace("_", " ")} | ({"units": unit} if unit else {})
         data[field.name] = ((), value, about)
     if not data:
-        raise InputError(
-            str(path), "holds no parameter of a JETSPIN run", remedy="give its log.txt or input.dat"
-        )
+        raise InputError(str(path), "holds no parameter of a JETSPIN run", remedy="give its log.txt or input.dat")
     if not p.complete:
         notes.add("its end is missing: what the run was not told cannot be known")
+    text = read_text(path, limit=1 << 30)
+    if is_log(text) and "Program closed correctly" not in text:
+        notes.add("it does not say that the run ended")
     attrs["dropped"], attrs["warnings"] = notes.dropped, notes.warnings
     return xr.Dataset(data, attrs=attrs)

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from spinline.errors import InputError
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
-from spinline.jetprofile.jetspin.header import RunParameters
 from spinline.jetprofile.jetspin.notes import Notes
+from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.units import to_float
 
 __all__ = ["XyzSource", "map_file", "scan_frames"]
@@ -66,7 +66,7 @@ def scan_frames(content: mmap.mmap | bytes, notes: Notes) -> FrameList:
         stride = 40 if content[first + 38 : first + 40] == b"\r\n" else 39
         after = first + count * stride
         whole = after <= size or (after - size <= stride - 38 and content[size - 1 :] not in (b"\n",))
-        if whole and (after >= size or _starts_header(content, after) or _ends_here(content, after)):
+        if whole and (after >= size or _ends_here(content, after)):
             stop = min(after, size)
         else:
             stop = _frame_end(content, first)
@@ -96,13 +96,8 @@ def _count(line: bytes) -> int:
     return int(match[0]) if match is not None else -1
 
 
-def _starts_header(content: mmap.mmap | bytes, at: int) -> bool:
-    end = content.find(b"\n", at, at + 32) + 1
-    return end > 0 and content[end : end + 13] == b"frame at time"
-
-
 def _ends_here(content: mmap.mmap | bytes, at: int) -> bool:
-    """Whether a line ends before `at` and no row follows (the next header may be damaged)."""
+    """Whether a line ends before `at` and no row follows; the next header may be damaged."""
     return content[at - 1 : at] == b"\n" and content[at : at + 1] != b"C"
 
 

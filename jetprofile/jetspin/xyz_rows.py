@@ -53,8 +53,8 @@ def parse_rows(buf: Any, offsets: Any, rows: Any, strides: Any, out: Any, status
     """Read the rows of frames into `out` (3, n), leaving out the padding.
 
     `strides` is the length of a line with its end, or 0 where the lines of a frame differ. `status` gets the
-    flags of every row. `chains` (m, 4) gets, for every frame: first row in `out`, number of rows, whether the nozzle row
-    was met, and number of rows behind it that are not padding.
+    flags of every row. `chains` (m, 4) gets, for every frame: first row in `out`, number of rows, whether the
+    nozzle row was met, and number of rows behind it that are not padding.
     """
     end = len(buf)
     w = 0

@@ -83,6 +83,7 @@ def run(
     """Jet, network and concentration of a scene: one file out, one figure."""
     loaded = _load(scene, model, rtol, set_)
     from spinline import results
+    from spinline.outputs import writable
 
     target = out or _default_out(scene, loaded)
     picture = None if no_figure else (figure or target.with_suffix(".png"))
@@ -94,7 +95,7 @@ def run(
     if len({file.resolve() for file in files}) < len(files):
         raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
     for file in files:
-        results.writable(file, force=force)
+        writable(file, force=force)
     from spinline.solve import run as solve
 
     result = solve(loaded)
@@ -172,7 +173,7 @@ def scenes(
     """List the bundled scenes, or copy one to start from."""
     import tomllib
 
-    from spinline.results import writable
+    from spinline.outputs import writable
     from spinline.scene import bundled_scenes
 
     known = bundled_scenes()
@@ -202,14 +203,15 @@ def schema(
     """JSON Schema of the scene file, for editors."""
     import json
 
-    from spinline.results import writable
+    from spinline.outputs import replacing
     from spinline.scene import json_schema
 
     text = json.dumps(json_schema(), indent=2)
     if out is None:
         typer.echo(text)
     else:
-        writable(out, force=force).write_text(text + "\n", encoding="utf-8")
+        with replacing(out, force=force) as part:
+            part.write_text(text + "\n", encoding="utf-8")
 
 
 @app.command("fit-jet")
@@ -218,8 +220,8 @@ def fit_jet(
         Path, typer.Argument(help="CSV (z, radius, radius_std, units in the header), or an imported jet (.nc).")
     ],
     radius: Annotated[str | None, typer.Option(help='Initial radius, "125 um". Default: the largest.')] = None,
-    z_from: Annotated[str | None, typer.Option("--from", help='Fit from here, "3 mm".')] = None,
-    z_to: Annotated[str | None, typer.Option("--to", help='Fit up to here, "2 cm".')] = None,
+    z_from: Annotated[str | None, typer.Option("--from", help='Look no nearer than this, "3 mm".')] = None,
+    z_to: Annotated[str | None, typer.Option("--to", help='Look no farther than this, "2 cm".')] = None,
     tolerance: Annotated[float, typer.Option(help="Departure of the radius that is still a power law.")] = 0.02,
     along: Annotated[Along, typer.Option(help="Distance that counts, for a bead jet.")] = Along.arc,
     json: JsonOption = False,
@@ -233,13 +235,9 @@ def fit_jet(
     z, r, std, r0 = _profile(profile, along)
     if radius is not None:
         r0 = parse(radius, "length", "--radius").value
-    z_range = None
-    if z_from is not None or z_to is not None:
-        z_range = (
-            parse(z_from, "length", "--from").value if z_from is not None else float(min(z[z > 0], default=1.0)),
-            parse(z_to, "length", "--to").value if z_to is not None else float(max(z)),
-        )
-    fit = fit_power_law(z, r, std, initial_radius=r0, z_range=z_range, tolerance=tolerance)
+    nearest = parse(z_from, "length", "--from").value if z_from is not None else 0.0
+    farthest = parse(z_to, "length", "--to").value if z_to is not None else 1e300
+    fit = fit_power_law(z, r, std, initial_radius=r0, z_range=(nearest, farthest), tolerance=tolerance)
     if json:
         from spinline.results import plain
 
@@ -265,15 +263,18 @@ def import_jet(
     """Turn the output of a Lagrangian simulation into a jet file."""
     from spinline import results
     from spinline.jetprofile.jetspin import write_jet
+    from spinline.outputs import replacing
 
-    target = results.writable(out or Path(run_dir.resolve().stem + ".nc"), force=force)
-    write_jet(run_dir, target, source=source, unit=unit)
+    target = out or Path(run_dir.resolve().stem + ".nc")
+    with replacing(target, force=force) as part:
+        write_jet(run_dir, part, source=source, unit=unit)
     jet = results.open_dataset(target)
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2."""
+    warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
     try:

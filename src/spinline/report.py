@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from spinline.figures import headline, png
-from spinline.results import VARIABLES, scalars, writable
+from spinline.outputs import replacing
+from spinline.results import VARIABLES, scalars
 
 __all__ = ["html", "save_report", "words"]
 
@@ -108,9 +109,10 @@ def save_report(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
     InputError
         If the file cannot be written.
     """
-    file = writable(path, force=force)
-    file.write_text(html(result), encoding="utf-8")
-    return file
+    text = html(result)
+    with replacing(path, force=force) as part:
+        part.write_text(text, encoding="utf-8")
+    return Path(path)
 
 
 _MODELS = (

@@ -2,8 +2,6 @@
 
 import json
 import math
-import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from spinline.errors import InputError
+from spinline.outputs import replacing
 
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
@@ -26,7 +25,6 @@ __all__ = [
     "scalars",
     "to_csv",
     "to_json",
-    "writable",
 ]
 
 # name: (unit, what it is)
@@ -113,27 +111,6 @@ def scalars(result: xr.Dataset) -> dict[str, float]:
     return {str(name): float(variable) for name, variable in result.data_vars.items() if variable.ndim == 0}
 
 
-def writable(path: str | Path, *, force: bool = False) -> Path:
-    """Check that a file can be written before anything is computed.
-
-    Raises
-    ------
-    InputError
-        If it exists (without `force`), is a folder, or its folder is missing or closed.
-    """
-    file = Path(path)
-    if file.is_dir():
-        raise InputError(str(path), "is a folder, not a file", remedy="give a file name")
-    if file.exists() and not force:
-        raise InputError(str(path), "exists", remedy="choose another name, or --force to overwrite")
-    folder = file.parent
-    if not folder.is_dir():
-        raise InputError(str(path), "cannot be written: its folder does not exist", remedy=f"make {folder}")
-    if not os.access(folder, os.W_OK) or (file.exists() and not os.access(file, os.W_OK)):
-        raise InputError(str(path), "cannot be written: no permission", remedy="choose another place")
-    return file
-
-
 def save(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write a result as netCDF-4, whole or not at all.
 
@@ -150,16 +127,10 @@ def save(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     -------
     Path
     """
-    file = writable(path, force=force)
     encoding = {name: {"_FillValue": None} for name in result.variables}
-    with tempfile.TemporaryDirectory(prefix=".spinline-", dir=file.parent) as scratch:
-        part = Path(scratch) / "result.nc"
-        try:
-            result.to_netcdf(part, engine="h5netcdf", encoding=encoding)
-            part.replace(file)
-        except OSError as error:
-            raise InputError(str(path), f"cannot be written ({error.strerror or error})") from None
-    return file
+    with replacing(path, force=force) as part:
+        result.to_netcdf(part, engine="h5netcdf", encoding=encoding)
+    return Path(path)
 
 
 def open_dataset(path: str | Path) -> xr.Dataset:
@@ -204,7 +175,6 @@ def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
 
 def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write the profile as a table, one row per place (and time), units in the header."""
-    file = writable(path, force=force)
     if "element" in result.dims:
         along = [name for name in result.variables if "element" in result[name].dims]
     else:
@@ -215,8 +185,9 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
     flags = {name: table[name].astype(int) for name in table.columns if table[name].dtype == bool}
     table = table.assign(**flags)
     table.columns = [f"{name} [{units[name]}]" if units[name] not in ("", "1") else str(name) for name in table.columns]
-    table.to_csv(file, index=False)
-    return file
+    with replacing(path, force=force) as part:
+        table.to_csv(part, index=False)
+    return Path(path)
 
 
 def _units(name: str, beads: bool = False) -> dict[str, str]:

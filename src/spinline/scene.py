@@ -463,10 +463,20 @@ def _change(key: str) -> str:
 
 def _known_keys(key: str, data: Mapping[str, Any]) -> list[str]:
     models: dict[str, type[BaseModel]] = {
-        "solution": SolutionSection, "ambient": AmbientSection, "rheology": RheologySection, "effects": EffectsSection,
-        "network": NetworkSection, "accuracy": AccuracySection, "solution.polymer": PolymerData,
+        "solution": SolutionSection,
+        "solution.polymer": PolymerData,
         "solution.solvent": SolventData,
-    }  # fmt: skip
+        "jet power-law": PowerLawJet,
+        "jet hyperbolic": HyperbolicJet,
+        "jet table": TableJet,
+        "jet jetspin": JetspinJet,
+        "jet lagrangian": LagrangianJetFile,
+        "ambient": AmbientSection,
+        "rheology": RheologySection,
+        "effects": EffectsSection,
+        "network": NetworkSection,
+        "accuracy": AccuracySection,
+    }
     section = key.rpartition(".")[0]
     if section == "jet":
         section = f"jet {data['jet']['profile']}"

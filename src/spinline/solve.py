@@ -206,10 +206,8 @@ def crossover(scene: Scene, jet: "StraightJet | LagrangianJet", velocity_ratio: 
     if not predicted <= end * (1 + 1e-12):
         nan = float("nan")
         return Crossover(velocity_ratio, nan, nan, nan, predicted)
-    if isinstance(jet, StraightJet):
-        radius = float(jet.radius(min(predicted, jet.end)))
-    else:
-        radius = float(jet.radius(predicted))
+    place = min(predicted, jet.end) if isinstance(jet, StraightJet) else predicted
+    radius = float(jet.radius(place))
     return Crossover(velocity_ratio, predicted, radius, radius / jet.initial_radius, predicted)
 
 

@@ -1,0 +1,144 @@
+"""The command line as a user meets it: answers on standard output, one message and exit code 2 for bad input."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from spinline.scene import bundled_scenes
+
+
+def test_the_main_job(spinline, tmp_path) -> None:
+    ran = spinline("run", "peo5-water", "--report", "r.html", "--csv", "p.csv")
+    assert ran.code == 0
+    assert ran.err == ""
+    assert "fully stretched at 3.43 mm, radius 26.3" in ran.out
+    assert {file.name for file in tmp_path.iterdir()} == {"peo5-water.nc", "peo5-water.png", "r.html", "p.csv"}
+    again = spinline("run", "peo5-water")
+    assert again.code == 2
+    assert again.err == "error: peo5-water.nc: exists; choose another name, or --force to overwrite\n"
+    assert again.out == ""
+    assert spinline("run", "peo5-water", "--force").code == 0
+
+
+def test_crossover_through_the_command_line_to_1e_6(spinline) -> None:
+    ran = spinline("crossover", "peo5-water", "--json")
+    data = ran.json
+    phi = data["volume_fraction"]
+    assert data["crossover_radius_ratio"] == pytest.approx(np.sqrt(phi), rel=1e-9)
+    assert data["crossover_position"] == pytest.approx(125e-6 * (1 / phi) ** (1 / 0.94), rel=1e-9)
+    line = spinline("crossover", "peo5-water")
+    assert line.out.count("\n") == 1
+    assert "3.43 mm" in line.out
+
+
+def test_json_and_no_figure(spinline, tmp_path) -> None:
+    ran = spinline("run", "peo5-water", "--json", "--no-figure", "-o", "a.nc", "--set", "jet.length=1 mm")
+    assert ran.code == 0
+    assert ran.json["crossover_position"] is None
+    assert "warning: " in ran.err
+    assert [file.name for file in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_a_scene_file_puts_its_result_beside_it(spinline, tmp_path) -> None:
+    folder = tmp_path / "work"
+    folder.mkdir()
+    assert spinline("scenes", "--copy", "peo3-water", "--to", folder).code == 0
+    assert spinline("run", folder / "peo3-water.toml", "--rtol", "0.1", "--model", "affine").code == 0
+    assert (folder / "peo3-water.nc").exists()
+    assert (folder / "peo3-water.png").exists()
+
+
+def test_scenes_lists_and_copies_with_data(spinline, tmp_path) -> None:
+    ran = spinline("scenes")
+    assert all(name in ran.out for name in bundled_scenes())
+    assert spinline("scenes", "--copy", "pvp-jetspin").code == 0
+    assert (tmp_path / "pvp3d" / "traj.dat").exists()
+    assert spinline("crossover", "pvp-jetspin.toml").code == 0
+    twice = spinline("scenes", "--copy", "pvp-jetspin")
+    assert (twice.code, "exists" in twice.err) == (2, True)
+    assert "not a bundled scene" in spinline("scenes", "--copy", "nothing").err
+
+
+def test_check(spinline) -> None:
+    assert spinline("check", "peo5-water").out.endswith("nothing odd\n")
+    odd = spinline("check", "pcl9-dcm")
+    assert odd.code == 0
+    assert "odd: k = " in odd.out
+    assert spinline("check", "peo5-water", "--set", "jet.beta=3").code == 2
+
+
+def test_schema(spinline, tmp_path) -> None:
+    assert json.loads(spinline("schema").out)["title"] == "spinline scene"
+    assert spinline("schema", "-o", "s.json").code == 0
+    assert json.loads((tmp_path / "s.json").read_text())["properties"]
+
+
+def test_fit_jet(spinline, tmp_path) -> None:
+    z = np.geomspace(1, 10, 40)
+    rows = "\n".join(f"{a},{125 * (a / 0.125) ** -0.47},{1.0}" for a in z)
+    (tmp_path / "p.csv").write_text("z [mm],radius [um],radius_std [um]\n" + rows)
+    ran = spinline("fit-jet", "p.csv", "--radius", "125 um")
+    assert ran.code == 0
+    assert ran.out.startswith("k = 1 +/- ")
+    assert "beta = 0.47 " in ran.out
+    data = spinline("fit-jet", "p.csv", "--radius", "125 um", "--json", "--from", "2 mm").json
+    assert data["beta"] == pytest.approx(0.47, rel=1e-9)
+    assert data["z_min"] >= 2e-3
+    assert spinline("fit-jet", "p.csv", "--radius", "125").code == 2
+    assert spinline("fit-jet", "none.csv").code == 2
+    assert spinline("fit-jet", "p.csv", "--from", "1 m").code == 2
+
+
+BAD = [
+    (["run", "none"], ["none", "cannot be read", "spinline scenes"]),
+    (["run", "peo5-watr"], ["did you mean the bundled 'peo5-water'"]),
+    (["run", "peo5-water", "--set", "jet.radius=-1 um"], ["jet.radius", "'-1 um'", "(1e-12, 1000) m"]),
+    (["run", "peo5-water", "--set", "jet.radius=5 s"], ["jet.radius", "not a length", "for example"]),
+    (["run", "peo5-water", "--set", "solution.mass_fraction=1.0"], ["solution.mass_fraction", "(0, 1)"]),
+    (["run", "peo5-water", "--set", "jet.beta=0.1"], ["jet.beta", "[0.25, 1]"]),
+    (["run", "peo5-water", "--set", "jet.k=nan"], ["jet.k", "finite"]),
+    (["run", "peo5-water", "--set", "jet.k=inf"], ["jet.k", "finite"]),
+    (["run", "peo5-water", "--set", "solution.polymer=Nylon"], ["solution.polymer", "'Nylon'", "PEO, PMMA"]),
+    (["run", "peo5-water", "--rtol", "7"], ["accuracy.rtol"]),
+    (["run", "peo5-water", "--model", "chain"], ["network.model", "'chain'"]),
+    (["run", "peo5-water", "-o", "none/a.nc"], ["none/a.nc", "folder does not exist"]),
+    (["run", "peo5-water", "-o", "/proc/a.nc"], ["/proc/a.nc", "cannot be written"]),
+    (["run", "peo5-water", "--figure", "a.bmp"], ["a.bmp", ".png"]),
+    (["run", "peo5-water", "-o", "a.png", "--figure", "a.png"], ["two outputs"]),
+    (["run", "binary.toml"], ["binary.toml", "not text"]),
+    (["run", "a.csv"], ["a.csv", "not a TOML scene"]),
+    (["run", "missing.toml"], ["jet", "is missing"]),
+    (["run"], ["SCENE"]),
+    (["run", "peo5-water", "--colour"], ["--colour"]),
+    (["swim"], ["swim"]),
+    (["fit-jet", "binary.toml"], ["binary.toml"]),
+    (["import-jet", "none"], ["none"]),
+    (["import-jet", "a.csv"], ["a.csv"]),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), BAD, ids=[" ".join(a) for a, _ in BAD])
+def test_bad_input(spinline, tmp_path, arguments: list[str], words: list[str]) -> None:
+    (tmp_path / "binary.toml").write_bytes(bytes(range(256)))
+    (tmp_path / "a.csv").write_text("z [mm],radius [um]\n1,2\n")
+    (tmp_path / "missing.toml").write_text('[solution]\npolymer="PEO"\nsolvent="water"\nmass_fraction=0.05\n')
+    ran = spinline(*arguments)
+    assert ran.code == 2
+    assert ran.out == ""
+    for word in words:
+        assert word in ran.err
+    assert "Traceback" not in ran.err
+    assert not list(tmp_path.glob(".spinline-*"))
+
+
+def test_as_a_process() -> None:
+    ran = subprocess.run([sys.executable, "-m", "spinline", "--version"], capture_output=True, text=True, check=True)
+    assert ran.stdout.startswith("spinline 0.")
+    ran = subprocess.run([sys.executable, "-m", "spinline", "--help"], capture_output=True, text=True, check=True)
+    assert "crossover" in ran.stdout
+    code = "import sys, spinline; print(sorted({'numpy','scipy','pandas','xarray','pint','matplotlib'} & set(sys.modules)))"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == "[]"
