@@ -1,5 +1,7 @@
 """Reference tables made from the code at build time, so that they cannot differ from it."""
 
+# ruff: noqa: D102
+
 import os
 import re
 
@@ -99,7 +101,14 @@ class Materials(Generated):
 
     def run(self):
         polymers = [
-            (p.name, f"{p.density:g}", p.repeat_unit, f"{1e3 * p.repeat_unit_molar_mass:g}", str(p.backbone_bonds), p.source)
+            (
+                p.name,
+                f"{p.density:g}",
+                p.repeat_unit,
+                f"{1e3 * p.repeat_unit_molar_mass:g}",
+                str(p.backbone_bonds),
+                p.source,
+            )
             for p in POLYMERS.values()
         ]
         solvents = [(name, cas, f"{low:g} to {high:g}") for name, (cas, low, high) in SOLVENTS.items()]
@@ -153,7 +162,12 @@ def _kind(field, schema):
         return f"`{_toml(field['const'])}`"
     if "description" in field:
         return field["description"].replace("*", "\\*")
-    words = {"string": "text", "integer": "whole number", "object": "a table of name = share", "boolean": "true or false"}
+    words = {
+        "string": "text",
+        "integer": "whole number",
+        "object": "a table of name = share",
+        "boolean": "true or false",
+    }
     text = words.get(field.get("type", ""), field.get("type", ""))
     bounds = [f"{sign} {field[name]:g}" for name, sign in _BOUNDS.items() if name in field]
     return f"{text}, {', '.join(bounds)}" if bounds else text
