@@ -58,7 +58,10 @@ class SceneKeys(Generated):
                 default = ""
             else:
                 default = f"`{_toml(_default(field))}`"
-            rows.append((f"`{key}`", _kind(field, schema), default, _example(field)))
+            kind = _kind(field, schema)
+            if self.arguments[0] == "Scene" and kind != "text":
+                kind = "section, below"
+            rows.append((f"`{key}`", kind, default, "" if default.startswith("`") else _example(field)))
         return self.parse(_table(("key", "what it holds", "default", "example"), rows))
 
 
@@ -179,9 +182,8 @@ _BOUNDS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "
 def _example(field):
     for candidate in (field, *field.get("anyOf", ())):
         if "examples" in candidate:
-            kind = candidate["description"].partition(",")[0]
-            text = candidate["examples"][0]
-            return f"`{text}`" if kind == "number" else f'`"{text}"`'
+            number = candidate["description"].startswith("number")
+            return "" if number else f'`"{candidate["examples"][0]}"`'
     return ""
 
 
