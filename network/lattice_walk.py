@@ -171,7 +171,7 @@ def relative_extension(force: ArrayLike, rest_force: ArrayLike) -> FloatArray:
     Parameters
     ----------
     force : array_like
-        Axial force f_z, dimensionless, any sign, |f_z| <= 1e300.
+        Axial force f_z, dimensionless, any sign, at most 1e300 in size.
     rest_force : array_like
         Lateral force f_0 >= 0.
 

@@ -1,0 +1,212 @@
+"""Reference tables made from the code at build time, so that they cannot differ from it."""
+
+# ruff: noqa: D102
+
+import os
+import re
+
+import click
+import typer.main
+from docutils import nodes
+from docutils.statemachine import StringList
+from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
+
+import spinline
+from spinline.cli import app as command_line
+from spinline.results import VARIABLES
+from spinline.rheology import POLYMERS, SOLVENTS
+from spinline.scene import bundled_scenes, json_schema
+from spinline.units import QUANTITIES
+
+logger = logging.getLogger(__name__)
+os.environ.update(COLUMNS="96", TERM="dumb", NO_COLOR="1")
+
+PACKAGES = [
+    "spinline", "spinline.network", "spinline.jetprofile", "spinline.jetprofile.jetspin", "spinline.rheology",
+    "spinline.xray", "spinline.scene", "spinline.solve", "spinline.results", "spinline.figures", "spinline.report",
+    "spinline.units", "spinline.errors",
+]  # fmt: skip
+
+
+class Generated(SphinxDirective):
+    """A directive that writes Markdown and has it parsed."""
+
+    def parse(self, lines):
+        holder = nodes.container()
+        self.state.nested_parse(StringList(lines, source=self.get_source_info()[0]), 0, holder)
+        return holder.children
+
+
+class SceneKeys(Generated):
+    """Keys of one section of the scene file, by the name of its model in the JSON Schema."""
+
+    required_arguments = 1
+
+    def run(self):
+        schema = json_schema()
+        section = schema if self.arguments[0] == "Scene" else schema["$defs"][self.arguments[0]]
+        required = section.get("required", [])
+        rows = []
+        for key, field in section["properties"].items():
+            if "const" in field and key == "profile":
+                rows.append((f"`{key}`", f"`{_toml(field['const'])}`", "required", ""))
+                continue
+            if key in required:
+                default = "required"
+            elif _default(field) is None:
+                default = ""
+            else:
+                default = f"`{_toml(_default(field))}`"
+            kind = _kind(field, schema)
+            if self.arguments[0] == "Scene" and kind != "text":
+                kind = "section, below"
+            rows.append((f"`{key}`", kind, default, "" if default.startswith("`") else _example(field)))
+        return self.parse(_table(("key", "what it holds", "default", "example"), rows))
+
+
+class CommandHelp(SphinxDirective):
+    """What ``spinline COMMAND --help`` prints."""
+
+    optional_arguments = 1
+
+    def run(self):
+        name = self.arguments[0] if self.arguments else None
+        group = typer.main.get_command(command_line)
+        parent = group.make_context("spinline", [], resilient_parsing=True)
+        if name is None:
+            text = group.get_help(parent)
+        else:
+            command = group.get_command(parent, name)
+            with type(parent)(command, info_name=name, parent=parent) as context:
+                text = command.get_help(context)
+        return [nodes.literal_block(click.unstyle(text), click.unstyle(text), language="text")]
+
+
+class Variables(Generated):
+    """Names in a result."""
+
+    def run(self):
+        rows = [(f"`{name}`", unit or "flag", words) for name, (unit, words) in VARIABLES.items()]
+        return self.parse(_table(("name", "unit", "what it is"), rows))
+
+
+class Quantities(Generated):
+    """Kinds of quantity and how they are written."""
+
+    def run(self):
+        rows = [(q.name, q.unit or "none", f"`{q.example}`") for q in QUANTITIES.values()]
+        return self.parse(_table(("kind", "SI unit", "as text"), rows))
+
+
+class Materials(Generated):
+    """Built-in polymers and solvents."""
+
+    def run(self):
+        polymers = [
+            (
+                p.name,
+                f"{p.density:g}",
+                p.repeat_unit,
+                f"{1e3 * p.repeat_unit_molar_mass:g}",
+                str(p.backbone_bonds),
+                p.source,
+            )
+            for p in POLYMERS.values()
+        ]
+        solvents = [(name, cas, f"{low:g} to {high:g}") for name, (cas, low, high) in SOLVENTS.items()]
+        heads = ("polymer", "density, kg/m³", "repeat unit", "its molar mass, g/mol", "backbone bonds", "source")
+        return self.parse([*_table(heads, polymers), "", *_table(("solvent", "CAS number", "range, K"), solvents)])
+
+
+class Scenes(Generated):
+    """Bundled scenes."""
+
+    def run(self):
+        rows = []
+        for name, path in bundled_scenes().items():
+            text = path.read_text(encoding="utf-8")
+            title = re.search(r'^title = "(.*)"$', text, re.MULTILINE)
+            rows.append((f"`{name}`", title.group(1) if title else ""))
+        return self.parse(_table(("name", "what it is"), rows))
+
+
+def _table(heads, rows):
+    lines = [heads, ["---"] * len(heads), *rows]
+    return ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines]
+
+
+def _toml(value):
+    if isinstance(value, dict) and "text" in value:
+        value = value["text"]
+        return value if re.fullmatch(r"[\d.e+-]+", value) else f'"{value}"'
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def _default(field):
+    value = field.get("default")
+    return None if isinstance(value, dict) and "text" not in value else value
+
+
+def _kind(field, schema):
+    branches = field.get("anyOf") or field.get("oneOf")
+    if branches:
+        words = [_kind(branch, schema) for branch in branches if branch.get("type") != "null"]
+        return " or ".join(dict.fromkeys(words))
+    if "$ref" in field:
+        name = field["$ref"].rpartition("/")[2]
+        section = schema["$defs"][name]
+        return f"a table ({', '.join(f'`{key}`' for key in section['properties'])})"
+    if "enum" in field:
+        return ", ".join(f"`{_toml(value)}`" for value in field["enum"])
+    if "const" in field:
+        return f"`{_toml(field['const'])}`"
+    if "description" in field:
+        return field["description"].replace("*", "\\*")
+    words = {
+        "string": "text",
+        "integer": "whole number",
+        "object": "a table of name = share",
+        "boolean": "true or false",
+    }
+    text = words.get(field.get("type", ""), field.get("type", ""))
+    bounds = [f"{sign} {field[name]:g}" for name, sign in _BOUNDS.items() if name in field]
+    return f"{text}, {', '.join(bounds)}" if bounds else text
+
+
+_BOUNDS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+
+
+def _example(field):
+    for candidate in (field, *field.get("anyOf", ())):
+        if "examples" in candidate:
+            number = candidate["description"].startswith("number")
+            return "" if number else f'`"{candidate["examples"][0]}"`'
+    return ""
+
+
+def check_complete(_app, env):
+    """Warn of every public name that no page documents."""
+    documented = set(env.domaindata["py"]["objects"])
+    for package in PACKAGES:
+        module = spinline if package == "spinline" else __import__(package, fromlist=["_"])
+        for name in module.__all__:
+            if name == "__version__" or f"{package}.{name}" in documented or f"{package}.{name}" in PACKAGES:
+                continue
+            thing = getattr(module, name)
+            if f"{thing.__module__}.{thing.__qualname__}" not in documented:
+                logger.warning("%s.%s is public and not in the API reference", package, name)
+
+
+def setup(app):
+    """Register the directives."""
+    app.add_directive("scene-keys", SceneKeys)
+    app.add_directive("command-help", CommandHelp)
+    app.add_directive("result-variables", Variables)
+    app.add_directive("quantity-kinds", Quantities)
+    app.add_directive("materials", Materials)
+    app.add_directive("bundled-scenes", Scenes)
+    app.connect("env-check-consistency", check_complete)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
