@@ -17,7 +17,7 @@ is another matter: *locking* is nonlocal. As ``alpha_v -> inf``, it is fully ext
 ``int_{s_1}^{L} (V_S - V) ds = 0`` on.
 
 Method: Radau IIA collocation with 12 stages (order 23, L-stable) on panels marched upstream, each accepted when the last
-Legendre coefficients of w are below `rtol`. About 50 to 200 panels, 30 to 200 ms.
+Legendre coefficients of w are below `rtol`. 30 to 170 panels, 5 to 60 ms; errors below 1e-11 at the default rtol.
 
 References
 ----------
