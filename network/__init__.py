@@ -9,8 +9,14 @@ module                 law
 `crossover`            Eq. (38): where the network is fully stretched
 `coupling`             A, alpha_v: how well the network follows the flow
 `state`                all of the above at once; the affine rung
+`tension`              tension of the network for every force-extension law
+`manifold`             Eqs. (32a), (33): the steady network at finite coupling
+`radial`               Eq. (32b): lateral mesh across the jet
 =====================  ==============================================================
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if __name__ != "spinline.network":
     raise ImportError("import spinline.network, not network")
@@ -41,10 +47,29 @@ from spinline.network.lattice_walk import (
 from spinline.network.mesh import Mesh, network_at_rest, rest_force
 from spinline.network.state import NetworkState, affine_network, network_state
 
+if TYPE_CHECKING:
+    from spinline.network.manifold import Manifold, eq33, steady_network
+    from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
+    from spinline.network.tension import Tension
+
+# name: module; loaded when first asked for, since the solvers are heavier than the closed forms
+_NAMES = {
+    "Manifold": "manifold",
+    "RadialMesh": "radial",
+    "Tension": "tension",
+    "eq33": "manifold",
+    "radial_mesh": "radial",
+    "solve_radial_mesh": "radial",
+    "steady_network": "manifold",
+}
+
 __all__ = [
     "Conformation",
+    "Manifold",
     "Mesh",
     "NetworkState",
+    "RadialMesh",
+    "Tension",
     "affine_force",
     "affine_network",
     "affinity",
@@ -53,6 +78,7 @@ __all__ = [
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
     "elastic_coupling",
+    "eq33",
     "extension_velocity_ratio",
     "fraction_conservative",
     "fraction_eq40",
@@ -63,6 +89,7 @@ __all__ = [
     "network_at_rest",
     "network_state",
     "orientation",
+    "radial_mesh",
     "radius_ratio",
     "random_walk",
     "relative_contraction",
@@ -70,6 +97,18 @@ __all__ = [
     "rest_force",
     "saturate",
     "segment_time",
+    "solve_radial_mesh",
+    "steady_network",
     "strand_force",
     "stretched_walk",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _NAMES:
+        return getattr(import_module(f"spinline.network.{_NAMES[name]}"), name)
+    raise AttributeError(f"module 'spinline.network' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
