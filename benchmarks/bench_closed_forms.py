@@ -17,7 +17,7 @@ mp.mp.dps = 50
 
 def printed(v: np.ndarray, phi: np.ndarray) -> dict[str, np.ndarray]:
     """Eqs. (34)-(40) as one would type them."""
-    with np.errstate(all="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         f0 = 3 * phi
         fz = f0 * v
         z = np.cosh(fz) + 2 * np.cosh(f0)

@@ -37,7 +37,8 @@ def parse_block(content: bytes, name: str, notes: Notes) -> RunParameters:
         bodies.append(content[at + 4 : at + 4 + size])
         at += size + 8
     notes.add("{n} record markers in the parameter block are damaged", damaged)
-    with np.errstate(all="ignore"):
+    # damaged numbers overflow here; what they give is compared with the block's own scales and refused
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore", under="ignore"):
         return _block_values(bodies, name, notes)
 
 

@@ -54,7 +54,7 @@ def words(result: xr.Dataset) -> list[str]:
     known = np.isfinite(result["stretch_ratio"].values)
     if np.isfinite(float(result["crossover_position"])):
         here = int(np.nanargmin(np.where(known, np.abs(place - float(result["crossover_position"])), np.nan)))
-        sentences.append(f"There {_state(result, here)}.")
+        sentences.append(f"At the crossover {_state(result, here)}.")
     end = int(np.flatnonzero(known)[-1])
     where = "At the free end" if result.attrs["model"] == "manifold" else "At the end"
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
@@ -139,11 +139,12 @@ def _state(result: xr.Dataset, index: int) -> str:
     def at(name: str) -> float:
         return float(result[name].values[index])
 
-    core = "at least compact" if bool(result["compacted"].values[index]) else f"{at('core_polymer_fraction'):.3g}"
+    fraction = f"has a polymer volume fraction of {at('core_polymer_fraction'):.3g}"
+    core = "is compact polymer" if bool(result["compacted"].values[index]) else fraction
     return (
         f"the strands are at {at('relative_extension'):.3g} of their contour, oriented O = {at('orientation'):.3g}, "
         f"contracted to {at('radial_contraction'):.3g}; the network's radius is {1e6 * at('network_radius'):.3g} µm in a "
-        f"jet of {1e6 * at('radius'):.3g} µm, and the polymer volume fraction of its core {core} "
+        f"jet of {1e6 * at('radius'):.3g} µm, and its core {core} "
         f"(solution: {float(result['volume_fraction']):.3g})"
     )
 
