@@ -1,13 +1,13 @@
 """Force-extension laws of a strand: ``f = F b / (k_B T)`` against ``x = xi / xi_max``.
 
-==========  ======================================================  ===================  ====================
-law         force f(x)                                              x -> 0               x -> 1
-==========  ======================================================  ===================  ====================
-"linear"    ``3 x`` (Gaussian strand, x unbounded)                  ``3 x``              no bound
+==========  ======================================================  ======================  ========================
+law         force f(x)                                              x -> 0                  x -> 1
+==========  ======================================================  ======================  ========================
+"linear"    ``3 x`` (Gaussian strand, x unbounded)                  ``3 x``                 no bound
 "lattice"   ``atanh x + asinh[2 cosh(f_0) x / sqrt(1 - x^2)]``      ``(1 + 2 cosh f_0) x``  ``ln[4 cosh f_0/(1-x)]``
-"langevin"  inverse of ``coth f - 1/f`` (freely jointed)            ``3 x + 9 x^3/5``    ``1/(1 - x)``
-"fene"      ``3 x / (1 - x^2)``                                     ``3 x + 3 x^3``      ``3/[2 (1 - x)]``
-==========  ======================================================  ===================  ====================
+"langevin"  inverse of ``coth f - 1/f`` (freely jointed)            ``3 x + 9 x^3/5``       ``1/(1 - x)``
+"fene"      ``3 x / (1 - x^2)``                                     ``3 x + 3 x^3``         ``3/[2 (1 - x)]``
+==========  ======================================================  ======================  ========================
 
 "lattice" inverts the random walk of Eq. (36a) at the lateral force f_0 (`rest_force`; 3 phi in a theta solvent);
 the other laws do not depend on it. All are odd in x. Beyond rest they part: at x = 0.9 the forces are 2.7,
@@ -20,7 +20,7 @@ How they are evaluated (relative errors below 1e-14 against 50 digits, wherever 
   instead of x once f > 2.
 * `deficit` never subtracts x from 1 at large f: ``(e^-f + 2 cosh f_0)/Z``, ``1/f - 2/(e^2f - 1)``,
   ``[3 + 9/(h + 2f)]/(3 + h)`` with ``h = sqrt(9 + 4 f^2)``. The lattice deficit underflows to 0 beyond f = 745.
-* exp(-max(|f|, f_0)) is factored out of every ratio of exponentials: forces up to 1e300.
+* ``exp(-max(|f|, f_0))`` is factored out of every ratio of exponentials: forces up to 1e300.
 
 About 0.02 us a point ("fene", "linear"), 0.1 us (the others); numba compiles on first use, then from its cache.
 
@@ -59,7 +59,7 @@ def force(extension: ArrayLike, law: ForceLaw, rest_force: ArrayLike = 0.0) -> F
     Parameters
     ----------
     extension : array_like
-        ``x = xi / xi_max``, in (-1, 1); any |x| <= 1e300 for "linear".
+        ``x = xi / xi_max``, in (-1, 1); any ``|x| <= 1e300`` for "linear".
     law : {"linear", "lattice", "langevin", "fene"}
         Force-extension law.
     rest_force : array_like, optional
@@ -92,7 +92,7 @@ def extension(force: ArrayLike, law: ForceLaw, rest_force: ArrayLike = 0.0) -> F
     Parameters
     ----------
     force : array_like
-        ``f = F b / (k_B T)``, |f| <= 1e300.
+        ``f = F b / (k_B T)``, ``|f| <= 1e300``.
     law, rest_force
         As for `force`.
 
