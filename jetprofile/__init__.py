@@ -22,7 +22,7 @@ if __name__ != "spinline.jetprofile":
 if TYPE_CHECKING:
     from spinline.jetprofile.fit import PowerLawFit, fit_power_law
     from spinline.jetprofile.hyperbolic import Hyperbolic
-    from spinline.jetprofile.jetspin import iter_jetspin, read_jetspin
+    from spinline.jetprofile.jetspin import iter_jetspin, read_jetspin, write_jet
     from spinline.jetprofile.k_estimate import estimate_k
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.jetprofile.power_law import PowerLaw
@@ -42,6 +42,7 @@ _NAMES = {
     "fit_power_law": "fit",
     "iter_jetspin": "jetspin",
     "read_jetspin": "jetspin",
+    "write_jet": "jetspin",
 }
 
 __all__ = [
@@ -56,6 +57,7 @@ __all__ = [
     "fit_power_law",
     "iter_jetspin",
     "read_jetspin",
+    "write_jet",
 ]
 
 

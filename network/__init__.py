@@ -9,6 +9,7 @@ module                 law
 `crossover`            Eq. (38): where the network is fully stretched
 `coupling`             A, alpha_v: how well the network follows the flow
 `state`                all of the above at once; the affine rung
+`force_laws`           force-extension laws of a strand, and their inverses
 `tension`              tension of the network for every force-extension law
 `manifold`             Eqs. (32a), (33): the steady network at finite coupling
 `radial`               Eq. (32b): lateral mesh across the jet

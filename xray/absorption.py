@@ -7,7 +7,7 @@ mass concentration ``rho_p d phi_p``, in g/cm3, not the fraction. Along a chord 
 
 References
 ----------
-Greenfeld et al., J. Appl. Phys. 111 (2012); review Eqs. (41)-(42).
+Greenfeld et al., Macromolecules 45, 3616 (2012); review Eqs. (41)-(42).
 """
 
 import numpy as np

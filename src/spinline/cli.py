@@ -214,7 +214,7 @@ def schema(
             part.write_text(text + "\n", encoding="utf-8")
 
 
-@app.command("fit-jet")
+@app.command("fit-jet", short_help="Fit k and beta of a power law to a radius profile.")
 def fit_jet(
     profile: Annotated[
         Path, typer.Argument(help="CSV (z, radius, radius_std, units in the header), or an imported jet (.nc).")

@@ -455,7 +455,7 @@ def _attributes(
         }
     else:
         attributes |= {
-            "jet": str(jet.attributes.get("source", "bead jet")),
+            "jet": str(jet.attributes.get("title", jet.attributes.get("source", "bead jet"))),
             "model_reason": "affine: the material stretch of each element drives the network; elastic slip not estimated",
             "jet_attributes": "\n".join(f"{key} = {value}" for key, value in jet.attributes.items()),
         }
