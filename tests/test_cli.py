@@ -87,6 +87,8 @@ def test_fit_jet(spinline, tmp_path) -> None:
     data = spinline("fit-jet", "p.csv", "--radius", "125 um", "--json", "--from", "2 mm").json
     assert data["beta"] == pytest.approx(0.47, rel=1e-9)
     assert data["z_min"] >= 2e-3
+    assert spinline("run", "peo5-water", "--no-figure").code == 0
+    assert spinline("fit-jet", "peo5-water.nc", "--from", "0.2 mm").out.startswith("k = 1 +/- ")
     assert spinline("fit-jet", "p.csv", "--radius", "125").code == 2
     assert spinline("fit-jet", "none.csv").code == 2
     assert spinline("fit-jet", "p.csv", "--from", "1 m").code == 2

@@ -217,7 +217,8 @@ def schema(
 @app.command("fit-jet", short_help="Fit k and beta of a power law to a radius profile.")
 def fit_jet(
     profile: Annotated[
-        Path, typer.Argument(help="CSV (z, radius, radius_std, units in the header), or an imported jet (.nc).")
+        Path,
+        typer.Argument(help="CSV (z, radius, radius_std, units in the header), an imported jet or a result (.nc)."),
     ],
     radius: Annotated[str | None, typer.Option(help='Initial radius, "125 um". Default: the largest.')] = None,
     z_from: Annotated[str | None, typer.Option("--from", help='Look no nearer than this, "3 mm".')] = None,
@@ -340,6 +341,9 @@ def _profile(path: Path, along: Along) -> "tuple[FloatArray, FloatArray, FloatAr
 
         jet = LagrangianJet.from_dataset(read_jetspin(path)).at()
     else:
-        jet = LagrangianJet.from_dataset(open_dataset(path)).at()
+        dataset = open_dataset(path)
+        if "radius" in dataset and dataset["radius"].dims == ("z",):  # a result of a straight jet
+            return dataset["z"].values, dataset["radius"].values, None, float(dataset.attrs["initial_radius"])
+        jet = LagrangianJet.from_dataset(dataset).at()
     distance = jet.arc_length if along is Along.arc else 0.5 * (jet.x[1:] + jet.x[:-1])
     return distance[jet.usable], jet.element_radius[jet.usable], None, jet.initial_radius

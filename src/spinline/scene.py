@@ -68,6 +68,8 @@ class Read:
         return {"type": kinds, "description": f"{self.kind}, {self.allowed}", "examples": [quantity.example]}
 
 
+_LONGEST = 1_000_000  # characters of a scene
+
 Length = Annotated[Measured, Read("length", 1e-12, 1e3)]
 KuhnLength = Annotated[Measured, Read("length", 1e-11, 1e-6)]
 FlowRate = Annotated[Measured, Read("flow rate", 1e-30, 1.0)]
@@ -342,12 +344,15 @@ def load_scene(source: str | Path, overrides: Sequence[str] = ()) -> Scene:
     if not path.exists():
         path = bundled_scenes().get(str(source), path)
     try:
-        text = path.read_text(encoding="utf-8")
+        with path.open(encoding="utf-8") as file:
+            text = file.read(_LONGEST + 1)
     except (OSError, ValueError) as error:
         near = difflib.get_close_matches(str(source), bundled_scenes(), n=1)
         hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
         reason = error.strerror if isinstance(error, OSError) else "it is not text"
         raise InputError(str(source), f"cannot be read as a scene ({reason})", remedy=hint) from None
+    if len(text) > _LONGEST:
+        raise InputError(str(source), "is too long for a scene", allowed=f"up to {_LONGEST} characters")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
