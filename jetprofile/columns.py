@@ -47,6 +47,8 @@ def read_columns(
 
     file = str(path)
     allowed = ", ".join(f"{name} [{_unit_example(kind)}]" for name, kind in kinds.items())
+    if Path(path).exists() and not Path(path).is_file():
+        raise InputError(file, "is not a file", remedy="give a CSV file")
     try:
         with Path(path).open(encoding="utf-8-sig") as stream:
             first = next((line for line in stream if line.strip() and not line.startswith("#")), "")
