@@ -9,8 +9,20 @@ module                 law
 `crossover`            Eq. (38): where the network is fully stretched
 `coupling`             A, alpha_v: how well the network follows the flow
 `affine`               the affine rung: all of the above at once
+`force_laws`           force-extension laws: linear, lattice, Langevin, FENE
+`walk_strand`          forces on the segments of a strand, uniform or not, Eq. (35a)
+`walk_flow`            those forces self-consistent with the flow across the strand
+`walk_exact`           exact moments of the random walk
+`walk_law`             exact law of the end-to-end vector
+`walk`                 Monte Carlo: the rung `walk`
+`walk_estimate`        estimates with their errors; control variates
 =====================  ==============================================================
+
+What compiles with numba or transforms with scipy (from `force_laws` on) loads when first asked for.
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if __name__ != "spinline.network":
     raise ImportError("import spinline.network, not network")
@@ -41,22 +53,75 @@ from spinline.network.lattice_walk import (
 )
 from spinline.network.mesh import Mesh, network_at_rest, rest_force
 
+if TYPE_CHECKING:
+    from spinline.network import force_laws
+    from spinline.network.walk import StrandSample, sample_paths, sample_strands
+    from spinline.network.walk_estimate import (
+        Average,
+        Histogram,
+        SampleMoments,
+        sample_average,
+        sample_histogram,
+        sample_moments,
+    )
+    from spinline.network.walk_exact import WalkMoments, walk_moments
+    from spinline.network.walk_flow import FlowStrand, flow_strand
+    from spinline.network.walk_law import ExactLaw, exact_law
+    from spinline.network.walk_strand import Strand, affine_strand, hydrodynamic_strand, uniform_strand, varying_strand
+
+# name: module; loaded when first asked for
+_NAMES = {
+    "Average": "walk_estimate",
+    "ExactLaw": "walk_law",
+    "FlowStrand": "walk_flow",
+    "Histogram": "walk_estimate",
+    "SampleMoments": "walk_estimate",
+    "Strand": "walk_strand",
+    "StrandSample": "walk",
+    "WalkMoments": "walk_exact",
+    "affine_strand": "walk_strand",
+    "exact_law": "walk_law",
+    "flow_strand": "walk_flow",
+    "hydrodynamic_strand": "walk_strand",
+    "sample_average": "walk_estimate",
+    "sample_histogram": "walk_estimate",
+    "sample_moments": "walk_estimate",
+    "sample_paths": "walk",
+    "sample_strands": "walk",
+    "uniform_strand": "walk_strand",
+    "varying_strand": "walk_strand",
+    "walk_moments": "walk_exact",
+}
+
 __all__ = [
     "AffineNetwork",
+    "Average",
     "Conformation",
+    "ExactLaw",
+    "FlowStrand",
+    "Histogram",
     "Mesh",
+    "SampleMoments",
+    "Strand",
+    "StrandSample",
+    "WalkMoments",
     "affine_force",
     "affine_network",
+    "affine_strand",
     "affinity",
     "axial_force",
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
     "elastic_coupling",
+    "exact_law",
     "extension_velocity_ratio",
+    "flow_strand",
+    "force_laws",
     "fraction_conservative",
     "fraction_eq40",
     "fraction_walk",
+    "hydrodynamic_strand",
     "log_fraction_conservative",
     "log_fraction_eq40",
     "log_fraction_walk",
@@ -67,8 +132,28 @@ __all__ = [
     "relative_contraction",
     "relative_extension",
     "rest_force",
+    "sample_average",
+    "sample_histogram",
+    "sample_moments",
+    "sample_paths",
+    "sample_strands",
     "saturate",
     "segment_time",
     "strand_force",
     "stretched_walk",
+    "uniform_strand",
+    "varying_strand",
+    "walk_moments",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "force_laws":
+        return import_module("spinline.network.force_laws")
+    if name in _NAMES:
+        return getattr(import_module(f"spinline.network.{_NAMES[name]}"), name)
+    raise AttributeError(f"module 'spinline.network' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
