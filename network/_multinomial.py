@@ -118,16 +118,16 @@ def sample_binomials(seed: Any, first: Any, n: Any, p: float, q: float, out: Any
 
 
 @njit(cache=True, nogil=True)
-def sample_multinomial(seed: Any, first: Any, n: Any, split: Any, out: Any) -> None:
-    """Numbers of steps along +x, -x, +y, -y, +z, -z of the strands first, first + 1, ...
+def sample_multinomial(seed: Any, first: Any, n: Any, split: Any, ends: Any, axial: Any) -> None:
+    """End-to-end vectors and axial steps of the strands first, first + 1, ...
 
     `split` holds five pairs (p, 1 - p): axial or not, x or y, and + or - for x, y, z.
     """
-    for i in range(out.shape[0]):
+    for i in range(axial.size):
         a, b, c, d = open_stream(seed, first + i, MULTINOMIAL)
         along, a, b, c, d = _binomial(np.int64(n), split[0, 0], split[0, 1], a, b, c, d)
         x, a, b, c, d = _binomial(n - along, split[1, 0], split[1, 1], a, b, c, d)
         for axis, steps in ((0, x), (1, n - along - x), (2, along)):
             plus, a, b, c, d = _binomial(steps, split[2 + axis, 0], split[2 + axis, 1], a, b, c, d)
-            out[i, 2 * axis] = plus
-            out[i, 2 * axis + 1] = steps - plus
+            ends[i, axis] = 2 * plus - steps
+        axial[i] = along

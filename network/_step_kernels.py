@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from spinline.network._streams import STEPS, next_state, open_stream
+from spinline.network._streams import STEPS, next_state, open_stream, open_streams
 
 __all__ = ["BLOCK", "UNROLL", "generator_alone", "thresholds", "walk_paths", "walk_strands"]
 
@@ -60,23 +60,30 @@ def _below(number: Any, threshold: Any) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def walk_strands(seed: Any, first: Any, table: Any, out: Any) -> None:
-    """Counters ``c_1 ... c_5`` of the strands first, first + 1, ... into the rows of `out`.
+def walk_strands(seed: Any, first: Any, monomers: Any, table: Any, order: Any, ends: Any, axial: Any) -> None:
+    """End-to-end vectors and axial steps of the strands first, first + 1, ...
 
     `table` has a multiple of UNROLL rows; a strand's numbers depend on (seed, its index) alone.
     """
+    steps = np.empty(6, np.int64)
     a, b = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
     c, d = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
+    work = np.empty((4, BLOCK), np.uint64)
     n = np.empty((5, BLOCK), np.int32)
-    for start in range(0, out.shape[0], BLOCK):
-        count = min(BLOCK, out.shape[0] - start)
-        for i in range(BLOCK):
-            a[i], b[i], c[i], d[i] = open_stream(seed, first + start + i, STEPS)
+    for start in range(0, axial.size, BLOCK):
+        count = min(BLOCK, axial.size - start)
+        open_streams(seed, first + start, STEPS, work, a, b, c, d)
         n[:] = 0
         _walk_block(a, b, c, d, n[0], n[1], n[2], n[3], n[4], table)
         for i in range(count):
+            below = 0
             for k in range(5):
-                out[start + i, k] = n[k, i]
+                steps[order[k]] = n[k, i] - below
+                below = n[k, i]
+            steps[order[5]] = monomers - below
+            for axis in range(3):
+                ends[start + i, axis] = steps[2 * axis] - steps[2 * axis + 1]
+            axial[start + i] = steps[4] + steps[5]
 
 
 @njit(cache=True, nogil=True)
@@ -104,10 +111,10 @@ def generator_alone(seed: Any, monomers: Any, out: Any) -> None:
     """As `walk_strands`, but only sums the numbers: the bare generator, for benchmarks."""
     a, b = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
     c, d = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
+    work = np.empty((4, BLOCK), np.uint64)
     n = np.empty(BLOCK, np.uint32)
     for start in range(0, out.shape[0], BLOCK):
-        for i in range(BLOCK):
-            a[i], b[i], c[i], d[i] = open_stream(seed, start + i, STEPS)
+        open_streams(seed, start, STEPS, work, a, b, c, d)
         n[:] = 0
         _sum_block(a, b, c, d, n, monomers)
         for i in range(min(BLOCK, out.shape[0] - start)):

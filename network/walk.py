@@ -129,9 +129,7 @@ def sample_strands(
 
     def work(start: int) -> None:
         stop = min(start + size, count)
-        steps = fill(key, begin + start, stop - start)
-        ends[start:stop] = steps[:, 0::2] - steps[:, 1::2]
-        axial[start:stop] = steps[:, 4] + steps[:, 5]
+        fill(key, begin + start, ends[start:stop], axial[start:stop])
 
     starts = range(0, count, size)
     if workers == 1:
@@ -173,7 +171,7 @@ def sample_paths(strand: Strand, strands: int, seed: int, *, first: int = 0) -> 
     return out
 
 
-_Filler = Callable[[Any, int, int], NDArray[np.int64]]
+_Filler = Callable[[Any, int, NDArray[np.int64], NDArray[np.int64]], None]
 
 
 def _multinomial_filler(strand: Strand) -> _Filler:
@@ -182,10 +180,8 @@ def _multinomial_filler(strand: Strand) -> _Filler:
     pairs = [(axial, lateral), (p[0] + p[1], p[2] + p[3]), *((p[2 * a], p[2 * a + 1]) for a in range(3))]
     split = np.array([_shares(*pair) for pair in pairs])
 
-    def fill(seed: Any, first: int, count: int) -> NDArray[np.int64]:
-        out = np.empty((count, 6), np.int64)
-        _multinomial.sample_multinomial(seed, first, strand.segments, split, out)
-        return out
+    def fill(seed: Any, first: int, ends: NDArray[np.int64], axial: NDArray[np.int64]) -> None:
+        _multinomial.sample_multinomial(seed, first, strand.segments, split, ends, axial)
 
     return fill
 
@@ -206,13 +202,8 @@ def _step_filler(strand: Strand, count: int) -> _Filler:
         )
     order, table = _table(strand)
 
-    def fill(seed: Any, first: int, count: int) -> NDArray[np.int64]:
-        below = np.empty((count, 5), np.int64)
-        _step_kernels.walk_strands(seed, first, table, below)
-        steps = np.empty((count, 6), np.int64)
-        steps[:, order[:5]] = np.diff(below, axis=1, prepend=0)
-        steps[:, order[5]] = strand.segments - below[:, 4]
-        return steps
+    def fill(seed: Any, first: int, ends: NDArray[np.int64], axial: NDArray[np.int64]) -> None:
+        _step_kernels.walk_strands(seed, first, strand.segments, table, order, ends, axial)
 
     return fill
 
