@@ -3,8 +3,8 @@
     Phi(k) = prod_j sum_d P_j(d) exp(i k.d),        P(n) = (1/M) sum_k Phi(k) exp(-i k.n)
 
 over the frequencies of a fast Fourier transform. It holds for forces that vary along the strand, for any of the
-axes alone or together; what sampling estimates, this gives to about 1e-15 absolute (times the phase, up to
-1e-10 for N_s = 1e12).
+axes alone or together; what sampling estimates, this gives to 1e-14 of a probability (N_s = 400), with a standard
+deviation right to 1e-13, and to 3e-10 at N_s = 1e12, where the phases are large.
 
 Nothing cancels on the way to large N_s: with directions d of probability p,
 
@@ -14,7 +14,7 @@ is a difference from 1 of positive terms, and its logarithm is taken by log1p; p
 likeliest direction, which shifts the law by a whole number.
 
 Window: 2 N_s + 1 values per axis, or mean +- t with t from Bernstein's inequality at exp(-40) if that is less.
-Cost: O(rows of forces x M) and one FFT; a one-dimensional law of 400 segments takes about 1 ms (uniform).
+Cost: O(rows of forces x M) and one FFT; a one-dimensional law of 400 segments takes 0.3 ms (uniform).
 """
 
 from collections.abc import Sequence
@@ -48,7 +48,8 @@ class ExactLaw:
     values : tuple of ndarray of int64
         Components in b, one array per axis.
     probability : ndarray of float64
-        One dimension per axis; sums to 1 to rounding. Entries below about 1e-16 are rounding (negative ones set to 0).
+        One dimension per axis; sums to 1 to rounding. Entries below about 1e-16
+        are rounding, the negative ones set to 0.
     """
 
     axes: tuple[str, ...]
