@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from spinline.checks import FloatArray
 from spinline.errors import InputError
 from spinline.network import _multinomial, _step_kernels
-from spinline.network.walk_strand import Strand, step_probabilities, whole
+from spinline.network.walk_strand import MOST_VARYING, Strand, step_probabilities, whole
 
 __all__ = ["StrandSample", "WalkMethod", "sample_paths", "sample_strands"]
 
@@ -210,13 +210,12 @@ def _step_filler(strand: Strand, count: int) -> _Filler:
 
 def _table(strand: Strand) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """Order of the directions, the likeliest last, and the thresholds of every segment."""
-    most = 10**7
-    if strand.segments > most:
+    if strand.segments > MOST_VARYING:
         raise InputError(
             "segments",
             "is too many to walk step by step",
             value=strand.segments,
-            allowed=f"<= {most}",
+            allowed=f"<= {MOST_VARYING}",
             remedy='method = "multinomial" (uniform force), or `walk_moments`',
         )
     p = step_probabilities(strand.forces)

@@ -26,17 +26,20 @@ from spinline.network.mesh import SolventQuality, network_at_rest, rest_force
 
 __all__ = [
     "MOST_SEGMENTS",
+    "MOST_VARYING",
     "Strand",
     "affine_strand",
     "hydrodynamic_strand",
+    "single",
     "step_probabilities",
+    "tension",
     "uniform_strand",
     "varying_strand",
     "whole",
 ]
 
 MOST_SEGMENTS = 10**12  # beyond, float64 no longer tells the weights of neighbouring counts apart
-MOST_VARYING = 10**7  # forces, probabilities and thresholds take 100 bytes a segment
+MOST_VARYING = 10**6  # forces, probabilities and thresholds take some 300 bytes a segment on the way
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ def uniform_strand(segments: int, axial_force: float, lateral_force: float = 0.0
         For values out of range, not finite or not single.
     """
     n = whole("segments", segments, most=MOST_SEGMENTS)
-    f, f0 = _single("axial_force", axial_force), _single("lateral_force", lateral_force)
+    f, f0 = single("axial_force", axial_force), single("lateral_force", lateral_force)
     return Strand(n, np.array([[f0, f0, f]]))
 
 
@@ -127,7 +130,7 @@ def varying_strand(forces: ArrayLike) -> Strand:
     Parameters
     ----------
     forces : array_like, shape (N_s, 3)
-        f along x, y, z, upstream end first; N_s in [1, 1e7].
+        f along x, y, z, upstream end first; N_s in [1, 1e6].
 
     Returns
     -------
@@ -160,7 +163,7 @@ def hydrodynamic_strand(end_force: float, hydrodynamic_force: ArrayLike, lateral
     if h.ndim != 1 or not h.size:
         raise InputError("hydrodynamic_force", "must be one number per segment", value=f"shape {h.shape}")
     _affordable(h.size)
-    f, f0 = _single("end_force", end_force), _single("lateral_force", lateral_force)
+    f, f0 = single("end_force", end_force), single("lateral_force", lateral_force)
     return varying_strand(np.column_stack([np.full((h.size, 2), f0), f + tension(h)]))
 
 
@@ -200,8 +203,9 @@ def whole(field: str, value: int, *, least: int = 1, most: int, remedy: str = ""
     return int(value)
 
 
-def _single(field: str, value: float) -> float:
-    array = real(field, value, least=-1e300, most=1e300)
+def single(field: str, value: float, *, least: float = -1e300, most: float = 1e300) -> float:
+    """Check one real number in [least, most]."""
+    array = real(field, value, least=least, most=most)
     if array.ndim:
         raise InputError(field, "must be a single number", value=f"array of shape {array.shape}")
     return float(array)
