@@ -10,10 +10,18 @@ module                 law
 `coupling`             A, alpha_v: how well the network follows the flow
 `state`                all of the above at once; the affine rung
 `force_laws`           force-extension laws of a strand, and their inverses
+`walk_strand`          forces on the segments of a strand, uniform or not, Eq. (35a)
+`walk_flow`            those forces self-consistent with the flow across the strand
+`walk_exact`           exact moments of the random walk
+`walk_law`             exact law of the end-to-end vector
+`walk`                 Monte Carlo: the rung ``walk``
+`walk_estimate`        estimates with their errors; control variates
 `tension`              tension of the network for every force-extension law
 `manifold`             Eqs. (32a), (33): the steady network at finite coupling
 `radial`               Eq. (32b): lateral mesh across the jet
 =====================  ==============================================================
+
+What compiles with numba or needs scipy (from `force_laws` on) loads when first asked for.
 """
 
 from importlib import import_module
@@ -49,30 +57,73 @@ from spinline.network.mesh import Mesh, network_at_rest, rest_force
 from spinline.network.state import NetworkState, affine_network, network_state
 
 if TYPE_CHECKING:
+    from spinline.network import force_laws
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
     from spinline.network.tension import Tension
+    from spinline.network.walk import StrandSample, sample_paths, sample_strands
+    from spinline.network.walk_estimate import (
+        Average,
+        Histogram,
+        SampleMoments,
+        sample_average,
+        sample_histogram,
+        sample_moments,
+    )
+    from spinline.network.walk_exact import WalkMoments, walk_moments
+    from spinline.network.walk_flow import FlowStrand, flow_strand
+    from spinline.network.walk_law import ExactLaw, exact_law
+    from spinline.network.walk_strand import Strand, affine_strand, hydrodynamic_strand, uniform_strand, varying_strand
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
+    "Average": "walk_estimate",
+    "ExactLaw": "walk_law",
+    "FlowStrand": "walk_flow",
+    "Histogram": "walk_estimate",
     "Manifold": "manifold",
     "RadialMesh": "radial",
+    "SampleMoments": "walk_estimate",
+    "Strand": "walk_strand",
+    "StrandSample": "walk",
     "Tension": "tension",
+    "WalkMoments": "walk_exact",
+    "affine_strand": "walk_strand",
     "eq33": "manifold",
+    "exact_law": "walk_law",
+    "flow_strand": "walk_flow",
+    "hydrodynamic_strand": "walk_strand",
     "radial_mesh": "radial",
+    "sample_average": "walk_estimate",
+    "sample_histogram": "walk_estimate",
+    "sample_moments": "walk_estimate",
+    "sample_paths": "walk",
+    "sample_strands": "walk",
     "solve_radial_mesh": "radial",
     "steady_network": "manifold",
+    "uniform_strand": "walk_strand",
+    "varying_strand": "walk_strand",
+    "walk_moments": "walk_exact",
 }
 
 __all__ = [
+    "Average",
     "Conformation",
+    "ExactLaw",
+    "FlowStrand",
+    "Histogram",
     "Manifold",
     "Mesh",
     "NetworkState",
     "RadialMesh",
+    "SampleMoments",
+    "Strand",
+    "StrandSample",
     "Tension",
+    "WalkMoments",
     "affine_force",
     "affine_network",
+    "affine_strand",
     "affinity",
     "axial_force",
     "compaction_velocity_ratio",
@@ -80,10 +131,14 @@ __all__ = [
     "crossover_velocity_ratio",
     "elastic_coupling",
     "eq33",
+    "exact_law",
     "extension_velocity_ratio",
+    "flow_strand",
+    "force_laws",
     "fraction_conservative",
     "fraction_eq40",
     "fraction_walk",
+    "hydrodynamic_strand",
     "log_fraction_conservative",
     "log_fraction_eq40",
     "log_fraction_walk",
@@ -96,12 +151,20 @@ __all__ = [
     "relative_contraction",
     "relative_extension",
     "rest_force",
+    "sample_average",
+    "sample_histogram",
+    "sample_moments",
+    "sample_paths",
+    "sample_strands",
     "saturate",
     "segment_time",
     "solve_radial_mesh",
     "steady_network",
     "strand_force",
     "stretched_walk",
+    "uniform_strand",
+    "varying_strand",
+    "walk_moments",
 ]
 
 
