@@ -3,7 +3,7 @@
 A function g of the end-to-end vector R is regressed on what is known exactly (`walk_moments`): R - <R>, the products of
 its components less their covariance, and the number of axial steps less its mean. The intercept is <g>, and its
 variance is that of the residual: smaller by 1/(1 - r^2), r the multiple correlation. Measured at phi = 0.05 and
-V = 1, 5, 20 (benchmarks/bench_walk.py): length |R| 106, 7e3 and 1e7 times; cos^2 of its angle 11, 140, 1,200; the
+V = 1, 5, 20 (benchmarks/bench_walk.py): length ``|R|`` 106, 7e3 and 1e7 times; cos^2 of its angle 11, 140, 1,200; the
 probability of a tail beyond two sigma 1.7, 1.6, 1.6. What is linear or quadratic in R comes out exact, and its error
 is rounding. Cost: 0.1 us a strand. The bias of the fitted coefficients is of order 1/strands, below the error by
 1/sqrt(strands).
@@ -193,7 +193,7 @@ def sample_histogram(sample: StrandSample, quantity: Quantity, bins: int | None 
     sample : StrandSample
         Any number of strands.
     quantity : {"x", "y", "z", "length", "orientation"}
-        "z" is axial; "length" is |R| in b.
+        "z" is axial; "length" is ``|R|`` in b.
     bins : int, optional
         Equal bins over the range of the sample, in [1, 1e7]; by default 50, or one per whole number for a component.
 

@@ -86,7 +86,7 @@ def flow_strand(
     lateral_force : float
         f_0, in [0, 700].
     flow_gradient : float
-        ``w = tau_0 edot``, dimensionless, |w| <= 1e100; tau_0 by `segment_time`.
+        ``w = tau_0 edot``, dimensionless, ``|w|`` <= 1e100; tau_0 by `segment_time`.
     slip : float, optional
         ``tau_0 (v_c - u)/b``: flow past the strand's centre.
     tolerance : float, optional

@@ -6,7 +6,7 @@ over the frequencies of a fast Fourier transform. It holds for forces that vary 
 axes alone or together; what sampling estimates, this gives to 1e-14 of a probability (N_s = 400), with a standard
 deviation right to 1e-13, and to 3e-10 at N_s = 1e12, where the phases are large.
 
-Nothing cancels on the way to large N_s: with directions d of probability p,
+Nothing cancels on the way to large N_s: with directions d of probability p::
 
     |sum p_d e^{ik.d}|^2 = 1 - 4 sum_{d<e} p_d p_e sin^2[k.(d - e)/2]
 

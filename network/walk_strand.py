@@ -77,7 +77,7 @@ def uniform_strand(segments: int, axial_force: float, lateral_force: float = 0.0
     segments : int
         N_s, in [1, 1e12].
     axial_force : float
-        f_z, any sign, |f_z| <= 1e300.
+        f_z, any sign, ``|f_z| <= 1e300``.
     lateral_force : float, optional
         f_0 along both x and y; 3 phi for an ideal network.
 
