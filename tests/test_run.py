@@ -298,8 +298,27 @@ def test_manifold_rung_meets_the_affine_one_and_locks() -> None:
     np.testing.assert_allclose(flux[free], float(locked["volume_fraction"]), rtol=1e-10)
     # bead by bead: what drags is what pulls; 5e-3 m of drag forces add up to the change of the strand force
     assert locked["scission"].any() == (locked["strand_force"].max() > 5e-9)
-    for scene, override in (("pvp-jetspin", "network.model=manifold"), ("peo5-water", "network.force_law=fene")):
+    for scene, overrides in (
+        ("pvp-jetspin", ["network.model=manifold"]),
+        ("peo5-water", ["network.force_law=fene"]),
+        ("peo5-water", ["network.model=walk", "network.closure=stretch"]),
+    ):
         with pytest.raises(InputError, match="network"):
-            sl.run(load_scene(scene, [override]))
+            sl.run(load_scene(scene, overrides))
     with pytest.raises(InputError, match="passes 1/4"):
         sl.run(load_scene("peo5-water", ["network.model=manifold", "network.coupling=5"]))
+
+
+def test_walk_rung_samples_the_affine_one() -> None:
+    overrides = ("accuracy.points=41", "accuracy.strands=4000")
+    affine = sl.run(load_scene("peo5-water", overrides))
+    walk = sl.run(load_scene("peo5-water", [*overrides, "network.model=walk"]))
+    again = sl.run(load_scene("peo5-water", [*overrides, "network.model=walk"]))
+    other = sl.run(load_scene("peo5-water", [*overrides, "network.model=walk", "accuracy.seed=1"]))
+    assert walk.equals(again)
+    assert not np.array_equal(walk["axial_stretch"], other["axial_stretch"])
+    for name in ("axial_stretch", "radial_contraction", "orientation"):
+        score = (walk[name] - affine[name]) / walk[f"{name}_std_error"]
+        assert np.abs(score).max() < 4.5
+        assert 0.7 < float(score.std()) < 1.35
+    assert walk.attrs["model"] == "walk"

@@ -265,10 +265,12 @@ class NetworkSection(_Section):
 
 
 class AccuracySection(_Section):
-    """``[accuracy]``: how far from the finest model an answer may be, and how many points to write."""
+    """``[accuracy]``: how far from the finest model an answer may be, points to write, strands to walk at each."""
 
     rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 401
+    strands: Annotated[int, Field(ge=2, le=100_000_000)] = 10_000
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
 
 
 class Scene(_Section):

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Crossover", "build_jet", "build_solution", "crossover", "examine", "run"]
 
 _BOND_STRENGTH = 5e-9  # N, covalent bond
-_MODELS = ("auto", "affine", "manifold")
+_MODELS = ("auto", "affine", "manifold", "walk")
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,9 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         raise InputError("network.model", "is not available", value=n.model, allowed=allowed, remedy=_TAKE)
     if n.model == "manifold" and not isinstance(jet, StraightJet):
         raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
+    if n.model == "walk" and n.closure != "force":
+        raise InputError("network.closure", "has no walk: strands are walked under a force", value=n.closure,
+                         allowed='"force"', remedy=_TAKE)  # fmt: skip
     if n.model != "manifold" and n.force_law != "lattice":
         raise InputError(
             "network.force_law", "is not used by the affine network", value=n.force_law, allowed='"lattice"',
@@ -194,6 +197,8 @@ def run(scene: Scene) -> "xr.Dataset":
     fields = profile | _network_fields(profile, scene, solution, network)
     if network is not None and isinstance(jet, StraightJet):
         fields |= _slip_fields(fields, network, scene, solution, jet)
+    if scene.network.model == "walk":
+        fields |= _walk_fields(fields, scene, solution)
     forces = fields["strand_force"]
     if np.nanmax(forces, initial=0.0) > _BOND_STRENGTH:
         remarks.append(
@@ -311,6 +316,35 @@ def _slip_fields(
     }
 
 
+def _walk_fields(fields: dict[str, FloatArray], scene: Scene, solution: Solution) -> dict[str, FloatArray]:
+    """Sampled conformation with its standard errors, strand by strand (rung ``walk``)."""
+    from spinline.network.walk import sample_strands
+    from spinline.network.walk_estimate import sample_moments
+    from spinline.network.walk_strand import affine_strand
+
+    phi, quality, count = solution.volume_fraction, scene.network.solvent_quality, scene.accuracy.strands
+    rest = network_at_rest(phi, quality)
+    stretch = fields["stretch_ratio"]
+    names = ("axial_stretch", "radial_contraction", "orientation")
+    sampled = {name: np.full(stretch.shape, np.nan) for base in names for name in (base, f"{base}_std_error")}
+    for number, place in enumerate(np.argwhere(np.isfinite(stretch))):
+        at = tuple(place)
+        strand = affine_strand(float(stretch[at]), phi, solvent_quality=quality)
+        # every place has strands of its own: neighbouring places do not share their noise
+        moments = sample_moments(sample_strands(strand, count, scene.accuracy.seed, first=number * count))
+        size = strand.segments / float(rest.segments) * float(rest.size)  # N_s is a whole number
+        sampled["axial_stretch"][at] = moments.mean[2] / size
+        sampled["axial_stretch_std_error"][at] = moments.mean_error[2] / size
+        sampled["radial_contraction"][at] = 0.5 * (moments.mean[0] + moments.mean[1]) / size
+        sampled["radial_contraction_std_error"][at] = np.hypot(moments.mean_error[0], moments.mean_error[1]) / (
+            2 * size
+        )
+        sampled["orientation"][at] = moments.orientation
+        sampled["orientation_std_error"][at] = moments.orientation_error
+    sampled["relative_extension"] = sampled["axial_stretch"] / float(rest.full_stretch)
+    return sampled
+
+
 def _network_fields(
     profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | None"
 ) -> dict[str, FloatArray]:
@@ -406,7 +440,7 @@ def _attributes(
         "source": f"spinline {__version__}",
         "spinline_version": __version__,
         "scene": scene.text,
-        "model": "affine" if network is None else "manifold",
+        "model": "walk" if scene.network.model == "walk" else "affine" if network is None else "manifold",
         "model_requested": scene.network.model,
         "closure": scene.network.closure,
         "force_law": scene.network.force_law,
@@ -434,6 +468,8 @@ def _attributes(
             f"; polymer data: {solution.polymer.source}"
         ),
     }
+    if scene.network.model == "walk":
+        attributes |= {"strands": scene.accuracy.strands, "seed": scene.accuracy.seed}
     if network is not None:
         attributes |= {"locked_from": network.locked_from * jet.initial_radius, "inertia": network.inertia}
     if isinstance(jet, StraightJet):
