@@ -5,7 +5,6 @@ before anything runs; `run` puts the closed forms along the jet and names everyt
 """
 
 import warnings
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,11 +15,18 @@ from spinline.errors import InputError, SpinlineWarning
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.concentration import compaction_velocity_ratio
-from spinline.network.coupling import BOLTZMANN, strand_force
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
 from spinline.network.mesh import network_at_rest
-from spinline.network.state import network_state
 from spinline.rheology.solution import Solution
+from spinline.rungs import (
+    BOND_STRENGTH,
+    Crossover,
+    network_fields,
+    slip_fields,
+    slipping_crossover,
+    steady_state,
+    walk_fields,
+)
 from spinline.scene import PowerLawJet, Scene
 
 if TYPE_CHECKING:
@@ -31,31 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Crossover", "build_jet", "build_solution", "crossover", "examine", "run"]
 
-_BOND_STRENGTH = 5e-9  # N, covalent bond
 _MODELS = ("auto", "affine", "manifold", "walk")
-
-
-@dataclass(frozen=True)
-class Crossover:
-    """Where the network is fully stretched.
-
-    Attributes
-    ----------
-    velocity_ratio : float
-        V of the criterion.
-    position, radius : float
-        m; NaN where the jet does not reach it. Along a bead jet the position is the arc length.
-    radius_ratio : float
-        r / r_0; NaN likewise.
-    predicted : float
-        Position if the profile went on beyond the jet's length; NaN where it cannot be said.
-    """
-
-    velocity_ratio: float
-    position: float
-    radius: float
-    radius_ratio: float
-    predicted: float
 
 
 def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> list[str]:
@@ -189,20 +171,20 @@ def run(scene: Scene) -> "xr.Dataset":
     network = None
     if scene.network.model == "manifold" and isinstance(jet, StraightJet):
         network = steady_state(scene, solution, jet)
-        found["crossover_extension"] = [_slipping_crossover(network, jet, targets["crossover_extension"])]
+        found["crossover_extension"] = [slipping_crossover(network, jet, targets["crossover_extension"])]
     if isinstance(jet, StraightJet):
         profile = _straight_profile(scene, jet, [c[0].position for c in found.values()])
     else:
         profile = _bead_profile(jet)
-    fields = profile | _network_fields(profile, scene, solution, network)
+    fields = profile | network_fields(profile, scene, solution, network)
     if network is not None and isinstance(jet, StraightJet):
-        fields |= _slip_fields(fields, network, scene, solution, jet)
+        fields |= slip_fields(fields, network, scene, solution, jet)
     if scene.network.model == "walk":
-        fields |= _walk_fields(fields, scene, solution)
+        fields |= walk_fields(fields, scene, solution)
     forces = fields["strand_force"]
-    if np.nanmax(forces, initial=0.0) > _BOND_STRENGTH:
+    if np.nanmax(forces, initial=0.0) > BOND_STRENGTH:
         remarks.append(
-            f"the strand force reaches {np.nanmax(forces):.2g} N, more than a covalent bond holds ({_BOND_STRENGTH:g} N): "
+            f"the strand force reaches {np.nanmax(forces):.2g} N, more than a covalent bond holds ({BOND_STRENGTH:g} N): "
             "chains break or slip before"
         )
     for name, places in found.items():
@@ -264,134 +246,6 @@ def _bead_profile(jet: "LagrangianJet") -> dict[str, FloatArray]:
         "y": jet.y,
         "z": jet.z,
     }
-
-
-def steady_state(scene: Scene, solution: Solution, jet: StraightJet) -> "Manifold":
-    """Steady network of a scene at its finite coupling (rung ``manifold``)."""
-    from spinline.network.manifold import steady_network
-    from spinline.network.tension import Tension
-
-    n, r0 = scene.network, jet.initial_radius
-    alpha, _, _ = coupling(scene, solution, jet)
-    full = float(network_at_rest(solution.volume_fraction, n.solvent_quality).full_stretch)
-    length = jet_length(scene, jet) - jet.start
-    return steady_network(
-        lambda s: jet.velocity_ratio(np.minimum(jet.start + s * r0, jet.end)),
-        length / r0,
-        coupling=alpha,
-        spring=n.spring.value,
-        inertia=n.inertia.value,
-        law=Tension.of(n.force_law, full),
-        breaks=jet.kinks(),
-        rtol=min(1e-8, 1e-3 * scene.accuracy.rtol),
-    )
-
-
-def _slipping_crossover(network: "Manifold", jet: StraightJet, target: float) -> Crossover:
-    """First place where the network's own stretch passes a value."""
-    nan = float("nan")
-    s = network.first_passage(target)
-    if np.isnan(s):
-        return Crossover(nan, nan, nan, nan, nan)
-    place = min(jet.start + s * jet.initial_radius, jet.end)
-    radius = float(jet.radius(place))
-    return Crossover(float(jet.velocity_ratio(place)), place, radius, radius / jet.initial_radius, place)
-
-
-def _slip_fields(
-    fields: dict[str, FloatArray], network: "Manifold", scene: Scene, solution: Solution, jet: StraightJet
-) -> dict[str, Any]:
-    """What slips and pulls where the network does not move with the solution."""
-    s = np.minimum((fields["z"] - jet.start) / jet.initial_radius, network.length)
-    alpha, _, _ = coupling(scene, solution, jet)
-    slip = fields["velocity_ratio"] - fields["network_velocity_ratio"]
-    full = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).full_stretch)
-    pull = scene.network.spring.value / full * network.tension(s)  # c = 3 is the Gaussian strand, f_0 = 3 / V_S
-    force = strand_force(pull, solution.kuhn_length, solution.temperature)
-    return {
-        "slip_velocity": slip * jet.initial_velocity,
-        "drag_force": alpha * BOLTZMANN * solution.temperature / jet.initial_radius * slip,
-        "strand_force": force,
-        "scission": force > _BOND_STRENGTH,
-    }
-
-
-def _walk_fields(fields: dict[str, FloatArray], scene: Scene, solution: Solution) -> dict[str, FloatArray]:
-    """Sampled conformation with its standard errors, strand by strand (rung ``walk``)."""
-    from spinline.network.walk import sample_strands
-    from spinline.network.walk_estimate import sample_moments
-    from spinline.network.walk_strand import affine_strand
-
-    phi, quality, count = solution.volume_fraction, scene.network.solvent_quality, scene.accuracy.strands
-    rest = network_at_rest(phi, quality)
-    stretch = fields["stretch_ratio"]
-    names = ("axial_stretch", "radial_contraction", "orientation")
-    sampled = {name: np.full(stretch.shape, np.nan) for base in names for name in (base, f"{base}_std_error")}
-    for number, place in enumerate(np.argwhere(np.isfinite(stretch))):
-        at = tuple(place)
-        strand = affine_strand(float(stretch[at]), phi, solvent_quality=quality)
-        # every place has strands of its own: neighbouring places do not share their noise
-        moments = sample_moments(sample_strands(strand, count, scene.accuracy.seed, first=number * count))
-        size = strand.segments / float(rest.segments) * float(rest.size)  # N_s is a whole number
-        sampled["axial_stretch"][at] = moments.mean[2] / size
-        sampled["axial_stretch_std_error"][at] = moments.mean_error[2] / size
-        sampled["radial_contraction"][at] = 0.5 * (moments.mean[0] + moments.mean[1]) / size
-        sampled["radial_contraction_std_error"][at] = np.hypot(moments.mean_error[0], moments.mean_error[1]) / (
-            2 * size
-        )
-        sampled["orientation"][at] = moments.orientation
-        sampled["orientation_std_error"][at] = moments.orientation_error
-    sampled["relative_extension"] = sampled["axial_stretch"] / float(rest.full_stretch)
-    return sampled
-
-
-def _network_fields(
-    profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | None"
-) -> dict[str, FloatArray]:
-    """Network variables wherever the stretch is known, NaN (or False) elsewhere."""
-    stretch = profile["stretch_ratio"]
-    known = np.isfinite(stretch)
-    moved = stretch[known]
-    if network is not None:
-        s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
-        moved = network.stretch(np.clip(s, 0.0, network.length))
-    net = network_state(
-        moved,
-        stretch[known],
-        solution.volume_fraction,
-        closure=scene.network.closure,
-        solvent_quality=scene.network.solvent_quality,
-    )
-    radius = profile["radius"][known]
-    walk = net.conformation
-    flat: dict[str, Any] = {
-        "mean_polymer_fraction": net.mean_polymer_fraction,
-        "network_velocity_ratio": net.network_velocity_ratio,
-        "axial_stretch": walk.axial_stretch,
-        "relative_extension": walk.relative_extension,
-        "radial_contraction": walk.radial_contraction,
-        "orientation": walk.orientation,
-        "network_radius": radius * net.network_radius_ratio,
-        "network_radius_conservative": radius * net.network_radius_ratio_conservative,
-        "core_polymer_fraction": net.core_polymer_fraction,
-        "core_polymer_fraction_eq40": net.core_polymer_fraction_eq40,
-        "core_polymer_fraction_conservative": net.core_polymer_fraction_conservative,
-        "strand_force": strand_force(walk.force, solution.kuhn_length, solution.temperature),
-        "compacted": net.compacted,
-        "compacted_eq40": net.compacted_eq40,
-        "compacted_conservative": net.compacted_conservative,
-        "flux_exceeded": net.flux_exceeded,
-        "contour_reached": net.contour_reached,
-    }
-    return {name: _spread(values, known) for name, values in flat.items()}
-
-
-def _spread(values: FloatArray, known: Any) -> FloatArray:
-    if known.all():
-        return values.reshape(known.shape)
-    full = np.full(known.shape, False if values.dtype == bool else np.nan, dtype=values.dtype)
-    full[known] = values
-    return full
 
 
 def _crossover_scalars(found: dict[str, list[Crossover]], *, single: bool) -> dict[str, Any]:
