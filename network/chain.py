@@ -45,6 +45,8 @@ Progress = Callable[[ChainState], None]
 
 _SAFETY, _LEAST_FACTOR, _MOST_FACTOR = 0.85, 0.2, 4.0
 _SMALLEST = 1e-9  # of one spacing: no step below
+_SHARE = 1 / 3  # of the tolerance, for one step: what beads see at a kink of V adds up
+_MOST_STEP = 0.01  # of the residence time: the estimate of the error needs to see the flow
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +100,8 @@ def run_chain(
     start : ChainState or {"empty", "affine"}
         "empty": the first bead at the nozzle; "affine": beads along the whole jet, as the flow alone would put them.
     rtol : float
-        Local error of the velocity of the beads relative to the jet's (root mean square over the beads, per
-        unit of time), in [1e-10, 0.1]; the stretch errs by about as much.
+        Error of the stretch, roughly: what is controlled is the local error of the velocity of the beads relative to
+        the jet's (root mean square over the beads), to a third of `rtol`; in [1e-10, 0.1].
     time_step : float, optional
         A fixed step in place of the adaptive one (no error control).
     accurate_to : float, optional
@@ -157,7 +159,7 @@ def run_chain(
             if state.steps >= most_steps:
                 raise ChainError(f"chain: {most_steps} steps at time {state.time:g}; raise most_steps or rtol")
             barrier = min([end, *outputs[outputs > state.time][:1].tolist()])
-            state = _next(chain, state, barrier, fixed, watch, tolerance, fine)
+            state = _next(chain, state, barrier, fixed, watch, _SHARE * tolerance, fine)
             if checkpoint is not None and monotonic() - last_write >= checkpoint_seconds:
                 save_states(checkpoint, [*snapshots, state], key)
                 last_write = monotonic()
@@ -200,7 +202,7 @@ def _next(
             proposal = max(taken * max(factor, _LEAST_FACTOR), dt if taken < dt and factor >= 1 else 0.0)
             return replace(
                 after,
-                next_step=proposal,
+                next_step=min(proposal, _MOST_STEP * float(chain.flow.age[-1, -1])),
                 steps=state.steps + 1,
                 rejected=state.rejected + rejected,
                 iterations=state.iterations + iterations,
