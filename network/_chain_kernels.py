@@ -10,14 +10,14 @@ import math
 from numba import njit
 
 from spinline.checks import FloatArray
-from spinline.network._force_kernels import FENE, LATTICE, LINEAR, extension_kernel, force_kernel
+from spinline.network._force_kernels import FENE, LATTICE, LINEAR, extension_kernel
 
 __all__ = ["ages_of", "error_norm", "positions_of", "rates", "slowness_of", "solve_stage"]
 
 _KNEE = 3.0  # normalised force where the laws bend
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def compliance_kernel(code: int, f: float, rest: float) -> float:
     """dx/df of a force law at the force f."""
     size = abs(f)
@@ -42,7 +42,7 @@ def compliance_kernel(code: int, f: float, rest: float) -> float:
     return (1 / size) ** 2 - (1 / math.sinh(size)) ** 2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _cell(nodes: FloatArray, x: float, j: int) -> int:
     """Cell of the table that holds x, walking from cell j: beads come in order."""
     last = nodes.size - 2
@@ -53,7 +53,7 @@ def _cell(nodes: FloatArray, x: float, j: int) -> int:
     return j
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _lookup(
     nodes: FloatArray, age: FloatArray, slow: FloatArray, x: float, j: int
 ) -> tuple[float, float, float]:
@@ -75,7 +75,7 @@ def _lookup(
     return age[j] + width * t * (p + t * (b + t * c)), 1 / slope, -curve / (slope * slope)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _two(
     nodes: FloatArray, age: FloatArray, slow: FloatArray, share: float, x: float, j: int
 ) -> tuple[float, float, float, float, float]:
@@ -87,7 +87,7 @@ def _two(
     return a, v, dv, share * v + (1 - share) * u, share * dv + (1 - share) * du
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def ages_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Reference age of each bead."""
     j = nodes.size - 2
@@ -96,7 +96,7 @@ def ages_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray,
         out[i] = _lookup(nodes, age[1], slow[1], x[i], j)[0]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slowness_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """Reference 1/V at each bead."""
     j = nodes.size - 2
@@ -105,7 +105,7 @@ def slowness_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatAr
         out[i] = 1 / _lookup(nodes, age[1], slow[1], x[i], j)[1]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def positions_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, a: FloatArray, out: FloatArray) -> None:
     """Position of each reference age, to rounding of a first guess: the inverse of `ages_of`."""
     table = age[1]
@@ -119,13 +119,17 @@ def positions_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, a: FloatA
         else:
             j = _cell(table, a[i], j)
             x = nodes[j] + (nodes[j + 1] - nodes[j]) * (a[i] - table[j]) / (table[j + 1] - table[j])
+            width = nodes[j + 1] - nodes[j]
             for _ in range(4):
                 now, v, _ = _lookup(nodes, table, slow[1], x, j)
-                x = min(max(x + (a[i] - now) * v, nodes[j]), nodes[j + 1])
+                step = (a[i] - now) * v
+                x = min(max(x + step, nodes[j]), nodes[j + 1])
+                if abs(step) < 1e-6 * width:
+                    break
             out[i] = x
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _felt(ahead: float, behind: float, cut: float, tension: float, rest_tension: float) -> tuple[float, float, float, float]:
     """Tension that a strand passes on, and its derivatives by T and by the positions ahead and behind.
 
@@ -141,17 +145,7 @@ def _felt(ahead: float, behind: float, cut: float, tension: float, rest_tension:
     return rest_tension + share * excess, share, -share * excess / d, -(1 - share) * excess / d
 
 
-@njit(cache=True)
-def _tension(code: int, w: float, contour: float, rest: float, otherwise: float) -> float:
-    """T of a stretch; another value where the law cannot reach it."""
-    if code == LINEAR:
-        return w
-    if abs(w) < contour:
-        return force_kernel(code, w / contour, rest) / rest
-    return otherwise
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rates(
     nodes: FloatArray,
     age: FloatArray,
@@ -189,7 +183,7 @@ def rates(
         before = behind
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _eliminate(
     size: int,
     weight: FloatArray,
@@ -227,7 +221,7 @@ def _eliminate(
         ahead = behind
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve_stage(
     nodes: FloatArray,
     age: FloatArray,
@@ -297,34 +291,26 @@ def solve_stage(
         largest = 0.0
         for i in range(n):
             largest = max(largest, abs(move[i]) / spacing)
-        for i in range(size):
-            part = 1.0 if x[i] <= cut else max((cut - x[i + 1]) / (x[i] - x[i + 1]), 0.0)
-            if part >= 1.0:
-                step = change[i]
-            elif part > 0.1:
-                excess = tension[i] - rest_tension
-                d = x[i] - x[i + 1]
-                step = (change[i] + excess * (part * move[i] + (1 - part) * move[i + 1]) / d) / part
-            else:
-                continue  # follows its ends, below
-            new = tension[i] + step
-            knee = _KNEE / rest
-            if code != LINEAR and abs(tension[i]) > knee and new * math.copysign(1.0, tension[i]) < knee:
-                new = math.copysign(knee, tension[i])
-                step = new - tension[i]
-            largest = max(largest, abs(step) / (1 + abs(tension[i])))
-            tension[i] = new
-        if not largest < 1e300:
-            return -1
         for i in range(n):
             x[i] += move[i]
         for i in range(size):
+            new = tension[i] + change[i]
+            if x[i] > cut:  # the unknown is what the strand passes on; T follows from the share inside
+                if x[i + 1] >= cut:
+                    tension[i] = rest_tension
+                    continue
+                part = (cut - x[i + 1]) / (x[i] - x[i + 1])
+                new = rest_tension + (felt[i] + change[i] - rest_tension) / part if part > 1e-9 else rest_tension
+            elif x[i] - move[i] > cut:
+                new = felt[i] + change[i]
+            knee = _KNEE / rest
+            if code != LINEAR and abs(tension[i]) > knee and new * math.copysign(1.0, tension[i]) < knee:
+                new = math.copysign(knee, tension[i])
             if x[i] <= cut:
-                break
-            if x[i + 1] >= cut:
-                tension[i] = rest_tension
-            elif (cut - x[i + 1]) <= 0.1 * (x[i] - x[i + 1]):
-                tension[i] = _tension(code, (x[i] - x[i + 1]) / spacing, contour, rest, tension[i])
+                largest = max(largest, abs(new - tension[i]) / (1 + abs(tension[i])))
+            tension[i] = new
+        if not largest < 1e300:
+            return -1
         shrink = largest / previous
         if largest <= tolerance or (shrink < 0.3 and largest * shrink <= tolerance):
             return iteration
@@ -332,7 +318,7 @@ def solve_stage(
     return -1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def error_norm(
     x: FloatArray,
     defect: FloatArray,
