@@ -15,6 +15,8 @@ from spinline.network._force_kernels import FENE, LATTICE, LINEAR, extension_ker
 __all__ = ["ages_of", "error_norm", "positions_of", "rates", "slowness_of", "solve_stage"]
 
 _KNEE = 3.0  # normalised force where the laws bend
+_LEAST_SLOPE = 0.05  # of a bead's equation; below, the step is too long for the flow
+_LEAST_SHARE = 1e-9  # of drag, below which a bead is gone
 
 
 @njit(cache=True, error_model="numpy")
@@ -130,19 +132,21 @@ def positions_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, a: FloatA
 
 
 @njit(cache=True, error_model="numpy")
-def _felt(ahead: float, behind: float, cut: float, tension: float, rest_tension: float) -> tuple[float, float, float, float]:
-    """Tension that a strand passes on, and its derivatives by T and by the positions ahead and behind.
+def _far_end(x: FloatArray, cut: float) -> tuple[int, float]:
+    """First bead that still belongs to the chain, and the share of its drag that acts.
 
-    A strand that straddles the end of the domain passes on the share of it that is still inside.
+    The bead just outside keeps the share of drag of its strand still inside: at zero it carries no force and is gone,
+    so that leaving is continuous; beads beyond it drift with the flow.
     """
-    if ahead <= cut:
-        return tension, 1.0, 0.0, 0.0
-    if behind >= cut:
-        return rest_tension, 0.0, 0.0, 0.0
-    d = ahead - behind
-    share = (cut - behind) / d
-    excess = tension - rest_tension
-    return rest_tension + share * excess, share, -share * excess / d, -(1 - share) * excess / d
+    lead = 0
+    while lead + 1 < x.size and x[lead + 1] >= cut:
+        lead += 1
+    if lead + 1 == x.size or x[lead] <= cut:
+        return lead, 1.0
+    share = (cut - x[lead + 1]) / (x[lead] - x[lead + 1])
+    if share < _LEAST_SHARE:
+        return lead + 1, 1.0
+    return lead, share
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,59 +169,57 @@ def rates(
     """Set the rate of age v / V of every bead and ``I x''``, from the equation itself; sets v too where I = 0."""
     n = x.size
     j = nodes.size - 2
-    before = rest_tension
+    lead, part = _far_end(x, cut)
     for i in range(n):
-        behind = rest_tension
-        if i < n - 1:
-            behind = _felt(x[i], x[i + 1], cut, tension[i], rest_tension)[0]
         j = _cell(nodes, x[i], j)
         _, v, _, now, _ = _two(nodes, age, slow, share, x[i], j)
+        if i >= lead:
+            before = tension[i - 1] if i > lead else rest_tension
+            behind = tension[i] if i < n - 1 else rest_tension
+            now += pull * (before - behind) / (part if i == lead else 1.0)
         surplus[i] = 0.0
         if i >= free:
             velocity[i] = 1.0
         elif inertia == 0.0:
-            velocity[i] = now + pull * (before - behind)
+            velocity[i] = now
         else:
-            surplus[i] = now + pull * (before - behind) - velocity[i]
+            surplus[i] = now - velocity[i]
         rate[i] = velocity[i] / v
-        before = behind
 
 
 @njit(cache=True, error_model="numpy")
 def _eliminate(
-    size: int,
-    weight: FloatArray,
+    lead: int,
+    ease: FloatArray,
     load: FloatArray,
-    near: FloatArray,
-    far: FloatArray,
     soft: FloatArray,
     gap: FloatArray,
-    kappa: float,
     upper: FloatArray,
     change: FloatArray,
     move: FloatArray,
 ) -> None:
-    """Newton correction of felt tensions and positions, for strands 0..size-1 and beads 0..size.
+    """Newton correction of tensions and positions, from bead and strand `lead` on; Thomas' algorithm.
 
-    Beads ``dx = -load + kappa weight (dT_ahead - dT_behind)``, strands
-    ``far dx_ahead - near dx_behind - soft dT = -gap``: Thomas' algorithm, diagonally dominant.
+    Beads ``dx = -load + ease (dT_ahead - dT_behind)``, strands ``dx_ahead - dx_behind - soft dT = -gap``:
+    diagonally dominant.
     """
-    for i in range(size):
-        lower = far[i] * kappa * weight[i]
-        right = near[i] * kappa * weight[i + 1]
-        diagonal = lower + right + soft[i]
-        value = gap[i] - far[i] * load[i] + near[i] * load[i + 1]
-        if i > 0:
-            diagonal -= lower * upper[i - 1]
-            value += lower * change[i - 1]
-        upper[i] = right / diagonal
+    n = load.size
+    for i in range(lead):
+        move[i] = -load[i]
+    for i in range(lead, n - 1):
+        diagonal = ease[i] + ease[i + 1] + soft[i]
+        value = gap[i] - load[i] + load[i + 1]
+        if i > lead:
+            diagonal -= ease[i] * upper[i - 1]
+            value += ease[i] * change[i - 1]
+        upper[i] = ease[i + 1] / diagonal
         change[i] = value / diagonal
-    for i in range(size - 2, -1, -1):
+    for i in range(n - 3, lead - 1, -1):
         change[i] += upper[i] * change[i + 1]
     ahead = 0.0
-    for i in range(size + 1):
-        behind = change[i] if i < size else 0.0
-        move[i] = -load[i] + kappa * weight[i] * (ahead - behind)
+    for i in range(lead, n):
+        behind = change[i] if i < n - 1 else 0.0
+        move[i] = -load[i] + ease[i] * (ahead - behind)
         ahead = behind
 
 
@@ -247,72 +249,65 @@ def solve_stage(
 ) -> int:
     """Solve one implicit stage by Newton's method; x and tension hold the guess, then the solution.
 
-    ``a(x) = known_age + g v / V(x)``, ``I v = push + g (V + pull dT - v)``; beads from `free` on are held.
-    Returns the number of iterations, or -1. `work` keeps the last linearisation for `error_norm`.
+    ``a(x) = known_age + g v / V(x)``, ``I v = push + g (V + pull dT - v)``; beads from `free` on are held. Where the
+    chain ends is taken from the guess. Returns the number of iterations, or -1; `work` keeps the last linearisation
+    for `error_norm`.
     """
     n = x.size
-    size = n - 1
     gain = g * (g / (inertia + g))
     lag = g / (inertia + g)
     kappa = gain * pull
-    weight, load, near, far = work[0], work[1], work[2], work[3]
-    soft, gap, upper, change, move, felt = work[4], work[5], work[6], work[7], work[8], work[9]
+    ease, load, soft, gap, upper, change, move = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
+    lead, part = _far_end(x, cut)
+    for i in range(lead):
+        tension[i] = rest_tension
+    knee = _KNEE / rest
     previous = math.inf
     for iteration in range(1, most + 1):
-        for i in range(size):
+        for i in range(lead, n - 1):
             if code == LINEAR:
                 w = tension[i]
                 dw = 1.0
             else:
                 w = contour * extension_kernel(code, tension[i] * rest, rest)
                 dw = 3 * compliance_kernel(code, tension[i] * rest, rest)
-            felt[i], part, by_ahead, by_behind = _felt(x[i], x[i + 1], cut, tension[i], rest_tension)
-            soft[i] = spacing * dw if part > 0 else 1.0
-            far[i] = part + spacing * dw * by_ahead
-            near[i] = part - spacing * dw * by_behind
-            gap[i] = part * (x[i] - x[i + 1] - spacing * w)
+            soft[i] = spacing * dw
+            gap[i] = x[i] - x[i + 1] - spacing * w
         j = nodes.size - 2
         for i in range(n):
             if i >= free:
-                weight[i] = 0.0
+                ease[i] = 0.0
                 load[i] = 0.0
                 continue
             j = _cell(nodes, x[i], j)
             a, v, dv, now, dnow = _two(nodes, age, slow, share, x[i], j)
-            ahead = felt[i - 1] if i > 0 else rest_tension
-            behind = felt[i] if i < size else rest_tension
-            residual = v * (a - known_age[i]) - lag * push[i] - gain * now - kappa * (ahead - behind)
+            residual = v * (a - known_age[i]) - lag * push[i] - gain * now
             slope = 1 + dv * (a - known_age[i]) - gain * dnow
-            if not slope > 0.05:
+            if not slope > _LEAST_SLOPE:
                 return -1
-            weight[i] = 1 / slope
+            ease[i] = 0.0
+            if i >= lead:
+                strength = kappa / part if i == lead else kappa
+                before = tension[i - 1] if i > lead else rest_tension
+                behind = tension[i] if i < n - 1 else rest_tension
+                residual -= strength * (before - behind)
+                ease[i] = strength / slope
             load[i] = residual / slope
-        _eliminate(size, weight, load, near, far, soft, gap, kappa, upper, change, move)
+        _eliminate(lead, ease, load, soft, gap, upper, change, move)
         largest = 0.0
         for i in range(n):
-            largest = max(largest, abs(move[i]) / spacing)
-        for i in range(n):
             x[i] += move[i]
-        for i in range(size):
+            largest = max(largest, abs(move[i]) / spacing)
+        for i in range(lead, n - 1):
             new = tension[i] + change[i]
-            if x[i] > cut:  # the unknown is what the strand passes on; T follows from the share inside
-                if x[i + 1] >= cut:
-                    tension[i] = rest_tension
-                    continue
-                part = (cut - x[i + 1]) / (x[i] - x[i + 1])
-                new = rest_tension + (felt[i] + change[i] - rest_tension) / part if part > 1e-9 else rest_tension
-            elif x[i] - move[i] > cut:
-                new = felt[i] + change[i]
-            knee = _KNEE / rest
             if code != LINEAR and abs(tension[i]) > knee and new * math.copysign(1.0, tension[i]) < knee:
                 new = math.copysign(knee, tension[i])
-            if x[i] <= cut:
-                largest = max(largest, abs(new - tension[i]) / (1 + abs(tension[i])))
+            largest = max(largest, abs(new - tension[i]) / (1 + abs(tension[i])))
             tension[i] = new
         if not largest < 1e300:
             return -1
         shrink = largest / previous
-        if largest <= tolerance or (shrink < 0.3 and largest * shrink <= tolerance):
+        if largest <= tolerance or (iteration > 1 and shrink < 0.3 and largest * shrink <= tolerance):
             return iteration
         previous = largest
     return -1
@@ -320,14 +315,7 @@ def solve_stage(
 
 @njit(cache=True, error_model="numpy")
 def error_norm(
-    x: FloatArray,
-    defect: FloatArray,
-    speed: FloatArray,
-    g: float,
-    pull: float,
-    inertia: float,
-    watch: float,
-    work: FloatArray,
+    x: FloatArray, defect: FloatArray, speed: FloatArray, cut: float, watch: float, work: FloatArray
 ) -> float:
     """Root mean square over the watched beads of the filtered local error, as a change of position.
 
@@ -335,17 +323,19 @@ def error_norm(
     modes, which the scheme damps, do not count; `speed` is the local velocity ratio it is compared with.
     """
     n = x.size
-    kappa = g * (g / (inertia + g)) * pull
-    load, gap = work[1], work[5]
+    load, gap, ease = work[1], work[3], work[0]
     for i in range(n):
         load[i] = -defect[i]
         gap[i] = 0.0
-    _eliminate(n - 1, work[0], load, work[2], work[3], work[4], gap, kappa, work[6], work[7], work[8])
+    lead = 0
+    while lead < n - 2 and ease[lead] == 0.0 and x[lead] > cut:
+        lead += 1
+    _eliminate(lead, ease, load, work[2], gap, work[4], work[5], work[6])
     total = 0.0
     count = 0
     for i in range(n):
         if 0 < x[i] <= watch:
-            size = work[8][i] / speed[i]
+            size = work[6][i] / speed[i]
             total += size * size
             count += 1
     return math.sqrt(total / count) if count else 0.0

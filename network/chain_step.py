@@ -78,7 +78,7 @@ def advance(
     age = np.empty(n)
     kernels.ages_of(*tables, begin.positions, age)
     inertia, pull = float(chain.inertia), chain.elasticity / h
-    work = np.empty((10, n))
+    work = np.empty((7, n))
     g = _D * dt
 
     def stage(at: float, known: FloatArray, push: FloatArray, guess: FloatArray, tension: FloatArray) -> tuple[int, int, FloatArray]:
@@ -122,7 +122,7 @@ def advance(
     speed = 1 / _slowness(tables, x)
     defect = dt * (_ERROR[0] * begin.rates + _ERROR[1] * rate2 + _ERROR[2] * rate3) * speed
     defect[free:] = 0.0
-    error = kernels.error_norm(x, defect, speed, g, pull, inertia, watch, work) / dt
+    error = kernels.error_norm(x, defect, speed, chain.flow.length, watch, work) / dt
     if inertia > 0:
         wrong = dt * (_ERROR[0] * begin.surplus + _ERROR[1] * surplus2 + _ERROR[2] * surplus3) / (inertia + g)
         seen = (x > 0) & (x <= watch)
