@@ -7,12 +7,15 @@ conditioned as a slack one, and eliminating the positions leaves one tridiagonal
 
 import math
 
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from spinline.checks import FloatArray
+from spinline.network._flow_kernels import cell, lookup_now
 from spinline.network._force_kernels import FENE, LATTICE, LINEAR, extension_kernel
 
-__all__ = ["ages_of", "error_norm", "positions_of", "rates", "slowness_of", "solve_stage"]
+__all__ = ["compliance_kernel", "error_norm", "rates", "solve_stage"]
 
 _KNEE = 3.0  # normalised force where the laws bend
 _LEAST_SLOPE = 0.05  # of a bead's equation; below, the step is too long for the flow
@@ -45,100 +48,12 @@ def compliance_kernel(code: int, f: float, rest: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _cell(nodes: FloatArray, x: float, j: int) -> int:
-    """Cell of the table that holds x, walking from cell j: beads come in order."""
-    last = nodes.size - 2
-    while j < last and x >= nodes[j + 1]:
-        j += 1
-    while j > 0 and x < nodes[j]:
-        j -= 1
-    return j
-
-
-@njit(cache=True, error_model="numpy")
-def _lookup(
-    nodes: FloatArray, age: FloatArray, slow: FloatArray, x: float, j: int
-) -> tuple[float, float, float]:
-    """Age a(x), V = 1/a' and V'; straight outside the table."""
-    last = nodes.size - 1
-    if x <= nodes[0]:
-        return age[0] + (x - nodes[0]) * slow[0], 1 / slow[0], 0.0
-    if x >= nodes[last]:
-        return age[last] + (x - nodes[last]) * slow[last], 1 / slow[last], 0.0
-    width = nodes[j + 1] - nodes[j]
-    t = (x - nodes[j]) / width
-    p = slow[j]
-    q = slow[j + 1]
-    mean = (age[j + 1] - age[j]) / width
-    b = 3 * mean - 2 * p - q
-    c = p + q - 2 * mean
-    slope = p + t * (2 * b + 3 * t * c)
-    curve = (2 * b + 6 * t * c) / width
-    return age[j] + width * t * (p + t * (b + t * c)), 1 / slope, -curve / (slope * slope)
-
-
-@njit(cache=True, error_model="numpy")
-def _two(
-    nodes: FloatArray, age: FloatArray, slow: FloatArray, share: float, x: float, j: int
-) -> tuple[float, float, float, float, float]:
-    """Age, reference V and V', and V and V' now; tables of shape (2, nodes), the second is the reference."""
-    a, v, dv = _lookup(nodes, age[1], slow[1], x, j)
-    if share >= 1.0:
-        return a, v, dv, v, dv
-    _, u, du = _lookup(nodes, age[0], slow[0], x, j)
-    return a, v, dv, share * v + (1 - share) * u, share * dv + (1 - share) * du
-
-
-@njit(cache=True, error_model="numpy")
-def ages_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """Reference age of each bead."""
-    j = nodes.size - 2
-    for i in range(x.size):
-        j = _cell(nodes, x[i], j)
-        out[i] = _lookup(nodes, age[1], slow[1], x[i], j)[0]
-
-
-@njit(cache=True, error_model="numpy")
-def slowness_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """Reference 1/V at each bead."""
-    j = nodes.size - 2
-    for i in range(x.size):
-        j = _cell(nodes, x[i], j)
-        out[i] = 1 / _lookup(nodes, age[1], slow[1], x[i], j)[1]
-
-
-@njit(cache=True, error_model="numpy")
-def positions_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, a: FloatArray, out: FloatArray) -> None:
-    """Position of each reference age, to rounding of a first guess: the inverse of `ages_of`."""
-    table = age[1]
-    last = nodes.size - 1
-    j = last - 1
-    for i in range(a.size):
-        if a[i] <= table[0]:
-            out[i] = nodes[0] + (a[i] - table[0]) / slow[1, 0]
-        elif a[i] >= table[last]:
-            out[i] = nodes[last] + (a[i] - table[last]) / slow[1, last]
-        else:
-            j = _cell(table, a[i], j)
-            x = nodes[j] + (nodes[j + 1] - nodes[j]) * (a[i] - table[j]) / (table[j + 1] - table[j])
-            width = nodes[j + 1] - nodes[j]
-            for _ in range(4):
-                now, v, _ = _lookup(nodes, table, slow[1], x, j)
-                step = (a[i] - now) * v
-                x = min(max(x + step, nodes[j]), nodes[j + 1])
-                if abs(step) < 1e-6 * width:
-                    break
-            out[i] = x
-
-
-@njit(cache=True, error_model="numpy")
-def _far_end(x: FloatArray, cut: float) -> tuple[int, float]:
-    """First bead that still belongs to the chain, and the share of its drag that acts.
+def _far_end(x: FloatArray, cut: float, lead: int) -> tuple[int, float]:
+    """First bead that still belongs to the chain, from `lead` on, and the share of its drag that acts.
 
     The bead just outside keeps the share of drag of its strand still inside: at zero it carries no force and is gone,
     so that leaving is continuous; beads beyond it drift with the flow.
     """
-    lead = 0
     while lead + 1 < x.size and x[lead + 1] >= cut:
         lead += 1
     if lead + 1 == x.size or x[lead] <= cut:
@@ -169,10 +84,10 @@ def rates(
     """Set the rate of age v / V of every bead and ``I x''``, from the equation itself; sets v too where I = 0."""
     n = x.size
     j = nodes.size - 2
-    lead, part = _far_end(x, cut)
+    lead, part = _far_end(x, cut, 0)
     for i in range(n):
-        j = _cell(nodes, x[i], j)
-        _, v, _, now, _ = _two(nodes, age, slow, share, x[i], j)
+        j = cell(nodes, x[i], j)
+        _, v, _, now, _ = lookup_now(nodes, age, slow, share, x[i], j)
         if i >= lead:
             before = tension[i - 1] if i > lead else rest_tension
             behind = tension[i] if i < n - 1 else rest_tension
@@ -245,20 +160,22 @@ def solve_stage(
     rest_tension: float,
     tolerance: float,
     most: int,
+    left: NDArray[np.int64],
     work: FloatArray,
 ) -> int:
     """Solve one implicit stage by Newton's method; x and tension hold the guess, then the solution.
 
     ``a(x) = known_age + g v / V(x)``, ``I v = push + g (V + pull dT - v)``; beads from `free` on are held. Where the
-    chain ends is taken from the guess. Returns the number of iterations, or -1; `work` keeps the last linearisation
-    for `error_norm`.
+    chain ends is taken from the guess; ``left[0]`` beads have left it before, and after. Returns the number of
+    iterations, or -1; `work` keeps the last linearisation for `error_norm`.
     """
     n = x.size
     gain = g * (g / (inertia + g))
     lag = g / (inertia + g)
     kappa = gain * pull
     ease, load, soft, gap, upper, change, move = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
-    lead, part = _far_end(x, cut)
+    lead, part = _far_end(x, cut, left[0])
+    left[0] = lead
     for i in range(lead):
         tension[i] = rest_tension
     knee = _KNEE / rest
@@ -279,8 +196,8 @@ def solve_stage(
                 ease[i] = 0.0
                 load[i] = 0.0
                 continue
-            j = _cell(nodes, x[i], j)
-            a, v, dv, now, dnow = _two(nodes, age, slow, share, x[i], j)
+            j = cell(nodes, x[i], j)
+            a, v, dv, now, dnow = lookup_now(nodes, age, slow, share, x[i], j)
             residual = v * (a - known_age[i]) - lag * push[i] - gain * now
             slope = 1 + dv * (a - known_age[i]) - gain * dnow
             if not slope > _LEAST_SLOPE:
@@ -302,7 +219,10 @@ def solve_stage(
             new = tension[i] + change[i]
             if code != LINEAR and abs(tension[i]) > knee and new * math.copysign(1.0, tension[i]) < knee:
                 new = math.copysign(knee, tension[i])
-            largest = max(largest, abs(new - tension[i]) / (1 + abs(tension[i])))
+            # by what it moves and stretches, where the tension itself is beyond rounding
+            step = abs(new - tension[i])
+            effect = step * max(ease[i], ease[i + 1], soft[i]) / spacing
+            largest = max(largest, min(effect, step / (1 + abs(tension[i]))))
             tension[i] = new
         if not largest < 1e300:
             return -1
@@ -315,7 +235,7 @@ def solve_stage(
 
 @njit(cache=True, error_model="numpy")
 def error_norm(
-    x: FloatArray, defect: FloatArray, speed: FloatArray, cut: float, watch: float, work: FloatArray
+    x: FloatArray, defect: FloatArray, speed: FloatArray, lead: int, watch: float, work: FloatArray
 ) -> float:
     """Root mean square over the watched beads of the filtered local error, as a change of position.
 
@@ -327,9 +247,6 @@ def error_norm(
     for i in range(n):
         load[i] = -defect[i]
         gap[i] = 0.0
-    lead = 0
-    while lead < n - 2 and ease[lead] == 0.0 and x[lead] > cut:
-        lead += 1
     _eliminate(lead, ease, load, work[2], gap, work[4], work[5], work[6])
     total = 0.0
     count = 0

@@ -5,11 +5,12 @@
     I x_n'' = V(x_n, t) - x_n' + (eps / h) [T(w_ahead) - T(w_behind)],   w = distance of neighbours / h
     eps = c / alpha_v,   T(w) = f(w / V_S) / f_0  (linear springs: T = w)
 
-Beads leave the nozzle (x = 0) with V = 1, one every h; the far end is free: tension T(1). At ``x = length`` a strand
-that straddles the end passes on the share of its tension still inside, so leaving is smooth and takes no event.
+Beads leave the nozzle (x = 0) with V = 1, one every h; the far end is free: tension T(1). The bead just
+beyond ``x = length`` keeps that share of its drag which its strand has still inside, so leaving takes no event.
 
-How it is solved: unknowns are the ages ``a(x) = int dx / V`` of the beads (an affine bead ages at exactly one, whatever the jet)
-and the tensions of the strands; implicit second order (`chain_step`), one tridiagonal system a Newton iteration, O(N).
+How it is solved: unknowns are the ages ``a(x) = int dx / V`` of the beads (an affine bead ages at exactly one,
+whatever the jet) and the tensions of the strands; implicit, second order (`chain_step`), one tridiagonal system a
+Newton iteration, O(N) a step.
 The step follows the accuracy of the slip alone, not the entries: a step may pass thousands of beads.
 
 The stretch of a strand belongs to its midpoint; given to a bead it errs by ``h w w' / 2``.
@@ -196,8 +197,10 @@ def _next(
         after, error, count = advance(chain, span, state, time, watch, fine)
         iterations += count
         taken = time - state.time
-        if after is not None and (fixed is not None or error <= rtol):
-            factor = min(_MOST_FACTOR, _SAFETY * (rtol / error) ** 0.5) if error > 0 else _MOST_FACTOR
+        # an error of position far below a spacing is no error of stretch: a bead may be kicked as it enters
+        allowed = max(rtol, 0.1 * rtol * chain.step / taken)
+        if after is not None and (fixed is not None or error <= allowed):
+            factor = min(_MOST_FACTOR, _SAFETY * (allowed / error) ** 0.5) if error > 0 else _MOST_FACTOR
             # a step cut short by a barrier says little about the next one
             proposal = max(taken * max(factor, _LEAST_FACTOR), dt if taken < dt and factor >= 1 else 0.0)
             return replace(
@@ -210,7 +213,7 @@ def _next(
         rejected += 1
         if fixed is not None:
             raise ChainError(f"chain: no solution at time {time:g} with time_step = {fixed:g}; shorten it")
-        shrink = 0.25 if after is None else min(max(_SAFETY * (rtol / error) ** 0.5, _LEAST_FACTOR), 0.7)
+        shrink = 0.25 if after is None else min(max(_SAFETY * (allowed / error) ** 0.5, _LEAST_FACTOR), 0.7)
         dt = taken * shrink
         if not dt > _SMALLEST * chain.step:
             raise ChainError(

@@ -7,6 +7,8 @@ with it at V = 1 until it passes x = 0 at the time ``newest * h``.
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -112,7 +114,9 @@ def start_from(chain: Chain, positions: FloatArray) -> ChainState:
         if worst >= chain.contour:
             remedy = 'start from the empty chain (start="empty") or place the beads closer'
             allowed = f"stretch below {chain.contour:g}"
-            raise InputError("positions", "stretch a strand beyond its contour", value=worst, allowed=allowed, remedy=remedy)
+            raise InputError(
+                "positions", "stretch a strand beyond its contour", value=worst, allowed=allowed, remedy=remedy
+            )
         from spinline.network.force_laws import force
 
         tensions = force(w / chain.contour, chain.law, chain.rest_force) / chain.rest_force
@@ -144,16 +148,16 @@ def load_states(path: str | Path, fingerprint: str) -> list[ChainState]:
     try:
         with np.load(Path(path), allow_pickle=False) as file:
             content = {name: file[name] for name in file.files}
-        count = int(content["count"])
-        if str(content["fingerprint"]) != fingerprint:
-            remedy = "use another file, or the same chain, tolerances and times"
-            raise InputError("checkpoint", "belongs to another run", value=str(path), remedy=remedy)
-        return [_read(content, i) for i in range(count)]
-    except (OSError, EOFError, KeyError) as error:
+        owner, count = str(content["fingerprint"]), int(content["count"])
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile) as error:
         raise InputError("checkpoint", f"cannot be read ({error})", value=str(path)) from None
+    if owner != fingerprint:
+        remedy = "use another file, or the same chain, tolerances and times"
+        raise InputError("checkpoint", "belongs to another run", value=str(path), remedy=remedy)
+    return [_read(content, i) for i in range(count)]
 
 
 def _read(content: dict[str, np.ndarray], i: int) -> ChainState:
-    arrays = {name: content[f"{name}_{i}"] for name in _ARRAYS}
-    numbers = {name: content[f"{name}_{i}"].item() for name in _NUMBERS}
-    return ChainState(**arrays, **numbers)
+    values: dict[str, Any] = {name: content[f"{name}_{i}"] for name in _ARRAYS}
+    values |= {name: content[f"{name}_{i}"].item() for name in _NUMBERS}
+    return ChainState(**values)

@@ -14,6 +14,7 @@ import numpy as np
 
 from spinline.checks import FloatArray
 from spinline.network import _chain_kernels as kernels
+from spinline.network import _flow_kernels as look
 from spinline.network.chain_model import Chain
 from spinline.network.chain_state import ChainState
 from spinline.network.flow import Segment
@@ -76,26 +77,31 @@ def advance(
     begin = _with_entries(chain, span, state, time)
     tables, n, h = _tables(chain, span), begin.positions.size, chain.step
     age = np.empty(n)
-    kernels.ages_of(*tables, begin.positions, age)
+    look.ages_of(*tables, begin.positions, age)
     inertia, pull = float(chain.inertia), chain.elasticity / h
     work = np.empty((7, n))
+    left = np.zeros(1, dtype=np.int64)  # beads that have left at the far end: for good
     g = _D * dt
 
-    def stage(at: float, known: FloatArray, push: FloatArray, guess: FloatArray, tension: FloatArray) -> tuple[int, int, FloatArray]:
+    def stage(
+        at: float, known: FloatArray, push: FloatArray, guess: FloatArray, tension: FloatArray
+    ) -> tuple[int, int, FloatArray]:
         x = np.empty(n)
-        kernels.positions_of(*tables, guess, x)
+        look.positions_of(*tables, guess, x)
         free = _released(chain, begin.newest, n, at)
         x[free:] = at - h * (begin.newest - n + 1 + np.arange(free, n))
         count = kernels.solve_stage(
             *tables, span.share(at), x, tension, known, push, free, g, pull, inertia, h, chain.flow.length,
             law_code(chain.law), chain.contour or 1.0, chain.rest_force, chain.rest_tension,
-            tolerance, _MOST_ITERATIONS, work,
+            tolerance, _MOST_ITERATIONS, left, work,
         )  # fmt: skip
         return count, free, x
 
-    def found(known: FloatArray, push: FloatArray, x: FloatArray, free: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def found(
+        known: FloatArray, push: FloatArray, x: FloatArray, free: int
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         now = np.empty(n)
-        kernels.ages_of(*tables, x, now)
+        look.ages_of(*tables, x, now)
         rate, slowness = (now - known) / g, _slowness(tables, x)
         rate[free:] = slowness[free:]
         velocity = rate / slowness
@@ -122,16 +128,14 @@ def advance(
     speed = 1 / _slowness(tables, x)
     defect = dt * (_ERROR[0] * begin.rates + _ERROR[1] * rate2 + _ERROR[2] * rate3) * speed
     defect[free:] = 0.0
-    error = kernels.error_norm(x, defect, speed, chain.flow.length, watch, work) / dt
+    error = kernels.error_norm(x, defect, speed, int(left[0]), watch, work) / dt
     if inertia > 0:
         wrong = dt * (_ERROR[0] * begin.surplus + _ERROR[1] * surplus2 + _ERROR[2] * surplus3) / (inertia + g)
         seen = (x > 0) & (x <= watch)
         if seen.any():
             error = max(error, float(np.sqrt(np.mean(np.square(wrong[seen] / speed[seen])))))
-    end = replace(
-        begin, time=time, positions=x, tensions=tension, velocities=velocity, rates=rate3, surplus=surplus3
-    )
-    return _without_leavers(chain, end), error, first + second
+    end = replace(begin, time=time, positions=x, tensions=tension, velocities=velocity, rates=rate3, surplus=surplus3)
+    return _without(end, int(left[0])), error, first + second
 
 
 def _tables(chain: Chain, span: Segment) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -140,7 +144,7 @@ def _tables(chain: Chain, span: Segment) -> tuple[FloatArray, FloatArray, FloatA
 
 def _slowness(tables: tuple[FloatArray, FloatArray, FloatArray], x: FloatArray) -> FloatArray:
     out = np.empty(x.size)
-    kernels.slowness_of(*tables, x, out)
+    look.slowness_of(*tables, x, out)
     return out
 
 
@@ -184,12 +188,11 @@ def _with_entries(chain: Chain, span: Segment, state: ChainState, until: float) 
     return longer
 
 
-def _without_leavers(chain: Chain, state: ChainState) -> ChainState:
-    """Drop the beads whose strand lies wholly outside: nothing feels them."""
-    gone = int(np.searchsorted(-state.positions, -chain.flow.length, side="right")) - 1
+def _without(state: ChainState, left: int) -> ChainState:
+    """Drop the beads that have left; at least one strand stays."""
+    gone = min(left, state.positions.size - 2)
     if gone <= 0:
         return state
-    gone = min(gone, state.positions.size - 2)
     return replace(
         state,
         positions=state.positions[gone:].copy(),

@@ -117,9 +117,7 @@ class Flow:
         return cls.from_profiles(profiles, [start, stop], length, rtol=rtol)
 
     @classmethod
-    def from_profiles(
-        cls, profiles: Sequence[Profile], times: ArrayLike, length: float, *, rtol: float = 1e-8
-    ) -> Self:
+    def from_profiles(cls, profiles: Sequence[Profile], times: ArrayLike, length: float, *, rtol: float = 1e-8) -> Self:
         """Tabulate functions V(s), s in initial radii, valid at the given times.
 
         Parameters
@@ -231,9 +229,7 @@ def _cell_error(profile: Profile, nodes: FloatArray, age: FloatArray, slowness: 
     return value
 
 
-def _hermite(
-    s: FloatArray, nodes: FloatArray, age: FloatArray, slowness: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _hermite(s: FloatArray, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Age and its slope; straight outside the table."""
     i = np.clip(np.searchsorted(nodes, s, side="right") - 1, 0, nodes.size - 2)
     width = nodes[i + 1] - nodes[i]
