@@ -18,6 +18,8 @@ module                 law
 `walk_estimate`        estimates with their errors; control variates
 `tension`              tension of the network for every force-extension law
 `manifold`             Eqs. (32a), (33): the steady network at finite coupling
+`flow`                 V(s, t) as the chain sees it
+`chain`                Eq. (32a) in full: every bead, in time (`chain_model`, `chain_state`, `chain_step`, ...)
 `radial`               Eq. (32b): lateral mesh across the jet
 =====================  ==============================================================
 
@@ -58,6 +60,12 @@ from spinline.network.state import NetworkState, affine_network, network_state
 
 if TYPE_CHECKING:
     from spinline.network import force_laws
+    from spinline.network.chain import ChainResult, run_chain
+    from spinline.network.chain_coarse import coarse_graining_error
+    from spinline.network.chain_model import Chain, ChainError
+    from spinline.network.chain_profile import ChainProfile
+    from spinline.network.chain_state import ChainState, affine_start, empty_start, start_from
+    from spinline.network.flow import Flow
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
     from spinline.network.tension import Tension
@@ -78,7 +86,13 @@ if TYPE_CHECKING:
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
     "Average": "walk_estimate",
+    "Chain": "chain_model",
+    "ChainError": "chain_model",
+    "ChainProfile": "chain_profile",
+    "ChainResult": "chain",
+    "ChainState": "chain_state",
     "ExactLaw": "walk_law",
+    "Flow": "flow",
     "FlowStrand": "walk_flow",
     "Histogram": "walk_estimate",
     "Manifold": "manifold",
@@ -88,18 +102,23 @@ _NAMES = {
     "StrandSample": "walk",
     "Tension": "tension",
     "WalkMoments": "walk_exact",
+    "affine_start": "chain_state",
     "affine_strand": "walk_strand",
+    "coarse_graining_error": "chain_coarse",
+    "empty_start": "chain_state",
     "eq33": "manifold",
     "exact_law": "walk_law",
     "flow_strand": "walk_flow",
     "hydrodynamic_strand": "walk_strand",
     "radial_mesh": "radial",
+    "run_chain": "chain",
     "sample_average": "walk_estimate",
     "sample_histogram": "walk_estimate",
     "sample_moments": "walk_estimate",
     "sample_paths": "walk",
     "sample_strands": "walk",
     "solve_radial_mesh": "radial",
+    "start_from": "chain_state",
     "steady_network": "manifold",
     "uniform_strand": "walk_strand",
     "varying_strand": "walk_strand",
@@ -108,8 +127,14 @@ _NAMES = {
 
 __all__ = [
     "Average",
+    "Chain",
+    "ChainError",
+    "ChainProfile",
+    "ChainResult",
+    "ChainState",
     "Conformation",
     "ExactLaw",
+    "Flow",
     "FlowStrand",
     "Histogram",
     "Manifold",
@@ -123,13 +148,16 @@ __all__ = [
     "WalkMoments",
     "affine_force",
     "affine_network",
+    "affine_start",
     "affine_strand",
     "affinity",
     "axial_force",
+    "coarse_graining_error",
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
     "elastic_coupling",
+    "empty_start",
     "eq33",
     "exact_law",
     "extension_velocity_ratio",
@@ -151,6 +179,7 @@ __all__ = [
     "relative_contraction",
     "relative_extension",
     "rest_force",
+    "run_chain",
     "sample_average",
     "sample_histogram",
     "sample_moments",
@@ -159,6 +188,7 @@ __all__ = [
     "saturate",
     "segment_time",
     "solve_radial_mesh",
+    "start_from",
     "steady_network",
     "strand_force",
     "stretched_walk",
