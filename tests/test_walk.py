@@ -86,9 +86,9 @@ def test_philox_published_vectors() -> None:
     for seed, index, purpose in ((2**64 - 1, 2**63 - 1, 1), (0xDEADBEEF12345678, 12345678901234, 0)):
         words = philox([index & 0xFFFFFFFF, index >> 32, purpose, 0], [seed & 0xFFFFFFFF, seed >> 32])
         assert list(_streams.open_stream(np.uint64(seed), index, purpose)) == words
-        a, b, c, d = (np.empty(7, np.uint32) for _ in range(4))
-        _streams.open_streams(np.uint64(seed), index - 3, purpose, np.empty((4, 7), np.uint64), a, b, c, d)
-        assert [a[3], b[3], c[3], d[3]] == words
+        state = np.empty(28, np.uint32)
+        _streams.open_streams(np.uint64(seed), index - 3, purpose, np.empty((4, 7), np.uint64), state)
+        assert list(state[3::7]) == words
 
 
 def test_xoshiro_against_its_definition() -> None:
