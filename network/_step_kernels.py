@@ -136,17 +136,17 @@ def _sum_block(state: Any, monomers: Any) -> None:
 @njit(cache=True, nogil=True)
 def walk_paths(seed: Any, first: Any, monomers: Any, table: Any, order: Any, out: Any) -> None:
     """Positions (strand, monomer, axis) of the very walks that `walk_strands` counts."""
+    place = np.zeros(3, np.int64)
     for i in range(out.shape[0]):
         a, b, c, d = open_stream(seed, first + i, STEPS)
-        for axis in range(3):
-            out[i, 0, axis] = 0
+        place[:] = 0
+        out[i, 0, :] = 0
         for m in range(monomers):
             u, a, b, c, d = next_state(a, b, c, d)
-            direction = order[5]
+            above = 0  # thresholds passed: no branch to mispredict
             for k in range(5):
-                if _below(u, table[m, k]):
-                    direction = order[k]
-                    break
+                above += 1 - _below(u, table[m, k])
+            direction = order[above]
+            place[direction // 2] += 1 - 2 * (direction % 2)
             for axis in range(3):
-                out[i, m + 1, axis] = out[i, m, axis]
-            out[i, m + 1, direction // 2] += 1 - 2 * (direction % 2)
+                out[i, m + 1, axis] = place[axis]
