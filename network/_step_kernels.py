@@ -66,20 +66,18 @@ def walk_strands(seed: Any, first: Any, monomers: Any, table: Any, order: Any, e
     `table` has a multiple of UNROLL rows; a strand's numbers depend on (seed, its index) alone.
     """
     steps = np.empty(6, np.int64)
-    a, b = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
-    c, d = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
+    state, n = np.empty(4 * BLOCK, np.uint32), np.empty(5 * BLOCK, np.int32)
     work = np.empty((4, BLOCK), np.uint64)
-    n = np.empty((5, BLOCK), np.int32)
     for start in range(0, axial.size, BLOCK):
         count = min(BLOCK, axial.size - start)
-        open_streams(seed, first + start, STEPS, work, a, b, c, d)
+        open_streams(seed, first + start, STEPS, work, state)
         n[:] = 0
-        _walk_block(a, b, c, d, n[0], n[1], n[2], n[3], n[4], table)
+        _walk_block(state, n, table)
         for i in range(count):
             below = 0
             for k in range(5):
-                steps[order[k]] = n[k, i] - below
-                below = n[k, i]
+                steps[order[k]] = n[k * BLOCK + i] - below
+                below = n[k * BLOCK + i]
             steps[order[5]] = monomers - below
             for axis in range(3):
                 ends[start + i, axis] = steps[2 * axis] - steps[2 * axis + 1]
@@ -87,66 +85,68 @@ def walk_strands(seed: Any, first: Any, monomers: Any, table: Any, order: Any, e
 
 
 @njit(cache=True, nogil=True)
-def _walk_block(a: Any, b: Any, c: Any, d: Any, n0: Any, n1: Any, n2: Any, n3: Any, n4: Any, table: Any) -> None:
+def _walk_block(state: Any, n: Any, table: Any) -> None:
+    """Walk BLOCK strands; four rows of `state`, five of `n`.
+
+    One flat array each, rows a constant apart: only so does every LLVM see that they do not overlap.
+    """
     for m in range(0, table.shape[0], UNROLL):
         p0, p1, p2, p3, p4 = table[m, 0], table[m, 1], table[m, 2], table[m, 3], table[m, 4]
         q0, q1, q2, q3, q4 = table[m + 1, 0], table[m + 1, 1], table[m + 1, 2], table[m + 1, 3], table[m + 1, 4]
         r0, r1, r2, r3, r4 = table[m + 2, 0], table[m + 2, 1], table[m + 2, 2], table[m + 2, 3], table[m + 2, 4]
         s0, s1, s2, s3, s4 = table[m + 3, 0], table[m + 3, 1], table[m + 3, 2], table[m + 3, 3], table[m + 3, 4]
         for i in range(BLOCK):
-            u, e, f, g, h = next_state(a[i], b[i], c[i], d[i])
-            v, e, f, g, h = next_state(e, f, g, h)
-            w, e, f, g, h = next_state(e, f, g, h)
-            x, e, f, g, h = next_state(e, f, g, h)
-            a[i], b[i], c[i], d[i] = e, f, g, h
-            n0[i] += _below(u, p0) + _below(v, q0) + _below(w, r0) + _below(x, s0)
-            n1[i] += _below(u, p1) + _below(v, q1) + _below(w, r1) + _below(x, s1)
-            n2[i] += _below(u, p2) + _below(v, q2) + _below(w, r2) + _below(x, s2)
-            n3[i] += _below(u, p3) + _below(v, q3) + _below(w, r3) + _below(x, s3)
-            n4[i] += _below(u, p4) + _below(v, q4) + _below(w, r4) + _below(x, s4)
+            u, a, b, c, d = next_state(state[i], state[i + BLOCK], state[i + 2 * BLOCK], state[i + 3 * BLOCK])
+            v, a, b, c, d = next_state(a, b, c, d)
+            w, a, b, c, d = next_state(a, b, c, d)
+            x, a, b, c, d = next_state(a, b, c, d)
+            state[i], state[i + BLOCK], state[i + 2 * BLOCK], state[i + 3 * BLOCK] = a, b, c, d
+            n[i] += _below(u, p0) + _below(v, q0) + _below(w, r0) + _below(x, s0)
+            n[i + BLOCK] += _below(u, p1) + _below(v, q1) + _below(w, r1) + _below(x, s1)
+            n[i + 2 * BLOCK] += _below(u, p2) + _below(v, q2) + _below(w, r2) + _below(x, s2)
+            n[i + 3 * BLOCK] += _below(u, p3) + _below(v, q3) + _below(w, r3) + _below(x, s3)
+            n[i + 4 * BLOCK] += _below(u, p4) + _below(v, q4) + _below(w, r4) + _below(x, s4)
 
 
 @njit(cache=True, nogil=True)
 def generator_alone(seed: Any, monomers: Any, out: Any) -> None:
     """As `walk_strands`, but only sums the numbers: the bare generator, for benchmarks."""
-    a, b = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
-    c, d = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
+    state = np.empty(5 * BLOCK, np.uint32)
     work = np.empty((4, BLOCK), np.uint64)
-    n = np.empty(BLOCK, np.uint32)
     for start in range(0, out.shape[0], BLOCK):
-        open_streams(seed, start, STEPS, work, a, b, c, d)
-        n[:] = 0
-        _sum_block(a, b, c, d, n, monomers)
+        open_streams(seed, start, STEPS, work, state)
+        state[4 * BLOCK :] = 0
+        _sum_block(state, monomers)
         for i in range(min(BLOCK, out.shape[0] - start)):
-            out[start + i] = n[i]
+            out[start + i] = state[i + 4 * BLOCK]
 
 
 @njit(cache=True, nogil=True)
-def _sum_block(a: Any, b: Any, c: Any, d: Any, n: Any, monomers: Any) -> None:
+def _sum_block(state: Any, monomers: Any) -> None:
     for _ in range(0, monomers, UNROLL):
         for i in range(BLOCK):
-            u, e, f, g, h = next_state(a[i], b[i], c[i], d[i])
-            v, e, f, g, h = next_state(e, f, g, h)
-            w, e, f, g, h = next_state(e, f, g, h)
-            x, e, f, g, h = next_state(e, f, g, h)
-            a[i], b[i], c[i], d[i] = e, f, g, h
-            n[i] = np.uint32(n[i] + u + v + w + x)
+            u, a, b, c, d = next_state(state[i], state[i + BLOCK], state[i + 2 * BLOCK], state[i + 3 * BLOCK])
+            v, a, b, c, d = next_state(a, b, c, d)
+            w, a, b, c, d = next_state(a, b, c, d)
+            x, a, b, c, d = next_state(a, b, c, d)
+            state[i], state[i + BLOCK], state[i + 2 * BLOCK], state[i + 3 * BLOCK] = a, b, c, d
+            state[i + 4 * BLOCK] = np.uint32(state[i + 4 * BLOCK] + u + v + w + x)
 
 
 @njit(cache=True, nogil=True)
 def walk_paths(seed: Any, first: Any, monomers: Any, table: Any, order: Any, out: Any) -> None:
     """Positions (strand, monomer, axis) of the very walks that `walk_strands` counts."""
+    place = np.zeros(3, np.int64)
     for i in range(out.shape[0]):
         a, b, c, d = open_stream(seed, first + i, STEPS)
-        for axis in range(3):
-            out[i, 0, axis] = 0
+        place[:] = 0
+        out[i, 0, :] = 0
         for m in range(monomers):
             u, a, b, c, d = next_state(a, b, c, d)
-            direction = order[5]
+            above = 0  # thresholds passed: no branch to mispredict
             for k in range(5):
-                if _below(u, table[m, k]):
-                    direction = order[k]
-                    break
+                above += 1 - _below(u, table[m, k])
+            direction = order[above]
+            place[direction // 2] += 1 - 2 * (direction % 2)
             for axis in range(3):
-                out[i, m + 1, axis] = out[i, m, axis]
-            out[i, m + 1, direction // 2] += 1 - 2 * (direction % 2)
+                out[i, m + 1, axis] = place[axis]

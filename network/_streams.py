@@ -46,29 +46,31 @@ def open_stream(seed: Any, index: Any, purpose: Any) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def open_streams(seed: Any, first: Any, purpose: Any, work: Any, a: Any, b: Any, c: Any, d: Any) -> None:
+def open_streams(seed: Any, first: Any, purpose: Any, work: Any, state: Any) -> None:
     """`open_stream` for the indices first, first + 1, ..., a round at a time so that it vectorises.
 
-    `work` is uint64 of shape (4, a.size).
+    `work` is uint64 of shape (4, n); word k of stream i goes to ``state[k n + i]``.
     """
     key = np.uint64(seed)
     k0, k1 = key & _LOW, key >> _HALF
     c0, c1, c2, c3 = work[0], work[1], work[2], work[3]
-    for i in range(a.size):
+    n = c0.size
+    for i in range(n):
         place = np.uint64(first) + np.uint64(i)
         c0[i], c1[i], c2[i], c3[i] = place & _LOW, place >> _HALF, np.uint64(purpose), np.uint64(0)
     for _ in range(10):
-        for i in range(a.size):
+        for i in range(n):
             p0, p1 = _M0 * c0[i], _M1 * c2[i]
             c0[i] = (p1 >> _HALF) ^ c1[i] ^ k0
             c1[i] = p1 & _LOW
             c2[i] = (p0 >> _HALF) ^ c3[i] ^ k1
             c3[i] = p0 & _LOW
         k0, k1 = (k0 + _W0) & _LOW, (k1 + _W1) & _LOW
-    for i in range(a.size):
-        a[i], b[i], c[i], d[i] = np.uint32(c0[i]), np.uint32(c1[i]), np.uint32(c2[i]), np.uint32(c3[i])
+    for i in range(n):
+        state[i], state[n + i] = np.uint32(c0[i]), np.uint32(c1[i])
+        state[2 * n + i], state[3 * n + i] = np.uint32(c2[i]), np.uint32(c3[i])
         if c0[i] | c1[i] | c2[i] | c3[i] == 0:
-            a[i] = _ONE
+            state[i] = _ONE
 
 
 @njit(cache=True, inline="always")

@@ -78,7 +78,7 @@ def force(extension: ArrayLike, law: ForceLaw, rest_force: ArrayLike = 0.0) -> F
     Examples
     --------
     >>> [round(float(force(0.5, law)), 6) for law in ("linear", "lattice", "langevin", "fene")]
-    [1.5, 1.537188, 1.796756, 2.0]
+    [1.5, 1.535953, 1.796756, 2.0]
     """
     from spinline.network import _force_kernels as kernels
 
@@ -175,5 +175,5 @@ def _apply(kernel: _Map, code: int, value: FloatArray, rest_force: ArrayLike) ->
         shapes = f"shapes {value.shape} and {rest.shape}"
         raise InputError("rest_force", f"does not broadcast: {shapes}") from None
     out = np.empty(value.shape)
-    kernel(code, np.ascontiguousarray(value).reshape(-1), np.ascontiguousarray(rest).reshape(-1), out.reshape(-1))
+    kernel(code, np.array(value).reshape(-1), np.array(rest).reshape(-1), out.reshape(-1))
     return out

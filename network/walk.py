@@ -4,15 +4,16 @@
 what                   how                                                          cost (one core)
 =====================  ===========================================================  ==========================
 uniform force          multinomial, exact for N_s up to 1e12: nothing is walked     0.4 us a strand
-forces that vary       every step walked, 32-bit thresholds, blocks of strands      5e9 steps/s with AVX-512
-pictures               `sample_paths`: the very walks of method "steps"             2e8 steps/s
+forces that vary       every step walked, 32-bit thresholds, blocks of strands      6e9 steps/s (AVX2: 3e9)
+pictures               `sample_paths`: the very walks of method "steps"             1e8 steps/s
 no sampling            `walk_moments`, `exact_law`                                  see there
 =====================  ===========================================================  ==========================
 
 Strand number i of a seed is the same whatever the number of strands, threads or the chunk (Philox opens its stream
 from (seed, i); see `_streams`). Weights of a step are multiples of 2^-32; the rounding is carried along the strand,
-so that its mean is off by less than 5 x 2^-32 steps in all, and a probability below 2^-32 is met at its rate over
-many segments.
+so that its mean is off by less than 5 x 2^-32 steps in all (and by 2^-32 a segment where a segment is certain to step
+away from the strand's main direction). Means, laws and weights come from libm: another processor may move a weight by
+2^-32, hence one strand of 400 segments in ten millions.
 
 Means need no sampling: `walk_moments` has them. Sample for distributions, for functions of the whole vector, and for
 pictures; `sample_average` then uses the exact moments as control variates.
