@@ -209,21 +209,35 @@ def steady_network(
 
 
 def _refuse_lost(profile: Profile, edges: list[float], eps: float, law: Tension) -> None:
-    """Refuse a jet where ``eps V'`` passes 1/4 short of the contour."""
+    """Refuse a jet where ``eps V'`` passes 1/4 short of the contour, at the first such place."""
     for low, high in pairwise(edges):
-        share = np.linspace(0.0, 1.0, 513)
-        s = low + (high - low) * np.concatenate((1e-3 * share[1:-1], share)) if low else low + (high - low) * share
-        s = np.unique(s)
+        width = high - low
+        s = low + width * np.unique(np.concatenate((np.geomspace(1e-9, 1.0, 257), np.linspace(1e-9, 1.0, 513))))
         v = profile(s)
-        slope = np.diff(v) / np.diff(s)
-        lost = (eps * slope > _FRONT) & (v[1:] < _LOCKED * law.full_stretch)
-        if lost.any():
-            where = float(s[1:][lost][0])
-            raise InputError(
-                "coupling", f"no steady network: eps V' = {eps * slope[lost][0]:.3g} passes 1/4 at s = {where:.6g}",
-                value=1 / eps, allowed=f"c V'/alpha_v <= 1/4, alpha_v / c >= {4 * slope[lost].max():.4g}",
-                remedy="raise alpha_v, or follow the chain in time (it does not settle there)",
-            )  # fmt: skip
+        share = eps * np.diff(v) / np.diff(s)
+        lost = np.flatnonzero((share > _FRONT) & (v[1:] < _LOCKED * law.full_stretch))
+        if not lost.size:
+            continue
+        first = int(lost[0])
+        where = low if first == 0 else _where_lost(profile, float(s[first - 1]), float(s[first + 1]), eps)
+        raise InputError(
+            "coupling", f"no steady network: eps V' passes 1/4 at s = {where:.6g} (it reaches {share[lost].max():.3g})",
+            value=1 / eps, allowed=f"alpha_v / c >= {4 * share[lost].max() / eps:.4g}",
+            remedy="raise alpha_v, or follow the chain in time (it does not settle there)",
+        )  # fmt: skip
+
+
+def _where_lost(profile: Profile, low: float, high: float, eps: float) -> float:
+    """Place between two others where ``eps V'`` passes 1/4, by bisection."""
+    step = 1e-4 * (high - low)
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        ends = profile(np.array([middle - step, middle + step]))
+        if eps * (ends[1] - ends[0]) / (2 * step) > _FRONT:
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def _locked_from(panels: list[tuple[float, float, FloatArray]], law: Tension) -> float:
