@@ -151,7 +151,7 @@ def test_odd_scenes_are_warned_about(overrides: list[str], words: str) -> None:
 @pytest.mark.parametrize(
     ("overrides", "field"),
     [
-        (["network.model=chain"], "network.model"), (["effects.evaporation=true"], "effects.evaporation"), (["network.force_law=fene"], "network.force_law"),
+        (["network.model=conformation"], "network.model"), (["effects.evaporation=true"], "effects.evaporation"), (["network.force_law=fene"], "network.force_law"),
         (["solution.polymer=PE0"], "solution.polymer"), (["solution.solvent=vodka"], "solution.solvent"), (["solution.temperature=900 K"], "temperature"),
         (["jet={profile='table', path='none.csv', flow_rate='1 mL/h'}"], "jet.path"), (["jet={profile='jetspin', path='none'}"], "jet.path"),
         (["solution.viscosity=1 Pa s", "jet={profile='power-law', radius='1 um', flow_rate='1 mL/h', beta=0.5, length='1 mm'}"], "jet.k"),
@@ -322,3 +322,26 @@ def test_walk_rung_samples_the_affine_one() -> None:
         assert np.abs(score).max() < 4.5
         assert 0.7 < float(score.std()) < 1.35
     assert walk.attrs["model"] == "walk"
+
+
+def test_chain_rung_settles_on_the_manifold() -> None:
+    overrides = ("network.force_law=linear", "network.coupling=3000", "accuracy.rtol=1e-3", "accuracy.points=101")
+    steady = quiet("peo5-water", "network.model=manifold", *overrides)
+    chain = quiet("peo5-water", "network.model=chain", "network.coarse_grain=20", *overrides)
+    inner = (steady["z"].values > 2e-4) & (steady["z"].values < 4.5e-3)
+    gap = np.interp(steady["z"], chain["z"], chain["network_velocity_ratio"]) / steady["network_velocity_ratio"] - 1
+    assert np.abs(gap.values[inner]).max() < 2e-3
+    assert chain.attrs["drift"] < 1e-3
+    assert chain.attrs["coarse_grain"] == 20
+    locked = [
+        quiet(
+            "peo5-water",
+            f"network.model={model}",
+            "network.closure=stretch",
+            "network.coupling=1e4",
+            "network.coarse_grain=20",
+        )
+        for model in ("manifold", "chain")
+    ]
+    assert locked[1].attrs["locked_from"] == pytest.approx(locked[0].attrs["locked_from"], rel=0.05)
+    assert (locked[1]["relative_extension"] <= 1).all()

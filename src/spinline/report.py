@@ -56,7 +56,7 @@ def words(result: xr.Dataset) -> list[str]:
         here = int(np.nanargmin(np.where(known, np.abs(place - float(result["crossover_position"])), np.nan)))
         sentences.append(f"At the crossover {_state(result, here)}.")
     end = int(np.flatnonzero(known)[-1])
-    where = "At the free end" if result.attrs["model"] == "manifold" else "At the end"
+    where = "At the free end" if result.attrs["model"] in ("manifold", "chain") else "At the end"
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
     return sentences
 

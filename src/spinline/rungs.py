@@ -7,6 +7,7 @@ import numpy as np
 
 from spinline.build import coupling, jet_length
 from spinline.checks import FloatArray
+from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.coupling import BOLTZMANN, strand_force
 from spinline.network.mesh import network_at_rest
@@ -15,12 +16,15 @@ from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
 if TYPE_CHECKING:
+    from spinline.network.chain_profile import ChainProfile
     from spinline.network.manifold import Manifold
 
 __all__ = [
     "BOND_STRENGTH",
     "Crossover",
+    "SettledChain",
     "network_fields",
+    "settled_chain",
     "slip_fields",
     "slipping_crossover",
     "steady_state",
@@ -28,6 +32,7 @@ __all__ = [
 ]
 
 BOND_STRENGTH = 5e-9  # N, covalent bond
+_MOST_BEADS = 3000  # of a chain that is free to join strands
 
 
 @dataclass(frozen=True)
@@ -74,7 +79,105 @@ def steady_state(scene: Scene, solution: Solution, jet: StraightJet) -> "Manifol
     )
 
 
-def slipping_crossover(network: "Manifold", jet: StraightJet, target: float) -> Crossover:
+@dataclass(frozen=True, eq=False)
+class SettledChain:
+    """A bead chain followed in time until it is steady, with what a `Manifold` offers.
+
+    Attributes
+    ----------
+    profile : ChainProfile
+        Strands at the end of the run.
+    length, inertia : float
+        Far end in initial radii, and I.
+    locked_from : float
+        First place beyond 0.95 of the contour, initial radii; NaN if none.
+    coarse_grain : float
+        Strands joined into one.
+    drift : float
+        Largest relative change of w over the last tenth of the run: 0 when settled.
+    """
+
+    profile: "ChainProfile"
+    length: float
+    inertia: float
+    locked_from: float
+    coarse_grain: float
+    drift: float
+
+    def stretch(self, s: FloatArray) -> FloatArray:
+        """Stretch w at s, held at the outermost beads."""
+        beads = self.profile.beads
+        return self.profile.stretch_at(np.clip(s, beads[0], beads[-1]))
+
+    def tension(self, s: FloatArray) -> FloatArray:
+        """Tension T at s, linear between the middles of the strands."""
+        return np.interp(s, self.profile.position, self.profile.tension)
+
+    def first_passage(self, stretch: float) -> float:
+        """First s where w passes a value, linear between the middles of the strands; NaN where it never does."""
+        above = np.flatnonzero(self.profile.stretch >= stretch)
+        if not above.size:
+            return float("nan")
+        k = max(int(above[0]), 1)
+        return float(np.interp(stretch, self.profile.stretch[k - 1 : k + 1], self.profile.position[k - 1 : k + 1]))
+
+
+def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> SettledChain:
+    """Bead chain of a scene followed until it is steady: two or three residence times (rung ``chain``).
+
+    Raises
+    ------
+    InputError
+        Where the chain cannot be followed in time.
+    """
+    from spinline.network.chain import run_chain
+    from spinline.network.chain_model import Chain, ChainError
+    from spinline.network.chain_profile import profile as chain_profile
+    from spinline.network.flow import Flow
+
+    n, r0 = scene.network, jet.initial_radius
+    alpha, _, _ = coupling(scene, solution, jet)
+    rest = network_at_rest(solution.volume_fraction, n.solvent_quality)
+    length = jet_length(scene, jet) / r0
+    transit = float(jet.residence_time(jet_length(scene, jet))) * jet.initial_velocity / r0
+    spacing = float(rest.size) * solution.kuhn_length / r0
+    joined = max(1.0, transit / spacing / _MOST_BEADS) if n.coarse_grain is None else n.coarse_grain.value
+    chain = Chain(
+        flow=Flow.from_jet(jet, length),
+        spacing=spacing,
+        coupling=alpha,
+        spring=n.spring.value,
+        inertia=n.inertia.value,
+        law=n.force_law,
+        contour=float(rest.full_stretch),
+        coarse_grain=joined,
+    )
+    # strands cannot start beyond their contour: there the chain fills the jet from the nozzle
+    over = n.force_law != "linear" and float(jet.velocity_ratio(jet_length(scene, jet))) > 0.9 * float(
+        rest.full_stretch
+    )
+    start, duration = ("empty", 3 * transit) if over else ("affine", 2 * transit)
+    rtol = float(np.clip(0.1 * scene.accuracy.rtol, 1e-8, 1e-3))
+    try:
+        run = run_chain(chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration])
+    except ChainError as error:
+        raise InputError("network.model", f"the chain cannot be followed ({error})", value="chain") from None
+    profile = run.profile
+    inner = np.linspace(0.02, 0.9, 200) * length
+    earlier = chain_profile(chain, run.snapshots[0]).stretch_at(inner)
+    bound = np.inf if n.force_law == "linear" else 0.95 * float(rest.full_stretch)
+    locked = np.flatnonzero(profile.stretch >= bound)
+    return SettledChain(
+        profile=profile,
+        length=length,
+        inertia=n.inertia.value,
+        locked_from=float(profile.position[locked[0]]) if locked.size else float("nan"),
+        coarse_grain=joined,
+        drift=float(np.nanmax(np.abs(profile.stretch_at(inner) / earlier - 1))),
+    )
+
+
+def slipping_crossover(network: "Manifold | SettledChain", jet: StraightJet, target: float) -> Crossover:
     """First place where the network's own stretch passes a value."""
     nan = float("nan")
     s = network.first_passage(target)
@@ -86,7 +189,11 @@ def slipping_crossover(network: "Manifold", jet: StraightJet, target: float) -> 
 
 
 def slip_fields(
-    fields: dict[str, FloatArray], network: "Manifold", scene: Scene, solution: Solution, jet: StraightJet
+    fields: dict[str, FloatArray],
+    network: "Manifold | SettledChain",
+    scene: Scene,
+    solution: Solution,
+    jet: StraightJet,
 ) -> dict[str, Any]:
     """What slips and pulls where the network does not move with the solution."""
     s = np.minimum((fields["z"] - jet.start) / jet.initial_radius, network.length)
@@ -133,7 +240,7 @@ def walk_fields(fields: dict[str, FloatArray], scene: Scene, solution: Solution)
 
 
 def network_fields(
-    profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | None"
+    profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | SettledChain | None"
 ) -> dict[str, FloatArray]:
     """Network variables wherever the stretch is known, NaN (or False) elsewhere."""
     stretch = profile["stretch_ratio"]

@@ -258,6 +258,7 @@ class NetworkSection(_Section):
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
     coupling: Number | None = None
+    coarse_grain: Number | None = None
     inertia: NumberOrZero = Measured(0.0, 0.0, "0")
     force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
     solvent_quality: Literal["theta", "good"] = "theta"

@@ -21,7 +21,9 @@ from spinline.rheology.solution import Solution
 from spinline.rungs import (
     BOND_STRENGTH,
     Crossover,
+    SettledChain,
     network_fields,
+    settled_chain,
     slip_fields,
     slipping_crossover,
     steady_state,
@@ -37,7 +39,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Crossover", "build_jet", "build_solution", "crossover", "examine", "run"]
 
-_MODELS = ("auto", "affine", "manifold", "walk")
+_MODELS = ("auto", "affine", "manifold", "chain", "walk")
+_SLIPPING = ("manifold", "chain")  # rungs whose network does not move with the solution
 
 
 def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> list[str]:
@@ -52,15 +55,15 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
     if n.model not in _MODELS:
         allowed = ", ".join(f'"{name}"' for name in _MODELS)
         raise InputError("network.model", "is not available", value=n.model, allowed=allowed, remedy=_TAKE)
-    if n.model == "manifold" and not isinstance(jet, StraightJet):
+    if n.model in _SLIPPING and not isinstance(jet, StraightJet):
         raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
     if n.model == "walk" and n.closure != "force":
         raise InputError("network.closure", "has no walk: strands are walked under a force", value=n.closure,
                          allowed='"force"', remedy=_TAKE)  # fmt: skip
-    if n.model != "manifold" and n.force_law != "lattice":
+    if n.model not in _SLIPPING and n.force_law != "lattice":
         raise InputError(
             "network.force_law", "is not used by the affine network", value=n.force_law, allowed='"lattice"',
-            remedy='take model = "manifold" for other laws',
+            remedy='take model = "manifold" or "chain" for other laws',
         )  # fmt: skip
     for name, switch in scene.effects:
         if switch is True:
@@ -68,7 +71,7 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
     phi = solution.volume_fraction
     rest = network_at_rest(phi, n.solvent_quality)
     remarks = []
-    if n.model == "manifold" and n.force_law != "linear" and n.closure == "force":
+    if n.model in _SLIPPING and n.force_law != "linear" and n.closure == "force":
         remarks.append(
             'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; closure '
             '"stretch" gives the extension that the force law itself has'
@@ -88,7 +91,7 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         )
     if isinstance(jet, StraightJet):
         eps = coupling_error(scene, solution, jet)
-        if eps > scene.accuracy.rtol and n.model != "manifold":
+        if eps > scene.accuracy.rtol and n.model not in _SLIPPING:
             remarks.append(
                 f"the affine network errs by about {eps:.2g} in its velocity (largest c V'/alpha_v), more than rtol = "
                 f"{scene.accuracy.rtol:g}: see --model manifold"
@@ -168,9 +171,15 @@ def run(scene: Scene) -> "xr.Dataset":
     }
     frames = _frames(jet)
     found = {name: [crossover(scene, frame, target) for frame in frames] for name, target in targets.items()}
-    network = None
-    if scene.network.model == "manifold" and isinstance(jet, StraightJet):
-        network = steady_state(scene, solution, jet)
+    network: Manifold | SettledChain | None = None
+    if scene.network.model in _SLIPPING and isinstance(jet, StraightJet):
+        solve = steady_state if scene.network.model == "manifold" else settled_chain
+        network = solve(scene, solution, jet)
+        if isinstance(network, SettledChain) and network.drift > scene.accuracy.rtol:
+            remarks.append(
+                f"the chain has not settled: its stretch still changed by {network.drift:.2g} over the last tenth of "
+                "the run (no steady state, or a longer time is needed)"
+            )
         found["crossover_extension"] = [slipping_crossover(network, jet, targets["crossover_extension"])]
     if isinstance(jet, StraightJet):
         profile = _straight_profile(scene, jet, [c[0].position for c in found.values()])
@@ -283,18 +292,19 @@ def _attributes(
     jet: "StraightJet | LagrangianJet",
     found: dict[str, list[Crossover]],
     remarks: list[str],
-    network: "Manifold | None",
+    network: "Manifold | SettledChain | None",
 ) -> dict[str, Any]:
     from spinline import __version__
 
     slip = "" if network else "elastic slip, inertia, "
+    why = "affine" if scene.network.model in ("auto", "affine") else f"{scene.network.model}, asked for"
     attributes: dict[str, Any] = {
         "title": scene.title or scene.name,
         "Conventions": "CF-1.11",
         "source": f"spinline {__version__}",
         "spinline_version": __version__,
         "scene": scene.text,
-        "model": "walk" if scene.network.model == "walk" else "affine" if network is None else "manifold",
+        "model": "affine" if scene.network.model == "auto" else scene.network.model,
         "model_requested": scene.network.model,
         "closure": scene.network.closure,
         "force_law": scene.network.force_law,
@@ -326,6 +336,12 @@ def _attributes(
         attributes |= {"strands": scene.accuracy.strands, "seed": scene.accuracy.seed}
     if network is not None:
         attributes |= {"locked_from": network.locked_from * jet.initial_radius, "inertia": network.inertia}
+    if isinstance(network, SettledChain):
+        attributes |= {
+            "coarse_grain": network.coarse_grain,
+            "drift": network.drift,
+            "beads": network.profile.beads.size,
+        }
     if isinstance(jet, StraightJet):
         alpha, a, viscosity = coupling(scene, solution, jet)
         eps = coupling_error(scene, solution, jet)
@@ -339,7 +355,7 @@ def _attributes(
             "spring": scene.network.spring.value,
             "coupling_error": eps,
             "model_reason": (
-                f"{'affine' if network is None else 'manifold, asked for'}: elastic slip changes the network velocity by "
+                f"{why}: elastic slip changes the network velocity by "
                 f"about {eps:.2g} (largest c V'/alpha_v, alpha_v = {alpha:.4g}; {viscosity}), rtol = {scene.accuracy.rtol:g}"
             ),
         }
