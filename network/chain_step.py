@@ -133,7 +133,7 @@ def advance(
         wrong = dt * (_ERROR[0] * begin.surplus + _ERROR[1] * surplus2 + _ERROR[2] * surplus3) / (inertia + g)
         seen = (x > 0) & (x <= watch)
         if seen.any():
-            error = max(error, float(np.sqrt(np.mean(np.square(wrong[seen] / speed[seen])))))
+            error = max(error, float(np.max(np.abs(wrong[seen] / speed[seen]))))
     end = replace(begin, time=time, positions=x, tensions=tension, velocities=velocity, rates=rate3, surplus=surplus3)
     return _without(end, int(left[0])), error, first + second
 
