@@ -42,18 +42,18 @@ def warm_up():
 
 
 def whole():
-    """One transit of the PEO network, every bead, 1 core; error against rtol = 2e-6 (1e-5 for bounded laws)."""
+    """One transit of the PEO network, every bead, 1 core; error against rtol = 1e-5, linear springs."""
     flow = net.Flow.from_jet(JET, LENGTH)
     transit = float(flow.residence_time(LENGTH))
     s = np.linspace(0.5, 30, 600)
     print(f"whole network: h = {SPACING:.6g}, transit {transit:.6g}, {transit / SPACING:.0f} beads")
     for law in LAWS:
-        for alpha in (1e3, 2e4, 1e6):
+        for alpha in (1e3, 2e4, 1e6) if law == "linear" else (2e4,):
             chain = net.Chain(flow=flow, spacing=SPACING, coupling=alpha, law=law, contour=1 / PHI)
             run, seconds = timed(net.run_chain, chain, transit, rtol=1e-4)
             error = np.nan
-            if law == "linear":
-                tight = net.run_chain(chain, transit, rtol=2e-6 if alpha > 1e3 else 1e-5)
+            if law == "linear" and alpha > 1e3:  # at 1e3 the tighter run takes minutes
+                tight = net.run_chain(chain, transit, rtol=1e-5)
                 error = largest_difference(run.stretch_at(s), tight.stretch_at(s))
             state = run.state
             memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -142,15 +142,13 @@ def cheapest(solve, exact, target):
 
 
 def against_scipy():
-    """Fixed beads, N = 1e4, both ends free: time of each solver at an error of 1e-4 or less."""
+    """Fixed beads, N = 1e4 of a settled chain let loose at the nozzle: cheapest run of each solver with error <= 1e-4."""
     flow = net.Flow.from_jet(JET, LENGTH)
     n, until, target = 10_000, 0.3, 1e-4
     h = float(flow.residence_time(20.0)) / n
-    age = h * np.arange(n, 0, -1)
-    begin = np.interp(age, flow.residence_time(flow.nodes), flow.nodes)
-    for _ in range(30):
-        begin = begin + (age - flow.residence_time(begin)) * flow.velocity_ratio(begin)
     for alpha in (200.0, 2e3, 2e4):
+        entering = net.Chain(flow=flow, spacing=h, coupling=alpha)
+        begin = net.run_chain(entering, n * h, rtol=1e-5).state.positions[:-2]
         plain = Plain(h, alpha)
         chain = net.Chain(flow=flow, spacing=h, coupling=alpha, entry=False)
         start = net.start_from(chain, begin)
@@ -158,12 +156,11 @@ def against_scipy():
         def ours(rtol, chain=chain, start=start):
             return net.run_chain(chain, until, start=start, rtol=rtol, accurate_to=LENGTH).state.positions
 
-        def bdf(rtol, plain=plain):
+        def bdf(rtol, plain=plain, begin=begin):
             out = solve_ivp(plain.rates, (0, until), begin, "BDF", rtol=rtol, atol=rtol * h, jac=plain.sparse)
             return out.y[:, -1]
 
-        def lsoda(rtol, plain=plain):
-            # on the line of scipy's documentation for banded systems: a Jacobian by differences of 3 columns
+        def lsoda(rtol, plain=plain, begin=begin):
             out = solve_ivp(
                 plain.rates, (0, until), begin, "LSODA", rtol=rtol, atol=rtol * h, lband=1, uband=1, jac=plain.packed
             )
@@ -174,7 +171,8 @@ def against_scipy():
         agree = float(np.max(np.abs((check[:-1] - check[1:]) / (exact[:-1] - exact[1:]) - 1)))
         mine = cheapest(ours, exact, target)
         print(
-            f"  fixed, alpha_v {alpha:g}: spinline {mine[2]:.3g} s at rtol {mine[0]:.0e}, error {mine[1]:.1e}; exact agrees with BDF to {agree:.1e}"  # noqa: E501
+            f"  fixed, alpha_v {alpha:g}: spinline {mine[2]:.3g} s at rtol {mine[0]:.0e}, error {mine[1]:.1e}; "
+            f"exact agrees with BDF to {agree:.1e}"
         )
         for name, solve in (("BDF", bdf), ("LSODA", lsoda)):
             other = cheapest(solve, exact, target)

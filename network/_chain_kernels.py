@@ -190,6 +190,7 @@ def solve_stage(
                 dw = 3 * compliance_kernel(code, tension[i] * rest, rest)
             soft[i] = spacing * dw
             gap[i] = x[i] - x[i + 1] - spacing * w
+        bend = 0.0 if code == LINEAR else math.inf
         j = nodes.size - 2
         for i in range(n):
             if i >= free:
@@ -202,6 +203,7 @@ def solve_stage(
             slope = 1 + dv * (a - known_age[i]) - gain * dnow
             if not slope > _LEAST_SLOPE:
                 return -1
+            bend = max(bend, abs(dv) / (v * slope))
             ease[i] = 0.0
             if i >= lead:
                 strength = kappa / part if i == lead else kappa
@@ -226,6 +228,8 @@ def solve_stage(
             tension[i] = new
         if not largest < 1e300:
             return -1
+        if largest * largest * spacing * bend <= 0.1 * tolerance:
+            return iteration  # only the flow is nonlinear: what remains is of second order
         shrink = largest / previous
         if largest <= tolerance or (iteration > 1 and shrink < 0.3 and largest * shrink <= tolerance):
             return iteration
@@ -237,7 +241,7 @@ def solve_stage(
 def error_norm(
     x: FloatArray, defect: FloatArray, speed: FloatArray, lead: int, watch: float, work: FloatArray
 ) -> float:
-    """Root mean square over the watched beads of the filtered local error, as a change of position.
+    """Largest filtered local error of a watched bead, as a time it is early or late.
 
     `defect` is the raw error as a position (zero where held), passed through the last Newton matrix so that stiff
     modes, which the scheme damps, do not count; `speed` is the local velocity ratio it is compared with.
@@ -248,11 +252,8 @@ def error_norm(
         load[i] = -defect[i]
         gap[i] = 0.0
     _eliminate(lead, ease, load, work[2], gap, work[4], work[5], work[6])
-    total = 0.0
-    count = 0
+    largest = 0.0
     for i in range(n):
         if 0 < x[i] <= watch:
-            size = work[6][i] / speed[i]
-            total += size * size
-            count += 1
-    return math.sqrt(total / count) if count else 0.0
+            largest = max(largest, abs(work[6][i] / speed[i]))
+    return largest

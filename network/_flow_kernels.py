@@ -8,7 +8,7 @@ from numba import njit
 
 from spinline.checks import FloatArray
 
-__all__ = ["ages_of", "cell", "lookup_now", "positions_of", "slowness_of"]
+__all__ = ["ages_of", "cell", "lookup_now", "positions_of", "stage_rates"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -64,12 +64,37 @@ def ages_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray,
 
 
 @njit(cache=True, error_model="numpy")
-def slowness_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """Reference 1/V at each bead."""
+def stage_rates(
+    nodes: FloatArray,
+    age: FloatArray,
+    slow: FloatArray,
+    x: FloatArray,
+    known_age: FloatArray,
+    push: FloatArray,
+    free: int,
+    g: float,
+    inertia: float,
+    now: FloatArray,
+    rate: FloatArray,
+    velocity: FloatArray,
+    surplus: FloatArray,
+    speed: FloatArray,
+) -> None:
+    """Age, rate of age, velocity, ``I x''`` and reference V of each bead, read off the equation of a solved stage."""
     j = nodes.size - 2
     for i in range(x.size):
         j = cell(nodes, x[i], j)
-        out[i] = 1 / lookup(nodes, age[1], slow[1], x[i], j)[1]
+        a, v, _ = lookup(nodes, age[1], slow[1], x[i], j)
+        now[i] = a
+        speed[i] = v
+        if i < free:
+            rate[i] = (a - known_age[i]) / g
+            velocity[i] = rate[i] * v
+            surplus[i] = (inertia * velocity[i] - push[i]) / g
+        else:
+            rate[i] = 1 / v
+            velocity[i] = 1.0
+            surplus[i] = 0.0
 
 
 @njit(cache=True, error_model="numpy")

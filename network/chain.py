@@ -46,7 +46,7 @@ Progress = Callable[[ChainState], None]
 
 _SAFETY, _LEAST_FACTOR, _MOST_FACTOR = 0.85, 0.2, 4.0
 _SMALLEST = 1e-9  # of one spacing: no step below
-_SHARE = 1 / 3  # of the tolerance, for one step: what beads see at a kink of V adds up
+_SHARE = 0.5  # of the tolerance, for one step: what beads see at a kink of V adds up
 _MOST_STEP = 0.01  # of the residence time: the estimate of the error needs to see the flow
 
 
@@ -101,8 +101,8 @@ def run_chain(
     start : ChainState or {"empty", "affine"}
         "empty": the first bead at the nozzle; "affine": beads along the whole jet, as the flow alone would put them.
     rtol : float
-        Error of the stretch, roughly: what is controlled is the local error of the velocity of the beads relative to
-        the jet's (root mean square over the beads), to a third of `rtol`; in [1e-10, 0.1].
+        Error of the stretch, roughly: what is controlled is the local error of the velocity of each bead relative to
+        the jet's, to half of `rtol`; in [1e-10, 0.1].
     time_step : float, optional
         A fixed step in place of the adaptive one (no error control).
     accurate_to : float, optional

@@ -313,6 +313,7 @@ def test_fixed_beads_relax_to_rest():
     assert result.state.positions.mean() == pytest.approx(4.5 + 30, rel=1e-5)  # no net force
 
 
+@pytest.mark.slow
 def test_random_draws_stay_finite_and_bounded():
     rng = np.random.default_rng(20261122)
     failed = 0
