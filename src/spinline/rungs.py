@@ -32,6 +32,7 @@ __all__ = [
 ]
 
 BOND_STRENGTH = 5e-9  # N, covalent bond
+_FRONT_RTOL = 0.03
 _MOST_BEADS = 3000  # of a chain that is free to join strands
 
 
@@ -156,8 +157,9 @@ def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> Settled
     over = n.force_law != "linear" and float(jet.velocity_ratio(jet_length(scene, jet))) > 0.9 * float(
         rest.full_stretch
     )
-    start, duration = ("empty", 3 * transit) if over else ("affine", 2 * transit)
-    rtol = float(np.clip(0.1 * scene.accuracy.rtol, 1e-8, 1e-3))
+    start, duration = ("empty", 4 * transit) if over else ("affine", 2 * transit)
+    # a front of locking passes bead by bead: resolving it in time costs much and the settled state does not need it
+    rtol = _FRONT_RTOL if over else float(np.clip(0.1 * scene.accuracy.rtol, 1e-8, 1e-3))
     try:
         run = run_chain(chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration])
     except ChainError as error:
