@@ -6,8 +6,15 @@ module                   law
 `solution`               fractions, densities, strands per chain
 `materials`              built-in polymers and solvents
 `concentration_laws`     Eq. (45): viscosity, relaxation time and modulus against concentration
+`vapour`                 vapour pressures, diffusion in air, activities, where drying ends
+`volatile`               a solvent on its way into the air; conventions of Eq. (44)
+`element_path`           what a material element of a straight or bead jet goes through
+`evaporation`            Eqs. (43a), (44): loss of solvent along the jet
 =======================  =========================================================================
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if __name__ != "spinline.rheology":
     raise ImportError("import spinline.rheology, not rheology")
@@ -24,23 +31,63 @@ from spinline.rheology.concentration_laws import (
 )
 from spinline.rheology.materials import POLYMERS, SOLVENTS, Polymer, polymer, solvent_density, solvent_viscosity
 from spinline.rheology.solution import Solution, mass_fraction, volume_fraction
+from spinline.rheology.vapour import equilibrium_fraction, solvent_activity, vapour_diffusivity, vapour_pressure
+
+if TYPE_CHECKING:
+    from spinline.rheology.element_path import ElementPath, bead_path, straight_path
+    from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
+    from spinline.rheology.volatile import Volatile
+
+# name: module; loaded when first asked for, since the solvers are heavier than the closed forms
+_NAMES = {
+    "ElementPath": "element_path",
+    "Evaporation": "evaporation",
+    "Volatile": "volatile",
+    "bead_path": "element_path",
+    "evaporate": "evaporation",
+    "power_law_loss": "evaporation",
+    "sherwood": "evaporation",
+    "straight_path": "element_path",
+}
 
 __all__ = [
     "POLYMERS",
     "SOLVENTS",
+    "ElementPath",
+    "Evaporation",
     "Polymer",
     "ScalingExponents",
     "Solution",
+    "Volatile",
+    "bead_path",
+    "equilibrium_fraction",
+    "evaporate",
     "martin_viscosity",
     "mass_fraction",
     "modulus",
     "polymer",
+    "power_law_loss",
     "relaxation_time",
     "scaled",
     "scaled_viscosity",
     "scaling_exponents",
+    "sherwood",
+    "solvent_activity",
     "solvent_density",
     "solvent_viscosity",
+    "straight_path",
+    "vapour_diffusivity",
+    "vapour_pressure",
     "viscosity",
     "volume_fraction",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _NAMES:
+        return getattr(import_module(f"spinline.rheology.{_NAMES[name]}"), name)
+    raise AttributeError(f"module 'spinline.rheology' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
