@@ -10,6 +10,7 @@ module                   law
 `volatile`               a solvent on its way into the air; conventions of Eq. (44)
 `element_path`           what a material element of a straight or bead jet goes through
 `evaporation`            Eqs. (43a), (44): loss of solvent along the jet
+`conformation`           stretch and stress of the polymer: Maxwell, Oldroyd-B, Giesekus, FENE-P
 =======================  =========================================================================
 """
 
@@ -34,12 +35,30 @@ from spinline.rheology.solution import Solution, mass_fraction, volume_fraction
 from spinline.rheology.vapour import equilibrium_fraction, solvent_activity, vapour_diffusivity, vapour_pressure
 
 if TYPE_CHECKING:
+    from spinline.rheology.conformation import (
+        FENEP,
+        ElementConformation,
+        Giesekus,
+        Maxwell,
+        OldroydB,
+        maxwell_startup,
+        steady_fenep,
+        tensile_force,
+    )
     from spinline.rheology.element_path import ElementPath, bead_path, straight_path
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
     from spinline.rheology.volatile import Volatile
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
+    "FENEP": "conformation",
+    "ElementConformation": "conformation",
+    "Giesekus": "conformation",
+    "Maxwell": "conformation",
+    "OldroydB": "conformation",
+    "maxwell_startup": "conformation",
+    "steady_fenep": "conformation",
+    "tensile_force": "conformation",
     "ElementPath": "element_path",
     "Evaporation": "evaporation",
     "Volatile": "volatile",
@@ -51,10 +70,15 @@ _NAMES = {
 }
 
 __all__ = [
+    "FENEP",
     "POLYMERS",
     "SOLVENTS",
+    "ElementConformation",
     "ElementPath",
     "Evaporation",
+    "Giesekus",
+    "Maxwell",
+    "OldroydB",
     "Polymer",
     "ScalingExponents",
     "Solution",
@@ -64,6 +88,7 @@ __all__ = [
     "evaporate",
     "martin_viscosity",
     "mass_fraction",
+    "maxwell_startup",
     "modulus",
     "polymer",
     "power_law_loss",
@@ -75,7 +100,9 @@ __all__ = [
     "solvent_activity",
     "solvent_density",
     "solvent_viscosity",
+    "steady_fenep",
     "straight_path",
+    "tensile_force",
     "vapour_diffusivity",
     "vapour_pressure",
     "viscosity",
