@@ -11,6 +11,8 @@ module                   law
 `element_path`           what a material element of a straight or bead jet goes through
 `evaporation`            Eqs. (43a), (44): loss of solvent along the jet
 `conformation`           stretch and stress of the polymer: Maxwell, Oldroyd-B, Giesekus, FENE-P
+`diffusion_laws`         solvent in polymer: constant, exponential, free volume
+`drying`                 radial drying, skin and glass of a stretching, shrinking jet
 =======================  =========================================================================
 """
 
@@ -45,45 +47,61 @@ if TYPE_CHECKING:
         steady_fenep,
         tensile_force,
     )
+    from spinline.rheology.diffusion_laws import ConstantDiffusion, ExponentialDiffusion, FreeVolumeDiffusion
+    from spinline.rheology.drying import RadialDrying, cylinder_series, dry_radially, drying_peclet
     from spinline.rheology.element_path import ElementPath, bead_path, straight_path
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
     from spinline.rheology.volatile import Volatile
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
-    "FENEP": "conformation",
+    "ConstantDiffusion": "diffusion_laws",
     "ElementConformation": "conformation",
+    "ElementPath": "element_path",
+    "Evaporation": "evaporation",
+    "ExponentialDiffusion": "diffusion_laws",
+    "FENEP": "conformation",
+    "FreeVolumeDiffusion": "diffusion_laws",
     "Giesekus": "conformation",
     "Maxwell": "conformation",
     "OldroydB": "conformation",
-    "maxwell_startup": "conformation",
-    "steady_fenep": "conformation",
-    "tensile_force": "conformation",
-    "ElementPath": "element_path",
-    "Evaporation": "evaporation",
+    "RadialDrying": "drying",
     "Volatile": "volatile",
     "bead_path": "element_path",
+    "cylinder_series": "drying",
+    "dry_radially": "drying",
+    "drying_peclet": "drying",
     "evaporate": "evaporation",
+    "maxwell_startup": "conformation",
     "power_law_loss": "evaporation",
     "sherwood": "evaporation",
+    "steady_fenep": "conformation",
     "straight_path": "element_path",
+    "tensile_force": "conformation",
 }
 
 __all__ = [
     "FENEP",
     "POLYMERS",
     "SOLVENTS",
+    "ConstantDiffusion",
     "ElementConformation",
     "ElementPath",
     "Evaporation",
+    "ExponentialDiffusion",
+    "FreeVolumeDiffusion",
     "Giesekus",
     "Maxwell",
     "OldroydB",
     "Polymer",
+    "RadialDrying",
     "ScalingExponents",
     "Solution",
     "Volatile",
     "bead_path",
+    "cylinder_series",
+    "dry_radially",
+    "drying_peclet",
     "equilibrium_fraction",
     "evaporate",
     "martin_viscosity",
