@@ -32,7 +32,16 @@ from spinline.rheology.concentration_laws import (
     scaling_exponents,
     viscosity,
 )
-from spinline.rheology.materials import POLYMERS, SOLVENTS, Polymer, polymer, solvent_density, solvent_viscosity
+from spinline.rheology.materials import (
+    POLYMERS,
+    SOLVENTS,
+    Polymer,
+    polymer,
+    polymer_property,
+    solvent_density,
+    solvent_viscosity,
+    vitrification_fraction,
+)
 from spinline.rheology.solution import Solution, mass_fraction, volume_fraction
 from spinline.rheology.vapour import equilibrium_fraction, solvent_activity, vapour_diffusivity, vapour_pressure
 
@@ -109,6 +118,7 @@ __all__ = [
     "maxwell_startup",
     "modulus",
     "polymer",
+    "polymer_property",
     "power_law_loss",
     "relaxation_time",
     "scaled",
@@ -124,6 +134,7 @@ __all__ = [
     "vapour_diffusivity",
     "vapour_pressure",
     "viscosity",
+    "vitrification_fraction",
     "volume_fraction",
 ]
 
