@@ -31,6 +31,8 @@ class Hyperbolic(StraightJet):
     7.46
     """
 
+    given = "radius"
+
     def __init__(self, *, radius: float, flow_rate: float, p: float) -> None:
         super().__init__(radius, flow_rate)
         self.p = positive("p", p)

@@ -5,7 +5,7 @@ and, volume being conserved, ``r = r_0 V^(-1/2)``. In a straight steady jet the 
 """
 
 from abc import ABC, abstractmethod
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,8 +50,11 @@ class StraightJet(ABC):
         r_0 (m), Q (m3/s), v_0 = Q / (pi r_0^2) (m/s).
     start, end : float
         Range of z in m where the profile is defined.
+    given : {"velocity", "radius"}
+        What the profile was given as: kept when the jet loses volume by evaporation.
     """
 
+    given: Literal["velocity", "radius"] = "velocity"
     start: float = 0.0
     end: float = np.inf
 

@@ -70,6 +70,7 @@ class Table(StraightJet):
             v = _sampled("velocity", velocity, position, "m/s")
             _ordered("velocity", v, remedy="smooth it, or fit it with `spinline fit-jet`")
             r = np.sqrt(q / (np.pi * v))
+        self.given = "velocity" if radius is None else "radius"
         super().__init__(float(r[0]) if initial_radius is None else initial_radius, q)
         self.start, self.end = float(position[0]), float(position[-1])
         self._s = position / self.initial_radius

@@ -1,19 +1,149 @@
-"""What the solution is: fractions, densities, built-in materials."""
+"""What the solution is, and what it becomes along the jet.
+
+=======================  =========================================================================
+module                   law
+=======================  =========================================================================
+`solution`               fractions, densities, strands per chain
+`materials`              built-in polymers and solvents
+`concentration_laws`     Eq. (45): viscosity, relaxation time and modulus against concentration
+`vapour`                 vapour pressures, diffusion in air, activities, where drying ends
+`volatile`               a solvent on its way into the air; conventions of Eq. (44)
+`element_path`           what a material element of a straight or bead jet goes through
+`evaporation`            Eqs. (43a), (44): loss of solvent along the jet
+`conformation`           stretch and stress of the polymer: Maxwell, Oldroyd-B, Giesekus, FENE-P
+`diffusion_laws`         solvent in polymer: constant, exponential, free volume
+`drying`                 radial drying, skin and glass of a stretching, shrinking jet
+=======================  =========================================================================
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if __name__ != "spinline.rheology":
     raise ImportError("import spinline.rheology, not rheology")
 
-from spinline.rheology.materials import POLYMERS, SOLVENTS, Polymer, polymer, solvent_density, solvent_viscosity
+from spinline.rheology.concentration_laws import (
+    ScalingExponents,
+    martin_viscosity,
+    modulus,
+    relaxation_time,
+    scaled,
+    scaled_viscosity,
+    scaling_exponents,
+    viscosity,
+)
+from spinline.rheology.materials import (
+    POLYMERS,
+    SOLVENTS,
+    Polymer,
+    polymer,
+    polymer_property,
+    solvent_density,
+    solvent_viscosity,
+    vitrification_fraction,
+)
 from spinline.rheology.solution import Solution, mass_fraction, volume_fraction
+from spinline.rheology.vapour import equilibrium_fraction, solvent_activity, vapour_diffusivity, vapour_pressure
+
+if TYPE_CHECKING:
+    from spinline.rheology.conformation import (
+        FENEP,
+        ElementConformation,
+        Giesekus,
+        Maxwell,
+        OldroydB,
+        maxwell_startup,
+        steady_fenep,
+        tensile_force,
+    )
+    from spinline.rheology.diffusion_laws import ConstantDiffusion, ExponentialDiffusion, FreeVolumeDiffusion
+    from spinline.rheology.drying import RadialDrying, cylinder_series, dry_radially, drying_peclet
+    from spinline.rheology.element_path import ElementPath, bead_path, straight_path
+    from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
+    from spinline.rheology.volatile import Volatile
+
+# name: module; loaded when first asked for, since the solvers are heavier than the closed forms
+_NAMES = {
+    "ConstantDiffusion": "diffusion_laws",
+    "ElementConformation": "conformation",
+    "ElementPath": "element_path",
+    "Evaporation": "evaporation",
+    "ExponentialDiffusion": "diffusion_laws",
+    "FENEP": "conformation",
+    "FreeVolumeDiffusion": "diffusion_laws",
+    "Giesekus": "conformation",
+    "Maxwell": "conformation",
+    "OldroydB": "conformation",
+    "RadialDrying": "drying",
+    "Volatile": "volatile",
+    "bead_path": "element_path",
+    "cylinder_series": "drying",
+    "dry_radially": "drying",
+    "drying_peclet": "drying",
+    "evaporate": "evaporation",
+    "maxwell_startup": "conformation",
+    "power_law_loss": "evaporation",
+    "sherwood": "evaporation",
+    "steady_fenep": "conformation",
+    "straight_path": "element_path",
+    "tensile_force": "conformation",
+}
 
 __all__ = [
+    "FENEP",
     "POLYMERS",
     "SOLVENTS",
+    "ConstantDiffusion",
+    "ElementConformation",
+    "ElementPath",
+    "Evaporation",
+    "ExponentialDiffusion",
+    "FreeVolumeDiffusion",
+    "Giesekus",
+    "Maxwell",
+    "OldroydB",
     "Polymer",
+    "RadialDrying",
+    "ScalingExponents",
     "Solution",
+    "Volatile",
+    "bead_path",
+    "cylinder_series",
+    "dry_radially",
+    "drying_peclet",
+    "equilibrium_fraction",
+    "evaporate",
+    "martin_viscosity",
     "mass_fraction",
+    "maxwell_startup",
+    "modulus",
     "polymer",
+    "polymer_property",
+    "power_law_loss",
+    "relaxation_time",
+    "scaled",
+    "scaled_viscosity",
+    "scaling_exponents",
+    "sherwood",
+    "solvent_activity",
     "solvent_density",
     "solvent_viscosity",
+    "steady_fenep",
+    "straight_path",
+    "tensile_force",
+    "vapour_diffusivity",
+    "vapour_pressure",
+    "viscosity",
+    "vitrification_fraction",
     "volume_fraction",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _NAMES:
+        return getattr(import_module(f"spinline.rheology.{_NAMES[name]}"), name)
+    raise AttributeError(f"module 'spinline.rheology' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

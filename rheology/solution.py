@@ -8,7 +8,7 @@ A network needs entanglements. With strands of ``N_s`` Kuhn segments a chain of 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -140,9 +140,7 @@ class Solution:
         """
         known = polymer(polymer_data, f"{field}polymer") if isinstance(polymer_data, str) else polymer_data
         if polymer_density is not None:
-            known = Polymer(
-                known.name, polymer_density, known.repeat_unit, known.repeat_unit_molar_mass, known.backbone_bonds
-            )
+            known = replace(known, density=polymer_density, source="density given by the user")
         parts = {solvent: 1.0} if isinstance(solvent, str) else dict(solvent)
         density = (
             _mixture_density(parts, temperature, f"{field}solvent") if solvent_density is None else solvent_density

@@ -78,3 +78,43 @@ def test_refusals(change: dict, words: str) -> None:
     arguments = {"polymer_data": "PEO", "solvent": "water", "mass_fraction": 0.05}
     with pytest.raises(InputError, match=words):
         Solution.build(**(arguments | change))
+
+
+# plateau moduli (MPa) and melt densities (kg/m3) at 413 K, Fetters et al. (1994)
+@pytest.mark.parametrize(("name", "plateau", "density"), [("PEO", 1.80, 1064), ("PS", 0.20, 969), ("PMMA", 0.31, 1130)])
+def test_entanglement_molar_mass_follows_from_the_plateau_modulus(name: str, plateau: float, density: float) -> None:
+    expected = 0.8 * density * 8.314462618 * 413 / (plateau * 1e6)
+    assert rheology.polymer_property(name, "entanglement_molar_mass") == pytest.approx(expected, rel=2e-3)
+    assert 0.5e-9 < rheology.polymer_property(name, "kuhn_length") < 2e-9
+
+
+@pytest.mark.parametrize("name", ["PAN", "PS", "PVA", "PLA"])
+def test_added_polymers_make_solutions(name: str) -> None:
+    solution = Solution.build(name, "DMF", mass_fraction=0.1, molar_mass=100.0)
+    assert 0.05 < solution.volume_fraction < 0.1
+    assert solution.segments_per_chain > 100
+    assert np.isfinite(rheology.polymer_property(name, "glass_transition"))
+
+
+def test_missing_properties_are_named() -> None:
+    with pytest.raises(InputError, match=r"kuhn_length of PVP: is not built in; give it \(m\)"):
+        rheology.polymer_property("PVP", "kuhn_length")
+    with pytest.raises(InputError, match="backbone_bonds of mine"):
+        rheology.polymer_property(Polymer("mine", 1000.0), "backbone_bonds")
+    with pytest.raises(InputError, match="is not one of a polymer"):
+        rheology.polymer_property("PEO", "colour")
+    heavy = Solution.build("PEO", "water", mass_fraction=0.05, polymer_density=1200.0)
+    assert heavy.polymer.kuhn_length == 1.1e-9
+
+
+def test_vitrification_by_fox() -> None:
+    phi = rheology.vitrification_fraction("PVA", 136.0, 298.15, 997.0)
+    w = rheology.mass_fraction(phi, 1269.0, 997.0)
+    assert w / 358.0 + (1 - w) / 136.0 == pytest.approx(1 / 298.15, rel=1e-12)
+    assert 0.7 < phi < 1
+    near = rheology.vitrification_fraction("PS", 129.0, 372.999, 944.0)
+    assert near == pytest.approx(1.0, abs=1e-4)
+    with pytest.raises(InputError, match="leaves dry PEO no glass"):
+        rheology.vitrification_fraction("PEO", 136.0, 298.15, 997.0)
+    with pytest.raises(InputError, match="glass_transition of PVP"):
+        rheology.vitrification_fraction("PVP", 136.0, 298.15, 997.0)
