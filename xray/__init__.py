@@ -5,6 +5,10 @@ module          law
 ==============  ==========================================================================
 `attenuation`   mass attenuation of a formula or mixture; contrast against photon energy
 `energy`        where the contrast vanishes, the best energy for a jet
+`chords`        paths through the shells of a round jet, averaged over pixels
+`forward`       what a detector row counts behind a round jet
+`model`         the same with its derivatives
+`limit`         what the photons allow: Cramer-Rao bound, photons needed
 `absorption`    Eqs. (41)-(42): what a change of attenuation says
 ==============  ==========================================================================
 """
@@ -24,34 +28,63 @@ if TYPE_CHECKING:
         mass_attenuation,
         material,
     )
+    from spinline.xray.chords import equal_shells, shell_chords, shell_weights
     from spinline.xray.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
+    from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
+    from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
 
 _NAMES = {
+    "Absorber": "forward",
     "BestEnergy": "energy",
+    "Detector": "forward",
+    "Limit": "limit",
     "Material": "attenuation",
+    "RoundJet": "forward",
     "SOLVENT_FORMULAS": "attenuation",
     "attenuation_contrast": "attenuation",
     "best_energy": "energy",
     "contrast": "absorption",
+    "equal_shells": "chords",
+    "expected_counts": "forward",
     "fraction_change": "absorption",
+    "error_limit": "limit",
     "linear_attenuation": "absorption",
     "mass_attenuation": "attenuation",
     "material": "attenuation",
+    "noisy_counts": "forward",
+    "photons_needed": "limit",
+    "shell_chords": "chords",
+    "shell_weights": "chords",
+    "thin_centre_limit": "limit",
+    "thin_mean_limit": "limit",
     "usable_contrast": "energy",
     "zero_contrast_energies": "energy",
 }
 
 __all__ = [
     "SOLVENT_FORMULAS",
+    "Absorber",
     "BestEnergy",
+    "Detector",
+    "Limit",
     "Material",
+    "RoundJet",
     "attenuation_contrast",
     "best_energy",
     "contrast",
+    "equal_shells",
+    "error_limit",
+    "expected_counts",
     "fraction_change",
     "linear_attenuation",
     "mass_attenuation",
     "material",
+    "noisy_counts",
+    "photons_needed",
+    "shell_chords",
+    "shell_weights",
+    "thin_centre_limit",
+    "thin_mean_limit",
     "usable_contrast",
     "zero_contrast_energies",
 ]
