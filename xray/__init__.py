@@ -9,6 +9,9 @@ module          law
 `forward`       what a detector row counts behind a round jet
 `model`         the same with its derivatives
 `limit`         what the photons allow: Cramer-Rao bound, photons needed
+`row`           shells, radius, axis and beam from one row of counts, by likelihood
+`start`         where the jet is in a noisy row
+`scoring`       the largest Poisson likelihood
 `absorption`    Eqs. (41)-(42): what a change of attenuation says
 ==============  ==========================================================================
 """
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
     from spinline.xray.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
     from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
+    from spinline.xray.row import RowFit, fit_row
 
 _NAMES = {
     "Absorber": "forward",
@@ -40,14 +44,16 @@ _NAMES = {
     "Limit": "limit",
     "Material": "attenuation",
     "RoundJet": "forward",
+    "RowFit": "row",
     "SOLVENT_FORMULAS": "attenuation",
     "attenuation_contrast": "attenuation",
     "best_energy": "energy",
     "contrast": "absorption",
     "equal_shells": "chords",
-    "expected_counts": "forward",
-    "fraction_change": "absorption",
     "error_limit": "limit",
+    "expected_counts": "forward",
+    "fit_row": "row",
+    "fraction_change": "absorption",
     "linear_attenuation": "absorption",
     "mass_attenuation": "attenuation",
     "material": "attenuation",
@@ -69,12 +75,14 @@ __all__ = [
     "Limit",
     "Material",
     "RoundJet",
+    "RowFit",
     "attenuation_contrast",
     "best_energy",
     "contrast",
     "equal_shells",
     "error_limit",
     "expected_counts",
+    "fit_row",
     "fraction_change",
     "linear_attenuation",
     "mass_attenuation",

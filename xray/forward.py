@@ -97,7 +97,7 @@ class Detector:
     @property
     def pixel_edges(self) -> FloatArray:
         """Edges of the pixels in m; 0 is the middle of the row."""
-        edges: FloatArray = self.pixel * (np.arange(self.flat.size + 1) - 0.5 * self.flat.size)
+        edges: FloatArray = self.pixel * (np.arange(self.flat.size + 1, dtype=np.float64) - 0.5 * self.flat.size)
         return edges
 
 

@@ -69,6 +69,21 @@ class RowModel:
         self._x = pixel_edges[0] + self._step * (np.arange(n * self._parts + 2 * self._reach + 1) - self._reach)
         self._background = flat * veil + dark
 
+    def scale_exposure(self, rows: FloatArray) -> None:
+        """Take `rows` exposures of each pixel, shape (pixels,), 0 for a pixel left out, for one."""
+        self.flat, self.dark = self.flat * rows, self.dark * rows
+        self._background = self.flat * self.veil + self.dark
+
+    def allows(self, parameters: FloatArray) -> bool:
+        """Whether parameters are such that the model has a meaning: a jet within the row, a beam that shines on all of it."""
+        radius, axis, amplitude, slope, blur = parameters[self.shells :].tolist()
+        half = 0.5 * self.pixel * self.flat.size
+        inside = 0.2 * self.pixel < radius < 4.0 * half and abs(axis) < half
+        sharp = blur == 0.0 or 0.1 * self._step < blur < self._reach * self._step / _REACH * 1.001
+        lit = bool(np.isfinite(parameters).all()) and amplitude > 0.0 and abs(slope) < 1.0
+        depth = float((self.base + self.contrast * parameters[: self.shells]).min()) * 2.0 * radius
+        return inside and sharp and lit and depth > -20.0
+
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean counts, and their derivatives.
 
