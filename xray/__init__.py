@@ -13,6 +13,7 @@ module          law
 `start`         where the jet is in a noisy row
 `scoring`       the largest Poisson likelihood
 `absorption`    Eqs. (41)-(42): what a change of attenuation says
+`chord`         the same on every chord of a row: the quick look, and its price
 ==============  ==========================================================================
 """
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         mass_attenuation,
         material,
     )
+    from spinline.xray.chord import ChordFractions, chord_fractions
     from spinline.xray.chords import equal_shells, shell_chords, shell_weights
     from spinline.xray.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
     from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "Absorber": "forward",
     "BestEnergy": "energy",
+    "ChordFractions": "chord",
     "Detector": "forward",
     "Limit": "limit",
     "Material": "attenuation",
@@ -48,6 +51,7 @@ _NAMES = {
     "SOLVENT_FORMULAS": "attenuation",
     "attenuation_contrast": "attenuation",
     "best_energy": "energy",
+    "chord_fractions": "chord",
     "contrast": "absorption",
     "equal_shells": "chords",
     "error_limit": "limit",
@@ -71,6 +75,7 @@ __all__ = [
     "SOLVENT_FORMULAS",
     "Absorber",
     "BestEnergy",
+    "ChordFractions",
     "Detector",
     "Limit",
     "Material",
@@ -78,6 +83,7 @@ __all__ = [
     "RowFit",
     "attenuation_contrast",
     "best_energy",
+    "chord_fractions",
     "contrast",
     "equal_shells",
     "error_limit",
