@@ -97,6 +97,16 @@ def test_a_thicker_jet_wants_a_harder_beam_and_photons_do_not_matter() -> None:
     assert few.sigma == pytest.approx(10 * many.sigma, rel=1e-12)
 
 
+def test_absorber_of_a_solution_in_air() -> None:
+    """Left out, the displaced air is worth +0.0045 in the fraction at 10 keV."""
+    found = xray.solution_absorber("PEO", "water", 10.0)
+    assert found.solvent == float(xray.material("water").attenuation(10.0))
+    assert found.contrast == xray.usable_contrast("PEO", "water", 10.0)
+    assert found.air / -found.contrast == pytest.approx(0.0045, abs=1e-4)
+    half = xray.solution_absorber("PEO", "water", 10.0, pressure=101325.0 / 2)
+    assert half.air == pytest.approx(found.air / 2, rel=1e-14)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -112,6 +122,9 @@ def test_a_thicker_jet_wants_a_harder_beam_and_photons_do_not_matter() -> None:
         (lambda: xray.best_energy("PEO", "water", -1.0, 1e5, pixel=1e-6), "radius"),
         (lambda: xray.best_energy("PEO", "water", 1e-4, 1e5, pixel=1e-6, low_kev=38.4, high_kev=38.6), "alike"),
         (lambda: xray.best_energy("PEO", "water", 10.0, 1e5, pixel=1e-6), "photon"),
+        (lambda: xray.solution_absorber("PEO", "water", 38.6), "alike"),
+        (lambda: xray.solution_absorber("PEO", "water", 10.0, pressure=0.0), "pressure"),
+        (lambda: xray.usable_contrast("PEO", "water", [10.0, 20.0]), "single"),
         (lambda: xray.zero_contrast_energies("PEO", "water", 20.0, 10.0), "high_kev"),
     ],
 )

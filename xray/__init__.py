@@ -5,6 +5,7 @@ module          law
 ==============  ==========================================================================
 `attenuation`   mass attenuation of a formula or mixture; contrast against photon energy
 `energy`        where the contrast vanishes, the best energy for a jet
+`solution`      names and an energy to the attenuation of solution and air
 `chords`        paths through the shells of a round jet, averaged over pixels
 `forward`       what a detector row counts behind a round jet
 `model`         the same with its derivatives
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
     from spinline.xray.row import RowFit, fit_row
+    from spinline.xray.solution import solution_absorber
 
 _NAMES = {
     "Absorber": "forward",
@@ -65,6 +67,7 @@ _NAMES = {
     "photons_needed": "limit",
     "shell_chords": "chords",
     "shell_weights": "chords",
+    "solution_absorber": "solution",
     "thin_centre_limit": "limit",
     "thin_mean_limit": "limit",
     "usable_contrast": "energy",
@@ -97,6 +100,7 @@ __all__ = [
     "photons_needed",
     "shell_chords",
     "shell_weights",
+    "solution_absorber",
     "thin_centre_limit",
     "thin_mean_limit",
     "usable_contrast",
