@@ -1,5 +1,8 @@
 """Absorption of a solution: what a change of attenuation says."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -33,3 +36,20 @@ def test_pure_polymer_and_pure_solvent() -> None:
 def test_refusals(arguments: tuple, words: str) -> None:
     with pytest.raises(InputError, match=words):
         xray.fraction_change(*arguments)
+
+
+def test_cheap_to_import() -> None:
+    """Neither tables nor solvers are loaded before they are needed, and the network never."""
+    code = (
+        "import sys; from spinline import xray; assert 'numpy' not in sys.modules; "
+        "[getattr(xray, n) for n in xray.__all__]; "
+        "print([m for m in ('xraylib', 'chemicals', 'numba', 'spinline.network') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_name_is_there_and_unknown_ones_are_not() -> None:
+    assert set(dir(xray)) == set(xray.__all__)
+    with pytest.raises(AttributeError, match="nothing_such"):
+        _ = xray.nothing_such
