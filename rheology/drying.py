@@ -266,6 +266,9 @@ class _Cells:
         return rate * np.concatenate((inner, -flux[-1:]))
 
     def slope(self, x: float, state: FloatArray) -> FloatArray:
+        """Rates of u, of what has left and of the time; NaN, which shortens the step, for a trial far below dryness."""
+        if float(state[:-2].min()) < -0.3:
+            return np.full_like(state, np.nan)
         u, at = state[:-2, np.newaxis], np.asarray([x])
         path = self.balance.path
         left = self.phi0 * float(self.share @ (1 + state[:-2]))
