@@ -5,7 +5,7 @@ all unknowns; for the fractions alone and a thin jet, ``F = D^2 L^T W L`` with c
 a smaller covariance than its inverse. Unknown radius, axis, beam level, slope and blur (nuisances) cost precision: they
 belong in.
 
-In the thin limit, with N photons per pixel in all (rows, frames, exposure) and p the pixel's width, for a uniform jet
+In the thin limit, with N photons per pixel in all (rows, frames, exposure) and p the pixel's width, for a uniform jet::
 
     sigma(mean phi) = 1/(|D| sqrt(16 N R^3/(3 p))),    sigma(centre chord) = 1/(2 R |D| sqrt(N)).
 """
@@ -80,7 +80,7 @@ def error_limit(
     Raises
     ------
     InputError
-        For |D| under 1 % of the solvent's attenuation, an unknown nuisance, or unknowns that the row cannot tell apart.
+        For ``|D|`` under 1 % of the solvent's attenuation, an unknown nuisance, or unknowns that the row cannot tell apart.
     """
     require_contrast(absorber)
     level = float(real("amplitude", amplitude, above=0.0))

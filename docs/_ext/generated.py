@@ -196,7 +196,8 @@ def check_complete(_app, env):
             if name == "__version__" or f"{package}.{name}" in documented or f"{package}.{name}" in PACKAGES:
                 continue
             thing = getattr(module, name)
-            if f"{thing.__module__}.{thing.__qualname__}" not in documented:
+            home = f"{getattr(thing, '__module__', package)}.{getattr(thing, '__qualname__', name)}"
+            if home not in documented:
                 logger.warning("%s.%s is public and not in the API reference", package, name)
 
 
