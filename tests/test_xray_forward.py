@@ -32,6 +32,26 @@ def test_against_brute_force(phantom, blur) -> None:
     assert np.abs(counts / exact - 1).max() < 2e-5
 
 
+@pytest.mark.parametrize("blur", [0.0, 1.2e-6])
+def test_strong_absorber_against_brute_force(phantom, blur) -> None:
+    """PCL in dichloromethane at 10 keV: a third of the beam is left, and the edge is steep."""
+    detector = xray.Detector(np.full(450, 1e6), PIXEL, blur=blur)
+    counts = xray.expected_counts(xray.RoundJet(np.array([0.1]), 1e-4, 2e-6), xray.Absorber(6400.0, -6030.0), detector)
+    exact = phantom(
+        steps([0.1]),
+        1e-4,
+        flat=detector.flat,
+        pixel=PIXEL,
+        solvent=6400.0,
+        contrast=-6030.0,
+        axis=2e-6,
+        blur=blur,
+        parts=64,
+    )
+    assert counts.min() < 0.4e6
+    assert np.abs(counts / exact - 1).max() < 5e-5
+
+
 def test_no_jet_no_absorption() -> None:
     jet = xray.RoundJet(np.array([0.05]), 10e-6, axis=1.0)
     detector = xray.Detector(np.full(50, 7.0), PIXEL, np.array(2.0), blur=1e-6)

@@ -131,6 +131,23 @@ def test_a_block_is_its_sum_and_bad_pixels_are_left_out(image) -> None:
     assert masked.degrees_of_freedom == block.degrees_of_freedom - 1
 
 
+@pytest.mark.parametrize("value", [0.0, 1e9])
+def test_a_bad_pixel_that_is_not_masked_is_named(image, value) -> None:
+    mean, flat = image(50e-6, 1e6)
+    counts = xray.noisy_counts(mean, 4)
+    counts[60] = value
+    fit = xray.fit_row(counts, SOLUTION, xray.Detector(flat, PIXEL))
+    assert any("pixel 60" in w for w in fit.warnings)
+
+
+def test_a_row_without_a_jet_is_refused_or_said_to_tell_nothing() -> None:
+    detector = xray.Detector(np.full(200, 1e6), PIXEL)
+    fit = xray.fit_row(xray.noisy_counts(detector.flat, 1), SOLUTION, detector)
+    assert any("exceeds the fraction" in w for w in fit.warnings)
+    with pytest.raises(InputError, match=r"no trace|tell apart"):
+        xray.fit_row(detector.flat, SOLUTION, detector)
+
+
 def test_dark_and_veil_are_part_of_the_model(image) -> None:
     mean, flat = image(50e-6, 1e6, dark=300.0, veil=0.02)
     fit = xray.fit_row(mean, SOLUTION, xray.Detector(flat, PIXEL, np.array(300.0), np.array(0.02)))

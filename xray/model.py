@@ -3,9 +3,10 @@
 Parameters, in this order: the polymer fraction of each shell, radius, axis, amplitude, slope, blur (the model: `forward`).
 All derivatives are closed forms: of the exact chords, of the exponential, and of the kernel of the blur.
 
-The blur acts on transmissions averaged over pixels (over parts of them, where the blur is narrower than a pixel), on a row that
-goes on beyond the detector's ends. Its kernel is the sampled Gaussian, normalised; sampled no coarser than 2/3 of its
-standard deviation, it is exact to 2e-5 of the counts. A blur under an eighth of a pixel tends to none.
+The blur acts on transmissions averaged over pixels (over up to 8 parts of them, where the blur is narrower than a pixel, or
+where the solution absorbs so much that the exponential of a mean chord is not the mean of the exponential), on a row that goes
+on beyond the detector's ends. Its kernel is the sampled Gaussian, normalised; sampled no coarser than 2/3 of its standard
+deviation, it is exact to 2e-5 of the counts. A blur under an eighth of a pixel tends to none.
 """
 
 import numpy as np
@@ -18,6 +19,7 @@ __all__ = ["NUISANCES", "RowModel"]
 NUISANCES = ("radius", "axis", "amplitude", "slope", "blur")
 _REACH = 5.5  # of the kernel, in standard deviations: 4e-8 is cut off
 _FINEST = 8
+_EDGE_ERROR = 1e-5  # of the counts in the pixel at the jet's edge, from averaging the chord before the exponential
 
 
 class RowModel:
@@ -63,7 +65,11 @@ class RowModel:
         self.u = (2.0 * np.arange(n) - (n - 1)) / (n - 1)
         self.pixel = float(pixel_edges[-1] - pixel_edges[0]) / n
         widest = max(blur, widest_blur or 0.0) if blur > 0.0 else 0.0
-        self._parts = int(min(max(np.ceil(1.5 * self.pixel / blur), 1), _FINEST)) if blur > 0.0 else 1
+        dense = max(abs(base), abs(base + contrast))
+        fine = dense * np.sqrt(0.05 * self.pixel**2 * n / _EDGE_ERROR)
+        if blur > 0.0:
+            fine = max(fine, 1.5 * self.pixel / blur)
+        self._parts = int(min(max(np.ceil(fine), 1), _FINEST))
         self._step = self.pixel / self._parts
         self._reach = int(np.ceil(_REACH * widest / self._step))
         self._x = pixel_edges[0] + self._step * (np.arange(n * self._parts + 2 * self._reach + 1) - self._reach)
@@ -126,6 +132,8 @@ class RowModel:
         """Blurred and binned columns, and the derivative of the first with the blur."""
         m, n = self._reach, self.flat.size
         if m == 0:
+            if self._parts > 1:
+                columns = columns.reshape(n, self._parts, -1).mean(axis=1)
             return columns, np.zeros(n)
         k = np.arange(m + 1) * (self._step / blur)
         kernel = np.exp(-0.5 * k**2)

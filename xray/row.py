@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from spinline.checks import BoolArray, FloatArray, positive, real
 from spinline.errors import InputError
+from spinline.xray.block import smoothed_outliers, summed_counts
 from spinline.xray.chords import checked_edges, equal_shells, shell_weights
 from spinline.xray.forward import Absorber, Detector, RoundJet, row_model
 from spinline.xray.limit import covariance_bound, free_parameters, require_contrast
@@ -132,7 +133,7 @@ def fit_row(
     require_contrast(absorber)
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     free = free_parameters(edges.size - 1, nuisances)
-    data, rows = _summed(counts, detector, good, saturation)
+    data, rows = summed_counts(counts, detector, good, saturation)
     model = row_model(absorber, detector, edges, 3.0 * detector.blur if "blur" in nuisances else None)
     model.scale_exposure(rows)
     if data.sum() <= model.dark.sum():
@@ -153,41 +154,6 @@ def fit_row(
                 best = trial
         fit = _result(model, best, free, data, lit)
     return fit
-
-
-def _summed(
-    counts: ArrayLike, detector: Detector, good: ArrayLike | None, saturation: float
-) -> tuple[FloatArray, FloatArray]:
-    """Counts summed over the good rows of each pixel, and how many these are."""
-    n = detector.flat.size
-    raw = np.asarray(counts)
-    if raw.ndim not in (1, 2) or raw.size == 0 or raw.shape[-1] != n:
-        raise InputError(
-            "counts", "is not a row, or a block of rows, of flat's width", value=f"array of shape {raw.shape}",
-            allowed=f"({n},) or (rows, {n})",
-        )  # fmt: skip
-    mask = np.ones(raw.shape, dtype=np.bool_) if good is None else np.asarray(good)
-    if mask.dtype != np.bool_ or mask.shape not in (raw.shape, (n,)):
-        raise InputError(
-            "good",
-            "is not a mask of the counts",
-            value=f"{mask.dtype} of shape {mask.shape}",
-            allowed=f"bool, {raw.shape}",
-        )
-    mask = np.broadcast_to(mask, raw.shape)
-    try:
-        kept = np.where(mask, raw, 0.0)
-    except (TypeError, ValueError):
-        raise InputError("counts", "are not numbers", value=counts) from None
-    data = real("counts", kept, least=0.0, unit="photons", remedy="give raw counts, dark included; mask bad pixels")
-    if (data >= saturation).any():
-        raise InputError(
-            "counts", f"{int((data >= saturation).sum())} pixels are saturated", value=float(data.max()),
-            allowed=f"under {saturation:g}", remedy="mask them (good), or expose for less time",
-        )  # fmt: skip
-    if data.ndim == 1:
-        return data, mask.astype(np.float64)
-    return data.sum(axis=0), mask.sum(axis=0, dtype=np.float64)
 
 
 def _start(
@@ -215,7 +181,8 @@ def _start(
     half = 0.5 * p * data.size
     a = None if axis is None else float(real("axis", axis, above=-half, below=half, unit="m")) / p
     at = np.arange(data.size)
-    ratio = np.interp(at, at[lit], (data[lit] - model.dark[lit]) / model.flat[lit] - model.veil[lit])
+    clean = smoothed_outliers(data[lit])
+    ratio = np.interp(at, at[lit], (clean - model.dark[lit]) / model.flat[lit] - model.veil[lit])
     found_r, found_a, depth = find_jet(ratio, r, a)
     found_r, found_a = (found_r if r is None else r), (found_a if a is None else a)
     mu = -np.log1p(-min(max(depth, 1e-3), 0.99)) / (2.0 * found_r * p)
@@ -267,11 +234,12 @@ def _result(
         iterations=iterations,
         warnings=(),
     )
-    object.__setattr__(fit, "warnings", _warnings(fit, model))
+    residual = np.where(lit, (data - expected) / np.sqrt(np.where(lit, expected, 1.0)), 0.0)
+    object.__setattr__(fit, "warnings", _warnings(fit, model, residual))
     return fit
 
 
-def _warnings(fit: RowFit, model: RowModel) -> tuple[str, ...]:
+def _warnings(fit: RowFit, model: RowModel, residual: FloatArray) -> tuple[str, ...]:
     """What is odd about a fit."""
     said = []
     if not fit.converged:
@@ -288,6 +256,9 @@ def _warnings(fit: RowFit, model: RowModel) -> tuple[str, ...]:
         said.append(
             "the counts scatter more than Poisson about the model: fringes, an elliptic jet, or a wrong flat or gain"
         )
+    worst = int(np.argmax(np.abs(residual)))
+    if abs(residual[worst]) > 8:
+        said.append(f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad")
     if fit.jet.radius < 2 * model.shells * model.pixel:
         said.append("the shells are narrower than 2 pixels: use fewer")
     half = 0.5 * model.pixel * model.flat.size

@@ -17,6 +17,7 @@ __all__ = ["largest_likelihood", "poisson_deviance"]
 
 _STEPS = 60
 _STALLED = 1e-4  # fall of the deviance over three steps
+_LEAST_DAMPING = 1e-9  # keeps a singular matrix solvable
 _TOLERANCE = 1e-6  # of the squared step, in standard deviations
 
 
@@ -103,7 +104,7 @@ def largest_likelihood(
         here = there
         if turn > 3 and sum(fallen) < _STALLED:
             return here.at, True, turn, here.deviance
-        damping = 0.0 if damping < 1e-5 else 0.1 * damping
+        damping = max(0.1 * damping, _LEAST_DAMPING)
     return here.at, False, _STEPS, here.deviance
 
 
