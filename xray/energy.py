@@ -79,8 +79,7 @@ def usable_contrast(
     ------
     InputError
         Where ``|D|`` is under 1 % of the solvent's attenuation, with the nearest energy at which it is over 5 % (or, where
-        there is
-        none, the energy of the largest share).
+        there is none, the energy of the largest share).
     """
     p, s = material(polymer, temperature=temperature), material(solvent, temperature=temperature)
     energy = positive("energy_kev", energy_kev, "keV")
