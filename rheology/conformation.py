@@ -14,10 +14,10 @@ gives the affine stretch, ``A_zz = Lambda^2``; theta -> 0 gives rest. ``stretch 
 What to use when: Maxwell below a stretch of about a third of the contour, or for closed forms; FENE-P beyond (``L^2 = N_s``, so
 that the largest stretch is 1/phi); Giesekus where entangled solutions soften.
 
-Cost and error: linear models, exact for the interpolated history (`_element_history`), 1 us a sample, fourth order in the
+Cost and error: linear models, exact for the interpolated history (`_element_history`), 3 us a sample, fourth order in the
 spacing where strain rates are given and theta is constant, else second (half that where theta is far below the spacing: the
 rate at the sample then decides, but its error counts times theta). The others by scipy's Radau, relative error 1e-8,
-a millisecond a sample at worst; FENE-P in ln(f A), which makes every value possible, Giesekus in ln A.
+six milliseconds a sample at worst; FENE-P in ln(f A), which makes every value possible, Giesekus in ln A.
 
 References
 ----------
