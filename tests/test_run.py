@@ -113,6 +113,16 @@ def test_closures_differ_as_the_design_says() -> None:
     assert not force["contour_reached"].any()
 
 
+def test_a_solvent_of_unknown_viscosity_is_no_obstacle() -> None:
+    own = "solution={polymer='PEO', solvent={name='mine', density='0.9 g/cm3'}, mass_fraction=0.05}"
+    with pytest.warns(SpinlineWarning, match="elastic slip is not estimated"):
+        result = sl.run(load_scene("peo5-water", [own]))
+    assert np.isnan(result.attrs["coupling"])
+    assert "solvent_viscosity" in result.attrs["warnings"]
+    with pytest.raises(InputError, match="solvent_viscosity"):
+        sl.run(load_scene("peo5-water", [own, "network.model=manifold"]))
+
+
 def test_good_solvent_crosses_over_sooner() -> None:
     theta, good = sl.run(load_scene("peo5-water")), quiet("peo5-water", "network.solvent_quality=good")
     phi = float(theta["volume_fraction"])

@@ -125,11 +125,16 @@ def jet_length(scene: Scene, jet: StraightJet) -> float:
 
 
 def coupling(scene: Scene, solution: Solution, jet: StraightJet) -> tuple[float, float, str]:
-    """alpha_v, A and the viscosity they were made with, in words."""
+    """alpha_v, A and the viscosity they were made with, in words; NaN where it is not known and not needed."""
     if scene.network.coupling is not None:
         alpha = scene.network.coupling.value
         return alpha, alpha * solution.kuhn_length / (3 * jet.initial_radius), "given as network.coupling"
-    viscosity, words = _drag_viscosity(scene, solution)
+    try:
+        viscosity, words = _drag_viscosity(scene, solution)
+    except InputError as error:
+        if scene.network.model in ("manifold", "chain"):
+            raise
+        return float("nan"), float("nan"), f"not known ({error})"
     xi = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).size) * solution.kuhn_length
     alpha = float(elastic_coupling(xi, jet.initial_velocity, viscosity, jet.initial_radius, solution.temperature))
     a = float(affinity(xi, jet.initial_velocity, viscosity, solution.kuhn_length, solution.temperature))

@@ -91,6 +91,8 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         )
     if isinstance(jet, StraightJet):
         eps = coupling_error(scene, solution, jet)
+        if np.isnan(eps):
+            remarks.append(f"elastic slip is not estimated: {coupling(scene, solution, jet)[2]}")
         if eps > scene.accuracy.rtol and n.model not in _SLIPPING:
             remarks.append(
                 f"the affine network errs by about {eps:.2g} in its velocity (largest c V'/alpha_v), more than rtol = "
