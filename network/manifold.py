@@ -39,6 +39,7 @@ from spinline.network.tension import Tension
 __all__ = ["Manifold", "eq33", "steady_network"]
 
 _STAGES = 12
+_MOST_TRIALS = 5000  # panels tried between two breaks; a jet that is smooth between them takes some hundred
 _FRONT = 0.25  # eps V' beyond which no steady state is independent of the far end
 _LOCKED = 0.95  # extension from which the network counts as locked
 
@@ -268,14 +269,15 @@ class _March:
         start, stop = (high, low) if self.direction < 0 else (low, high)
         distance, done = high - low, 0.0
         step = min(distance, 0.1 * max(abs(self.eps - self.inertia), 1e-15 * distance))
+        trials = 0
         while done < distance:
-            step = min(step, distance - done)
+            step, trials = min(step, distance - done), trials + 1
             last = distance - done <= step * (1 + 1e-12)
             a = start + self.direction * done
             b = stop if last else start + self.direction * (done + step)
             solved = self._panel(a, self.direction * step, tension)
             if solved is None or solved[1] > 1:
-                if step < 1e-15 * done + 1e-30 * distance:
+                if step < 1e-15 * done + 1e-30 * distance or trials > _MOST_TRIALS:
                     raise InputError(
                         "rtol", f"the steady network cannot be resolved at s = {a:.9g}", value=self.rtol,
                         remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
