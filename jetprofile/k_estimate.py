@@ -48,11 +48,11 @@ def estimate_k(
     ...                        viscosity=2.0, electric_field=6e4)), 8)
     1.80625169
     """
-    r = real("radius", radius, above=0.0, unit="m")
-    velocity = real("flow_rate", flow_rate, above=0.0, unit="m3/s") / (np.pi * r**2)
-    sigma = real("conductivity", conductivity, above=0.0, unit="S/m")
-    mu = real("viscosity", viscosity, above=0.0, unit="Pa s")
-    field = real("electric_field", electric_field, above=0.0, unit="V/m")
+    r = real("radius", radius, least=1e-40, most=1e40, unit="m")
+    velocity = real("flow_rate", flow_rate, least=1e-40, most=1e40, unit="m3/s") / (np.pi * r**2)
+    sigma = real("conductivity", conductivity, least=1e-40, most=1e40, unit="S/m")
+    mu = real("viscosity", viscosity, least=1e-40, most=1e40, unit="Pa s")
+    field = real("electric_field", electric_field, least=1e-40, most=1e40, unit="V/m")
     k: FloatArray = (
         (4 * np.pi * _EPS0) ** (1 / 6) * (r / velocity) ** (2 / 3) * sigma**0.25 * mu ** (-5 / 12) * field ** (5 / 6)
     )

@@ -214,7 +214,7 @@ def compaction_velocity_ratio(volume_fraction: ArrayLike, solvent_quality: Solve
 
 
 def _fraction(volume_fraction: ArrayLike) -> FloatArray:
-    return real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    return real("volume_fraction", volume_fraction, least=1e-100, below=1.0)
 
 
 def _eq40_force(

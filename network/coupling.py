@@ -12,6 +12,8 @@ With xi_eff = xi_0 and the same viscosity ``A = alpha_v b / (3 r_0)``: they are 
 enters (solvent 1e-3 Pa s, solution 1 Pa s) decides it. Always report it.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -19,14 +21,16 @@ from spinline.checks import FloatArray, real
 
 BOLTZMANN = 1.380649e-23  # J/K, exact: it defines the kelvin (SI, 2019)
 
+_USABLE: Any = {"least": 1e-40, "most": 1e40}  # keeps every product below within the range of a float
+
 __all__ = ["BOLTZMANN", "affinity", "elastic_coupling", "segment_time", "strand_force"]
 
 
 def segment_time(viscosity: ArrayLike, kuhn_length: ArrayLike, temperature: ArrayLike) -> FloatArray:
     """Relaxation time of one Kuhn segment, ``tau_0 = mu b^3 / (k_B T)``, in s (SI in)."""
-    mu = real("viscosity", viscosity, above=0.0, unit="Pa s")
-    b = real("kuhn_length", kuhn_length, above=0.0, unit="m")
-    t = real("temperature", temperature, above=0.0, unit="K")
+    mu = real("viscosity", viscosity, **_USABLE, unit="Pa s")
+    b = real("kuhn_length", kuhn_length, **_USABLE, unit="m")
+    t = real("temperature", temperature, **_USABLE, unit="K")
     value: FloatArray = mu * b**3 / (BOLTZMANN * t)
     return value
 
@@ -45,10 +49,12 @@ def affinity(
     >>> round(float(affinity(1e-9 / 0.05, 0.01, 1e-3, 1e-9, 293.15)), 10)
     0.0164715914
     """
-    xi = real("mesh_size", mesh_size, above=0.0, unit="m")
-    v = real("velocity", velocity, above=0.0, unit="m/s")
-    tau = segment_time(viscosity, kuhn_length, temperature)
-    value: FloatArray = xi * v * tau / (3 * np.square(np.asarray(kuhn_length, dtype=np.float64)))
+    xi = real("mesh_size", mesh_size, **_USABLE, unit="m")
+    v = real("velocity", velocity, **_USABLE, unit="m/s")
+    mu = real("viscosity", viscosity, **_USABLE, unit="Pa s")
+    b = real("kuhn_length", kuhn_length, **_USABLE, unit="m")
+    t = real("temperature", temperature, **_USABLE, unit="K")
+    value: FloatArray = xi * v * mu * b / (3 * BOLTZMANN * t)
     return value
 
 
@@ -60,11 +66,11 @@ def elastic_coupling(
     temperature: ArrayLike,
 ) -> FloatArray:
     """Drag over elasticity, ``alpha_v = xi_eff mu v_0 r_0 / (k_B T)`` (SI in, dimensionless out)."""
-    xi = real("effective_size", effective_size, above=0.0, unit="m")
-    v = real("velocity", velocity, above=0.0, unit="m/s")
-    mu = real("viscosity", viscosity, above=0.0, unit="Pa s")
-    r = real("radius", radius, above=0.0, unit="m")
-    t = real("temperature", temperature, above=0.0, unit="K")
+    xi = real("effective_size", effective_size, **_USABLE, unit="m")
+    v = real("velocity", velocity, **_USABLE, unit="m/s")
+    mu = real("viscosity", viscosity, **_USABLE, unit="Pa s")
+    r = real("radius", radius, **_USABLE, unit="m")
+    t = real("temperature", temperature, **_USABLE, unit="K")
     value: FloatArray = xi * mu * v * r / (BOLTZMANN * t)
     return value
 
@@ -83,8 +89,12 @@ def strand_force(force: ArrayLike, kuhn_length: ArrayLike, temperature: ArrayLik
     -------
     ndarray, N. A covalent bond breaks near 5e-9.
     """
-    f = np.asarray(force, dtype=np.float64)
-    b = real("kuhn_length", kuhn_length, above=0.0, unit="m")
-    t = real("temperature", temperature, above=0.0, unit="K")
-    value: FloatArray = np.where(np.isfinite(f), f, np.nan) * BOLTZMANN * t / b
+    raw = np.asarray(force)
+    if raw.dtype.kind != "f":
+        raw = real("force", force)
+    endless = np.isposinf(raw)
+    f = np.where(endless, np.nan, real("force", np.where(endless, 0.0, raw), least=-1e200, most=1e200))
+    b = real("kuhn_length", kuhn_length, **_USABLE, unit="m")
+    t = real("temperature", temperature, **_USABLE, unit="K")
+    value: FloatArray = f * (BOLTZMANN * t / b)
     return value

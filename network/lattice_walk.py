@@ -226,7 +226,7 @@ def _force(
     velocity_ratio: ArrayLike, rest: FloatArray, rest_error: FloatArray, affinity: ArrayLike
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Force f_z, the rounding error it leaves, and the increment ``f_z - f_0``."""
-    v = real("velocity_ratio", velocity_ratio, above=0.0, most=1e150)
+    v = real("velocity_ratio", velocity_ratio, least=1e-100, most=1e150)
     a = real("affinity", affinity, least=0.0, most=1e150)
     one = np.asarray(1.0)
     rise, rise_error = _twofold.total(v, -one)
@@ -235,6 +235,7 @@ def _force(
     factor, factor_error = _twofold.total(one, gain)
     force, error = _twofold.product(rest, factor)
     error = error + rest * (factor_error + gain_error) + rest_error * factor
+    force, error = _twofold.total(force, error)  # where 1 + A (V - 1) cancels, all of f_z is in the error
     increment = (rest + rest_error) * (gain + gain_error)
     return force, error, increment
 

@@ -71,7 +71,7 @@ def network_at_rest(volume_fraction: ArrayLike, solvent_quality: SolventQuality 
     InputError
         If phi is outside (0, 1) or the quality unknown.
     """
-    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    phi = real("volume_fraction", volume_fraction, least=1e-100, below=1.0)
     if check_quality(solvent_quality) == "theta":
         return Mesh(size=1 / phi, segments=phi**-2, full_stretch=1 / phi)
     return Mesh(size=phi**-0.75, segments=phi**-1.25, full_stretch=1 / np.sqrt(phi))
@@ -90,7 +90,7 @@ def rest_force(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "th
     force, error : ndarray
         ``force + error`` is f_0 to twice the working precision.
     """
-    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    phi = real("volume_fraction", volume_fraction, least=1e-100, below=1.0)
     if check_quality(solvent_quality) == "theta":
         return _twofold.product(phi, np.asarray(3.0))
     root = np.sqrt(phi)

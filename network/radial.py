@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
 
 __all__ = ["RadialMesh", "radial_mesh", "solve_radial_mesh"]
@@ -137,5 +137,5 @@ def _count(beads: int) -> int:
 
 
 def _arguments(beads: int, kappa: float, mesh: float) -> tuple[int, float, float]:
-    k = float(real("kappa", kappa, least=0.0, most=1e300))
+    k = number("kappa", kappa, least=0.0, most=1e300)
     return _count(beads), k, positive("mesh", mesh)

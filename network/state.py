@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, real
+from spinline.checks import BoolArray, FloatArray, number, real
 from spinline.network.concentration import (
     conservative_radius_ratio,
     fraction_conservative,
@@ -143,9 +143,9 @@ def network_state(
     InputError
         For values out of range, not finite or unknown.
     """
-    w = real("network_velocity_ratio", network_velocity_ratio, above=0.0)
-    v = real("velocity_ratio", velocity_ratio, above=0.0)
-    phi = float(real("volume_fraction", volume_fraction, above=0.0, below=1.0))
+    w = real("network_velocity_ratio", network_velocity_ratio, least=1e-100)
+    v = real("velocity_ratio", velocity_ratio, least=1e-100)
+    phi = number("volume_fraction", volume_fraction, least=1e-100, below=1.0)
     if check_closure(closure) == "force":
         walk = random_walk(w, phi, affinity=affinity, solvent_quality=solvent_quality)
     else:

@@ -232,6 +232,8 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
 
 
 def _known(name: str, table: Mapping[str, object], field: str, remedy: str) -> str:
+    if not isinstance(name, str):
+        raise InputError(field, "is not a name", value=name, allowed=", ".join(table), remedy=remedy)
     by_lower = {key.lower(): key for key in table}
     key = by_lower.get(name.strip().lower())
     if key is None:

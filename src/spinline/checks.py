@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spinline.errors import InputError
 
-__all__ = ["BoolArray", "FloatArray", "positive", "real"]
+__all__ = ["BoolArray", "FloatArray", "number", "positive", "real"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -72,12 +72,17 @@ def real(
     return array
 
 
-def positive(field: str, value: Any, unit: str = "", remedy: str = "") -> float:
-    """Check one finite number > 0 and return it as a float."""
-    array = real(field, value, above=0.0, unit=unit, remedy=remedy)
+def number(field: str, value: Any, **bounds: Any) -> float:
+    """Check one finite number, as `real` does arrays, and return it as a float."""
+    array = real(field, value, **bounds)
     if array.ndim:
         raise InputError(field, "must be a single number", value=f"array of shape {array.shape}")
     return float(array)
+
+
+def positive(field: str, value: Any, unit: str = "", remedy: str = "") -> float:
+    """Check one finite number > 0 and return it as a float."""
+    return number(field, value, above=0.0, unit=unit, remedy=remedy)
 
 
 def _interval(above: float | None, below: float | None, least: float | None, most: float | None) -> str:

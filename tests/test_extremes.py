@@ -1,0 +1,65 @@
+"""Extremes of the closed forms: a number within bounds, or an InputError; no warning, nothing between."""
+
+import contextlib
+
+import numpy as np
+import pytest
+
+from spinline import jetprofile, network, rheology
+from spinline.errors import InputError
+
+VALUES = [
+    0.0,
+    1e-300,
+    1e-100,
+    1e-12,
+    0.5,
+    1.0,
+    1e12,
+    1e150,
+    1e300,
+    -1.0,
+    np.nan,
+    np.inf,
+    [],
+    [0.5],
+    np.full(1000, 0.5),
+    np.float32(0.5),
+    "x",
+    None,
+]
+FUNCTIONS = [
+    (network.random_walk, ("velocity_ratio", "volume_fraction")),
+    (network.stretched_walk, ("stretch", "volume_fraction")),
+    (network.affine_network, ("velocity_ratio", "volume_fraction")),
+    (network.network_state, ("network_velocity_ratio", "velocity_ratio", "volume_fraction")),
+    (network.network_at_rest, ("volume_fraction",)),
+    (network.crossover_velocity_ratio, ("volume_fraction",)),
+    (network.compaction_velocity_ratio, ("volume_fraction",)),
+    (network.extension_velocity_ratio, ("extension", "volume_fraction")),
+    (network.segment_time, ("viscosity", "kuhn_length", "temperature")),
+    (network.affinity, ("mesh_size", "velocity", "viscosity", "kuhn_length", "temperature")),
+    (network.elastic_coupling, ("effective_size", "velocity", "viscosity", "radius", "temperature")),
+    (network.strand_force, ("force", "kuhn_length", "temperature")),
+    (jetprofile.estimate_k, ("radius", "flow_rate", "conductivity", "viscosity", "electric_field")),
+    (rheology.polymer, ("name",)),
+    (rheology.solvent_density, ("name", "temperature")),
+]
+
+
+@pytest.mark.parametrize(("function", "names"), FUNCTIONS, ids=lambda f: getattr(f, "__name__", ""))
+def test_a_number_or_a_named_error(function, names: tuple[str, ...]) -> None:
+    answered = 0
+    for name in names:
+        for value in VALUES:
+            with contextlib.suppress(InputError):  # any other exception, or a RuntimeWarning, fails
+                function(**(dict.fromkeys(names, 0.5) | {name: value}))
+                answered += 1
+    assert answered or function in (rheology.polymer, rheology.solvent_density)
+
+
+def test_the_walk_where_the_force_cancels() -> None:
+    """At V -> 0 the affine force is f_0 V to the last bit, though 1 + (V - 1) rounds to 0."""
+    walk = network.random_walk([1e-100, 1e-30, 1e-17], 0.05)
+    np.testing.assert_allclose(walk.force, 0.15 * np.array([1e-100, 1e-30, 1e-17]), rtol=1e-15)
+    assert (walk.axial_stretch > 0).all()
