@@ -12,8 +12,8 @@ Fourier number ``F = int eps ds / w = c k_B T t / (xi_eff mu r_0^2)``::
     d rho/dF = d2 rho/dx2,      rho(0) = 0,      d rho/dx = q / E  at x = 1,      E rho(1) <= V^(-1/2)
 
 The last is the surface of the jet: where strands are wider than the flow makes their mesh, they press against it and the
-network fills the jet. It leaves the surface where ``q V^(1/2)`` falls under 1, near full stretch, and then shrinks from outside,
-through a layer ``F^(1/2)`` deep.
+network fills the jet. It leaves the surface where ``q V^(1/2)`` falls under 1, near full stretch, and then shrinks from
+outside, through a layer ``F^(1/2)`` deep.
 
 Limits: F -> 0 moves with the solution; F -> infinity is ``r_P / r = min(1, q V^(1/2))``; w -> 0 is Eq. (32b) (`radial`).
 Eq. (39), ``r_P / r = q``, is none of them: it lets the strands contract beyond the flow at once. F says how much of that
