@@ -1,7 +1,7 @@
 """What each effect would change in a scene's answer, from the scene's own numbers, before anything is solved.
 
-An estimate is the change of the reported quantities (`difference`) over the first nine tenths of the jet, by the first term that
-the effect adds:
+An estimate is the change of the reported quantities (`difference`) over the first nine tenths of the jet, by the first term
+that the effect adds:
 
 * elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``; nothing steady beyond eps V' = 1/4
 * inertia: the same with -I for eps
@@ -64,7 +64,7 @@ def elastic_coupling_effect(scene: Scene, solution: Solution, jet: StraightJet) 
     elif number > _UNSTEADY:
         words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
     else:
-        words = f"the network slips against the solution by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
+        words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
     return Effect("elastic coupling", "c V'/alpha_v", number, error, words)
 
 
