@@ -186,10 +186,13 @@ class NetworkSection(Section):
 
 
 class AccuracySection(Section):
-    """``[accuracy]``: how far from the finest model an answer may be, points to write, strands to walk at each."""
+    """``[accuracy]``: how far from the finest model an answer may be, points to write and shells across
+    the jet, strands to walk at each point.
+    """
 
     rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 401
+    shells: Annotated[int, Field(ge=8, le=1000)] = 100
     strands: Annotated[int, Field(ge=2, le=100_000_000)] = 10_000
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
 
