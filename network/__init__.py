@@ -57,7 +57,7 @@ from spinline.network.lattice_walk import (
     stretched_walk,
 )
 from spinline.network.mesh import Mesh, network_at_rest, rest_force
-from spinline.network.state import NetworkState, affine_network, network_state
+from spinline.network.state import NetworkState, affine_network, dried_state, network_state
 
 if TYPE_CHECKING:
     from spinline.network import force_laws
@@ -201,6 +201,7 @@ __all__ = [
     "uniform_strand",
     "varying_strand",
     "walk_moments",
+    "dried_state",
 ]
 
 
