@@ -171,6 +171,7 @@ def judge(seed, index):
         with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.simplefilter("ignore", SpinlineWarning)
+            warnings.simplefilter("ignore", DeprecationWarning)  # of the libraries: said to those who build on them
             result = run(build(data, folder))
         model = f"{model}: {result.attrs['model']}" if model == "auto" else model
         found = faults(result)

@@ -6,6 +6,7 @@ that the effect adds:
 * elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``; nothing steady beyond eps V' = 1/4
 * inertia: the same with -I for eps
 * finite extensibility: the place from which a stiff network locks, ``int (V_S - V) ds = 0`` from there to the end
+* relaxation: ``ln(w/V) = -int (1 - V^-2) / (2 theta) dt``, what a strand stretched with the flow gives back
 * saturation: how far the walk's fraction passes 1
 
 Each costs a few evaluations of the closed forms.
@@ -24,7 +25,14 @@ from spinline.network.state import NetworkState, affine_network, network_state
 from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
-__all__ = ["Effect", "elastic_coupling_effect", "extensibility_effect", "inertia_effect", "saturation_effect"]
+__all__ = [
+    "Effect",
+    "elastic_coupling_effect",
+    "extensibility_effect",
+    "inertia_effect",
+    "relaxation_effect",
+    "saturation_effect",
+]
 
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
@@ -68,10 +76,11 @@ def elastic_coupling_effect(scene: Scene, solution: Solution, jet: StraightJet) 
     return Effect("elastic coupling", "c V'/alpha_v", number, error, words)
 
 
-def inertia_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
-    """Mass of the strands."""
-    number, error = _slip(scene, solution, jet, -scene.network.inertia.value)
-    return Effect("inertia", "I V'", abs(number), error, f"I = {scene.network.inertia.value:g}")
+def inertia_effect(scene: Scene, solution: Solution, jet: StraightJet, inertia: float) -> Effect:
+    """Mass of the strands; `inertia` is I, NaN where not known."""
+    number, error = _slip(scene, solution, jet, -inertia)
+    words = "I is not known" if np.isnan(inertia) else f"I = {inertia:.3g}"
+    return Effect("inertia", "I V'", abs(number), error, words)
 
 
 def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
@@ -94,17 +103,33 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
     return Effect(name, symbol, number, error, words)
 
 
+def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
+    """Strands that give back some of their stretch on the way; `deborah` is theta edot at the crossover."""
+    theta = solution.relaxation_time
+    name, symbol = "relaxation", "De"
+    if theta is None:
+        return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
+    z = _grid(scene, jet, _KEPT)
+    v, time = jet.velocity_ratio(z), jet.residence_time(z)
+    rate = (1 - v**-2.0) / 2
+    given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
+    w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
+    error = _moved(scene, solution, z, v, w)
+    return Effect(
+        name, symbol, deborah, error, f"a strand gives back {-np.expm1(-given_back[-1]):.2g} of its stretch on the way"
+    )
+
+
 def saturation_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
     """Polymer fraction of the core held at 1."""
     from spinline.network.concentration import log_fraction_walk
 
-    v = jet.velocity_ratio(_grid(scene, jet, 1.0))
-    passed = float(
-        np.max(log_fraction_walk(v, solution.volume_fraction, solvent_quality=scene.network.solvent_quality))
-    )
+    n, v = scene.network, jet.velocity_ratio(_grid(scene, jet, 1.0))
+    state = affine_network(v, solution.volume_fraction, closure=n.closure, solvent_quality=n.solvent_quality)
+    passed = float(np.max(log_fraction_walk(state.conformation, solution.volume_fraction)))
     number = float(np.exp(min(passed, 700.0)))
     words = "the core is compact polymer before the end" if number > 1 else "the core is not compact anywhere"
-    return Effect("saturation", "unbounded core fraction", number, max(number - 1, 0.0), words)
+    return Effect("saturation", "unbounded core fraction", number, max(1 - 1 / number, 0.0), words)
 
 
 def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tuple[float, float]:
@@ -120,22 +145,31 @@ def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tup
     if number > _UNSTEADY:
         return number, max(1.0, number)
     first = eps * slope
-    w = v * (1 + first + 2 * first**2)
-    n = scene.network
-    affine = affine_network(v, solution.volume_fraction, closure=n.closure, solvent_quality=n.solvent_quality)
-    moved = network_state(w, v, solution.volume_fraction, closure=n.closure, solvent_quality=n.solvent_quality)
-    place = float(
-        extension_velocity_ratio(
-            n.crossover_extension.value, solution.volume_fraction, closure=n.closure, solvent_quality=n.solvent_quality
-        )
-    )
-    at = jet.position_of(place) if place <= v[-1] else float("nan")
-    shift = (
-        float(np.interp(place, v, first * v)) / float(jet.strain_rate(at)) * jet.initial_velocity / float(at)
-        if at > 0
-        else 0.0
-    )
-    return number, max(change(moved, affine), abs(shift))
+    return number, _moved(scene, solution, z, v, v * (1 + first + 2 * first**2))
+
+
+def _moved(scene: Scene, solution: Solution, z: FloatArray, v: FloatArray, w: FloatArray) -> float:
+    """What a stretch w in place of V changes: the network's state, and where it passes both criteria."""
+    n, phi = scene.network, solution.volume_fraction
+    rules = {"closure": n.closure, "solvent_quality": n.solvent_quality}
+    shift = change(network_state(w, v, phi, **rules), affine_network(v, phi, **rules))  # type: ignore[arg-type]
+    full = float(network_at_rest(phi, n.solvent_quality).full_stretch)
+    for target in (full, float(extension_velocity_ratio(n.crossover_extension.value, phi, **rules))):  # type: ignore[arg-type]
+        here, there = _passage(z, w, target), _passage(z, v, target)
+        if np.isnan(here) != np.isnan(there):
+            shift = max(shift, 1.0)
+        elif there > 0:
+            shift = max(shift, abs(here / there - 1))
+    return shift
+
+
+def _passage(z: FloatArray, stretch: FloatArray, target: float) -> float:
+    """First place where a stretch passes a value, NaN where it never does."""
+    above = np.flatnonzero(stretch >= target)
+    if not above.size:
+        return float("nan")
+    k = max(int(above[0]), 1)
+    return float(np.interp(np.log(target), np.log(stretch[k - 1 : k + 1]), z[k - 1 : k + 1]))
 
 
 def change(state: NetworkState, reference: NetworkState) -> float:

@@ -1,8 +1,9 @@
 """What each rung costs on a user's own scene, and how far it is from the finest.
 
-Two branches leave the affine network: elastic coupling (manifold, chain) and relaxation (conformation). The reference of a branch
-is its finest rung that can be afforded, at tolerances a hundred times below the scene's; what a rung of one branch says against
-the reference of the other is the price of the effect it leaves out. Times are of this process, the best of a few, compiled.
+Two branches leave the affine network: elastic coupling (manifold, chain) and relaxation (conformation). The reference of a
+branch is its finest rung that can be afforded, at tolerances a hundred times below the scene's; what a rung of one branch says
+against the reference of the other is the price of the effect it leaves out. Times are of this process, the best of a few,
+compiled.
 """
 
 import time
@@ -119,7 +120,10 @@ def trade(scene: Scene, *, quick: bool = False, progress: Callable[[str], None] 
     if elastic:
         rungs.append(("manifold", "steady", law))
         if not quick:
-            rungs += [("chain", f"rtol {r:.0e}", {"rtol": r, **law}) for r in (max(rtol, 1e-3), 1e-3)[: 2 if rtol > 1e-3 else 1]]
+            rungs += [
+                ("chain", f"rtol {r:.0e}", {"rtol": r, **law})
+                for r in (max(rtol, 1e-3), 1e-3)[: 2 if rtol > 1e-3 else 1]
+            ]
     if relaxing:
         rungs += [("conformation", f"{n} points", {"points": n}) for n in ((401,) if quick else (101, 401, 1601))]
     if not quick:
@@ -127,8 +131,13 @@ def trade(scene: Scene, *, quick: bool = False, progress: Callable[[str], None] 
     say = progress or (lambda _: None)
     references: dict[str, xr.Dataset] = {}
     words: dict[str, str] = {}
-    finest = {
-        "elastic": ("manifold", {"rtol": float(f"{max(rtol / _FINER, 1e-9):.0e}"), **law}, elastic, "the jet is not straight"),
+    finest: dict[str, tuple[str, dict[str, Any], bool, str]] = {
+        "elastic": (
+            "manifold",
+            {"rtol": float(f"{max(rtol / _FINER, 1e-9):.0e}"), **law},
+            elastic,
+            "the jet is not straight",
+        ),
         "relaxation": ("conformation", {"points": 6401}, relaxing, "solution.relaxation_time is not given"),
     }
     for branch, (model, changes, possible, why) in finest.items():

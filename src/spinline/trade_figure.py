@@ -11,7 +11,13 @@ from spinline.trade import Trade
 
 __all__ = ["save_trade_figure", "trade_figure"]
 
-_MARKS = {"affine": ("o", BLUE), "manifold": ("s", ORANGE), "chain": ("^", RED), "conformation": ("D", GREEN), "walk": ("v", PURPLE)}
+_MARKS = {
+    "affine": ("o", BLUE),
+    "manifold": ("s", ORANGE),
+    "chain": ("^", RED),
+    "conformation": ("D", GREEN),
+    "walk": ("v", PURPLE),
+}
 _LEAST = 1e-12  # an error below this is drawn here
 
 
@@ -21,14 +27,20 @@ def trade_figure(measured: Trade) -> Figure:
     sheet = Figure(figsize=(5.4 * len(branches), 4.4), layout="constrained")
     FigureCanvasAgg(sheet)
     for axis, branch in zip(sheet.subplots(1, len(branches), squeeze=False)[0], branches, strict=True):
-        points = [(rung.seconds, rung.errors[branch], rung) for rung in measured.rungs if branch in rung.errors and not rung.refused]
+        points = [
+            (rung.seconds, rung.errors[branch], rung)
+            for rung in measured.rungs
+            if branch in rung.errors and not rung.refused
+        ]
         drawn: set[str] = set()
         for i, (seconds, error, rung) in enumerate(points):
             mark, colour = _MARKS[rung.model]
             place = (1e3 * seconds, max(error, _LEAST))
             axis.plot(*place, mark, color=colour, markersize=8, label=None if rung.model in drawn else rung.model)
             drawn.add(rung.model)
-            axis.annotate(rung.setting, place, (0, 8 if i % 2 else -14), textcoords="offset points", fontsize=7, ha="center")
+            axis.annotate(
+                rung.setting, place, (0, 8 if i % 2 else -14), textcoords="offset points", fontsize=7, ha="center"
+            )
         front, best = [], float("inf")
         for seconds, error, _ in sorted(points, key=lambda point: point[:2]):
             if error < best:
@@ -37,8 +49,20 @@ def trade_figure(measured: Trade) -> Figure:
         if front:
             axis.plot(*zip(*front, strict=True), color="0.6", linewidth=1, zorder=0, drawstyle="steps-post")
         axis.axhline(measured.rtol, color="black", linestyle="--", linewidth=0.9)
-        axis.annotate(f"rtol = {measured.rtol:g}", (0.01, measured.rtol), (0, 3), xycoords=("axes fraction", "data"), textcoords="offset points", fontsize=8)
-        axis.set(xscale="log", yscale="log", xlabel="processor time (ms)", ylabel=f"largest error against the {branch} reference")
+        axis.annotate(
+            f"rtol = {measured.rtol:g}",
+            (0.01, measured.rtol),
+            (0, 3),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
+            fontsize=8,
+        )
+        axis.set(
+            xscale="log",
+            yscale="log",
+            xlabel="processor time (ms)",
+            ylabel=f"largest error against the {branch} reference",
+        )
         axis.legend(fontsize=8, framealpha=0.9, edgecolor="none")
         axis.margins(x=0.35, y=0.12)
         axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
