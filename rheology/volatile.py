@@ -8,7 +8,7 @@ the simulators that follow it: ``rho_l R T/(p M)`` times as fast, 1300 for water
 from dataclasses import dataclass
 from typing import Literal, Self, get_args
 
-from spinline.checks import positive, real
+from spinline.checks import number, positive
 from spinline.errors import InputError
 from spinline.rheology import vapour
 
@@ -47,10 +47,12 @@ class Volatile:
     def __post_init__(self) -> None:
         for field, unit in (("saturation", ""), ("diffusivity", "m2/s"), ("molar_volume", "m3/mol")):
             positive(f"{self.name}.{field}", getattr(self, field), unit)
-        ambient = real(f"{self.name}.ambient", self.ambient, least=0.0, below=1.0, remedy="give the relative humidity")
+        ambient = number(
+            f"{self.name}.ambient", self.ambient, least=0.0, below=1.0, remedy="give the relative humidity"
+        )
         if 0 < ambient < 1e-12:
-            raise InputError(f"{self.name}.ambient", "is too small to matter", value=float(ambient), remedy="give 0")
-        real(f"{self.name}.chi", self.chi, least=-5.0, most=5.0)
+            raise InputError(f"{self.name}.ambient", "is too small to matter", value=ambient, remedy="give 0")
+        number(f"{self.name}.chi", self.chi, least=-5.0, most=5.0)
 
     @classmethod
     def build(
