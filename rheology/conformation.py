@@ -160,7 +160,7 @@ def conformation(
     strain_rate : array_like, (n,), optional
         edot, 1/s, at the samples: raises the order from 2 to 4.
     start : (float, float)
-        A_zz and A_rr at the first sample.
+        A_zz and A_rr at the first sample, > 0 (Giesekus and FENE-P: 1e-100 to 1e100).
 
     Returns
     -------
@@ -183,6 +183,11 @@ def conformation(
     if first.shape != (2,):
         raise InputError("start", "must be A_zz and A_rr", value=start)
     stiffening = np.ones(history.time.size)
+    if isinstance(chosen, Giesekus | FENEP):  # integrated step by step: within what a double can square
+        real("start", first, least=1e-100, most=1e100)
+        real("relaxation_time", history.relaxation_time, least=1e-100, most=1e100, unit="s")
+    elif not isinstance(chosen, Maxwell | OldroydB):
+        raise InputError("model", "is not one of Maxwell, OldroydB, Giesekus, FENEP", value=chosen)
     if isinstance(chosen, Maxwell | OldroydB):
         axial, radial = propagate(history, 2.0, float(first[0])), propagate(history, -1.0, float(first[1]))
     elif isinstance(chosen, Giesekus):

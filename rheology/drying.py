@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from spinline.checks import FloatArray, number, positive, real
+from spinline.checks import FloatArray, number, real
 from spinline.errors import InputError
 from spinline.rheology import vapour
 from spinline.rheology._evaporation_balance import Balance
@@ -122,11 +122,11 @@ def dry_radially(
     path : ElementPath
         From `straight_path` or `bead_path`.
     volume_fraction : float
-        phi_0, in (0, 1), the same at every radius.
+        phi_0, in [1e-12, 1), the same at every radius.
     volatile : Volatile
         The solvent; its activity is Flory-Huggins'.
     diffusion : DiffusionLaw
-        D against phi, in (0, inf) on [0, 1].
+        D against phi, in (0, 1000] m2/s on [0, 1].
     air_viscosity, air_velocity, sherwood_floor
         As for `evaporate`.
     vitrification_fraction : float, optional
@@ -145,7 +145,7 @@ def dry_radially(
     InputError
         For values out of range, or where the equations cannot be followed.
     """
-    phi0 = number("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    phi0 = number("volume_fraction", volume_fraction, least=1e-12, below=1.0)
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or not 8 <= cells <= 1000:
         raise InputError("cells", "is out of range", value=cells, allowed="integers, 8 to 1000")
     accuracy = number("rtol", rtol, least=1e-12, most=1e-2)
@@ -153,10 +153,9 @@ def dry_radially(
     if vitrification_fraction is not None:
         glass = number("vitrification_fraction", vitrification_fraction, above=phi0, below=1.0)
     balance = Balance(path, phi0, [volatile], np.array([1 - phi0]), "flory-huggins", None)
-    balance.set_air(positive("air_viscosity", air_viscosity, "m2/s"), number("air_velocity", air_velocity, unit="m/s"))
-    balance.floor = number("sherwood_floor", sherwood_floor, least=0.0)
+    balance.set_air(air_viscosity, air_velocity, sherwood_floor)
     sample = np.asarray(diffusion(np.linspace(0.0, 1.0, 11)), dtype=np.float64)
-    real("diffusion", sample, above=0.0, unit="m2/s", remedy="D must be positive from phi = 0 to 1")
+    real("diffusion", sample, above=0.0, most=1e3, unit="m2/s", remedy="D must be positive from phi = 0 to 1")
     edges = np.sin(0.5 * np.pi * np.linspace(0, 1, cells + 1))
     share = np.diff(edges)
     system = _Cells(balance, volatile, diffusion, share, phi0)

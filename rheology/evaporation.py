@@ -110,7 +110,7 @@ def power_law_loss(
     log_k = np.log(positive("k", k))
     exponent = number("beta", beta, least=1e-6, most=1e6)
     log_rate = np.log(positive("rate", rate))
-    if given not in get_args(Given):
+    if not isinstance(given, str) or given not in get_args(Given):
         raise InputError("given", "is not known", value=given, allowed='"velocity", "radius"')
     q = 6 / 5 if given == "velocity" else 3 / 2
     # in logarithms, since J spans more than a double: beyond s_0, J = k^(1/3) s^p/p + s_0 (1 - 1/p), p = 1 + beta/3
@@ -173,14 +173,15 @@ def evaporate(
         Where Re leaves the range of the correlation.
     """
     phi0 = number("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    if not isinstance(volatiles, Sequence) or not all(isinstance(v, Volatile) for v in volatiles):
+        raise InputError("volatiles", "is not a sequence of Volatile", value=volatiles)
     if not volatiles:
         raise InputError("volatiles", "is empty", remedy="give at least one solvent")
     share = np.atleast_1d(real("shares", shares, least=0.0, most=1.0))
     if share.shape != (len(volatiles),) or abs(float(share.sum()) - 1) > 1e-9:
         raise InputError("shares", "must be one per solvent and sum to 1", value=share.tolist(), remedy="scale them")
     balance = Balance(path, phi0, volatiles, (1 - phi0) * share / share.sum(), activity, polymer_molar_volume)
-    balance.set_air(positive("air_viscosity", air_viscosity, "m2/s"), number("air_velocity", air_velocity, unit="m/s"))
-    balance.floor = number("sherwood_floor", sherwood_floor, least=0.0)
+    balance.set_air(air_viscosity, air_velocity, sherwood_floor)
     return _result(balance, balance.autonomous() if balance.separable else balance.along())
 
 

@@ -45,8 +45,9 @@ class Volatile:
     molar_volume: float = 1e-4
 
     def __post_init__(self) -> None:
-        for field, unit in (("saturation", ""), ("diffusivity", "m2/s"), ("molar_volume", "m3/mol")):
-            positive(f"{self.name}.{field}", getattr(self, field), unit)
+        number(f"{self.name}.saturation", self.saturation, above=0.0, most=1e12)
+        number(f"{self.name}.diffusivity", self.diffusivity, least=1e-30, most=1e12, unit="m2/s")
+        number(f"{self.name}.molar_volume", self.molar_volume, least=1e-30, most=1e12, unit="m3/mol")
         ambient = number(
             f"{self.name}.ambient", self.ambient, least=0.0, below=1.0, remedy="give the relative humidity"
         )
@@ -78,7 +79,7 @@ class Volatile:
         """
         from spinline.rheology.materials import SOLVENTS, solvent_density
 
-        if convention not in get_args(Convention):
+        if not isinstance(convention, str) or convention not in get_args(Convention):
             raise InputError("convention", "is not known", value=convention, allowed='"mass", "yarin2001"')
         kelvin, p = positive("temperature", temperature, "K"), positive("pressure", pressure, "Pa")
         if density is None and name not in SOLVENTS:
