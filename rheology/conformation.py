@@ -31,9 +31,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, real
 from spinline.errors import InputError
 from spinline.rheology._element_history import ElementHistory, propagate
+from spinline.rheology._finite import finite_result
 
 __all__ = [
     "FENEP",
@@ -63,7 +64,7 @@ class OldroydB:
     solvent_viscosity: float
 
     def __post_init__(self) -> None:
-        real("solvent_viscosity", self.solvent_viscosity, least=0.0, unit="Pa s")
+        number("solvent_viscosity", self.solvent_viscosity, least=0.0, unit="Pa s")
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Giesekus:
     mobility: float
 
     def __post_init__(self) -> None:
-        real("mobility", self.mobility, least=0.0, most=1.0)
+        number("mobility", self.mobility, least=0.0, most=1.0)
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class FENEP:
     extensibility: float
 
     def __post_init__(self) -> None:
-        real("extensibility", self.extensibility, above=3.0, most=1e12, remedy="L^2 = N_s, segments of a strand")
+        number("extensibility", self.extensibility, above=3.0, most=1e12, remedy="L^2 = N_s, segments of a strand")
 
 
 Model = Maxwell | OldroydB | Giesekus | FENEP
@@ -159,7 +160,7 @@ def conformation(
     strain_rate : array_like, (n,), optional
         edot, 1/s, at the samples: raises the order from 2 to 4.
     start : (float, float)
-        A_zz and A_rr at the first sample.
+        A_zz and A_rr at the first sample, > 0 (Giesekus and FENE-P: 1e-100 to 1e100).
 
     Returns
     -------
@@ -182,6 +183,11 @@ def conformation(
     if first.shape != (2,):
         raise InputError("start", "must be A_zz and A_rr", value=start)
     stiffening = np.ones(history.time.size)
+    if isinstance(chosen, Giesekus | FENEP):  # integrated step by step: within what a double can square
+        real("start", first, least=1e-100, most=1e100)
+        real("relaxation_time", history.relaxation_time, least=1e-100, most=1e100, unit="s")
+    elif not isinstance(chosen, Maxwell | OldroydB):
+        raise InputError("model", "is not one of Maxwell, OldroydB, Giesekus, FENEP", value=chosen)
     if isinstance(chosen, Maxwell | OldroydB):
         axial, radial = propagate(history, 2.0, float(first[0])), propagate(history, -1.0, float(first[1]))
     elif isinstance(chosen, Giesekus):
@@ -202,11 +208,12 @@ def conformation(
     )  # fmt: skip
 
 
+@finite_result("tensile force", "N")
 def tensile_force(axial_stress: ArrayLike, radial_stress: ArrayLike, radius: ArrayLike) -> FloatArray:
     """Tensile force of the network in the jet's cross-section, ``pi r^2 (tau_zz - tau_rr)`` in N (Pa, Pa, m)."""
     along, across = real("axial_stress", axial_stress, unit="Pa"), real("radial_stress", radial_stress, unit="Pa")
     r = real("radius", radius, above=0.0, unit="m")
-    value: FloatArray = np.pi * r**2 * (along - across)
+    value: FloatArray = np.pi * r * (r * along - r * across)
     return value
 
 
@@ -216,7 +223,7 @@ def maxwell_startup(weissenberg: ArrayLike, reduced_time: ArrayLike) -> tuple[Fl
     Parameters
     ----------
     weissenberg, reduced_time : array_like
-        De (any sign), t/theta >= 0, both at most 1e3 times each other's reach (the result must be finite).
+        De (any sign), t/theta >= 0; the strain (2 De - 1) t/theta at most 700.
 
     Returns
     -------
@@ -226,11 +233,12 @@ def maxwell_startup(weissenberg: ArrayLike, reduced_time: ArrayLike) -> tuple[Fl
     de, t = real("weissenberg", weissenberg), real("reduced_time", reduced_time, least=0.0)
 
     def one(power: float) -> FloatArray:
-        a = real("strain", (power * de - 1) * t, most=700.0, remedy="shorten the time")
-        near = np.abs(a) < 1e-12
-        safe = np.where(near, 1.0, a)
-        value: FloatArray = np.exp(a) + t * np.where(near, 1.0, np.expm1(safe) / safe)
-        return value
+        with np.errstate(over="ignore"):
+            a = real("strain", (power * de - 1) * t, most=700.0, remedy="shorten the time")
+            near = a == 0
+            safe = np.where(near, 1.0, a)
+            value: FloatArray = np.exp(a) + t * np.where(near, 1.0, np.expm1(safe) / safe)
+        return real("conformation", value, remedy="shorten the time")
 
     return one(2.0), one(-1.0)
 
@@ -245,12 +253,12 @@ def steady_fenep(weissenberg: float, extensibility: float) -> tuple[float, float
     """
     from scipy.optimize import brentq
 
-    de = positive("weissenberg", weissenberg)
+    de = number("weissenberg", weissenberg, above=0.0, most=1e300)
     limit = FENEP(extensibility).extensibility
 
     def excess(gap: float) -> float:  # gap = f - 2 De
-        f = gap + 2 * de
-        return 1 / gap + 2 / (gap + 3 * de) - limit + (limit - 3) / f
+        f = gap + 2 * de  # and f - 1 without cancellation at De = 1/2
+        return 1 / gap + 2 / (gap + 3 * de) - limit * ((gap + (2 * de - 1)) / f) - 3 / f
 
     low = 1 / limit
     high = max(2.0, 4 / limit + 1 / low)

@@ -29,10 +29,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, real
 from spinline.errors import InputError
 from spinline.rheology import vapour
 from spinline.rheology._evaporation_balance import Balance
+from spinline.rheology._finite import finite_result
+from spinline.rheology.cylinder import cylinder_series
 from spinline.rheology.diffusion_laws import DiffusionLaw
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.volatile import Volatile
@@ -75,7 +77,7 @@ class RadialDrying:
 
     def skin_thickness(self, volume_fraction: float) -> FloatArray:
         """Depth in m, from the surface, down to which phi_p is at least a value; 0 where the surface is below it."""
-        level = float(real("volume_fraction", volume_fraction, above=0.0, most=1.0))
+        level = number("volume_fraction", volume_fraction, above=0.0, most=1.0)
         middles = 0.5 * (self.edges[:, 1:] + self.edges[:, :-1])
         depth = np.zeros(self.position.size)
         for i, (phi, r) in enumerate(zip(self.polymer_fraction, middles, strict=True)):
@@ -89,13 +91,14 @@ class RadialDrying:
         return depth
 
 
+@finite_result("drying Peclet number")
 def drying_peclet(
     vapour_diffusivity: ArrayLike, sherwood: ArrayLike, saturation: ArrayLike, diffusivity: ArrayLike
 ) -> FloatArray:
     """``D_a Sh C_sat/(2 D)``: evaporation against diffusion in the jet (m2/s, -, -, m2/s), dimensionless."""
     air = real("vapour_diffusivity", vapour_diffusivity, above=0.0, unit="m2/s")
-    number, c = real("sherwood", sherwood, least=0.0), real("saturation", saturation, least=0.0)
-    value: FloatArray = air * number * c / (2 * real("diffusivity", diffusivity, above=0.0, unit="m2/s"))
+    sh, c = real("sherwood", sherwood, least=0.0), real("saturation", saturation, least=0.0)
+    value: FloatArray = (air / real("diffusivity", diffusivity, above=0.0, unit="m2/s")) * (0.5 * sh * c)
     return value
 
 
@@ -119,11 +122,11 @@ def dry_radially(
     path : ElementPath
         From `straight_path` or `bead_path`.
     volume_fraction : float
-        phi_0, in (0, 1), the same at every radius.
+        phi_0, in [1e-12, 1), the same at every radius.
     volatile : Volatile
         The solvent; its activity is Flory-Huggins'.
     diffusion : DiffusionLaw
-        D against phi, in (0, inf) on [0, 1].
+        D against phi, in (0, 1000] m2/s on [0, 1].
     air_viscosity, air_velocity, sherwood_floor
         As for `evaporate`.
     vitrification_fraction : float, optional
@@ -142,20 +145,17 @@ def dry_radially(
     InputError
         For values out of range, or where the equations cannot be followed.
     """
-    phi0 = float(real("volume_fraction", volume_fraction, above=0.0, below=1.0))
+    phi0 = number("volume_fraction", volume_fraction, least=1e-12, below=1.0)
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or not 8 <= cells <= 1000:
         raise InputError("cells", "is out of range", value=cells, allowed="integers, 8 to 1000")
-    accuracy = float(real("rtol", rtol, least=1e-12, most=1e-2))
+    accuracy = number("rtol", rtol, least=1e-12, most=1e-2)
     glass = np.nan
     if vitrification_fraction is not None:
-        glass = float(real("vitrification_fraction", vitrification_fraction, above=phi0, below=1.0))
+        glass = number("vitrification_fraction", vitrification_fraction, above=phi0, below=1.0)
     balance = Balance(path, phi0, [volatile], np.array([1 - phi0]), "flory-huggins", None)
-    balance.set_air(
-        positive("air_viscosity", air_viscosity, "m2/s"), float(real("air_velocity", air_velocity, unit="m/s"))
-    )
-    balance.floor = float(real("sherwood_floor", sherwood_floor, least=0.0))
+    balance.set_air(air_viscosity, air_velocity, sherwood_floor)
     sample = np.asarray(diffusion(np.linspace(0.0, 1.0, 11)), dtype=np.float64)
-    real("diffusion", sample, above=0.0, unit="m2/s", remedy="D must be positive from phi = 0 to 1")
+    real("diffusion", sample, above=0.0, most=1e3, unit="m2/s", remedy="D must be positive from phi = 0 to 1")
     edges = np.sin(0.5 * np.pi * np.linspace(0, 1, cells + 1))
     share = np.diff(edges)
     system = _Cells(balance, volatile, diffusion, share, phi0)
@@ -191,44 +191,6 @@ def dry_radially(
         path.position, values[-1], (1 / (1 + u)).T, path.initial_radius * np.sqrt(phi0 * volume / stretch).T, share,
         1 / volume[-1], left, phi0 * values[cells], (where[0], where[1]), (when[0], when[1]),
     )  # fmt: skip
-
-
-def cylinder_series(radius_ratio: ArrayLike, fourier: ArrayLike, biot: float, terms: int = 200) -> FloatArray:
-    """Closed form: what is left in a cylinder of constant radius and D, surface flux proportional to what is left there.
-
-    Parameters
-    ----------
-    radius_ratio, fourier : array_like
-        r/R in [0, 1]; D t/R^2 > 0.
-    biot : float
-        Bi > 0; ``drying_peclet`` times d(activity)/du.
-    terms : int
-        Roots taken; with 200, exact to 1e-13 beyond D t/R^2 = 1e-4.
-
-    Returns
-    -------
-    ndarray
-        u/u_0 = sum 2 Bi J_0(q r/R) exp(-q^2 Fo)/[(q^2 + Bi^2) J_0(q)], q J_1(q) = Bi J_0(q) (Crank, Eq. 5.46).
-    """
-    from scipy.optimize import brentq
-    from scipy.special import j0, j1, jn_zeros
-
-    number = positive("biot", biot)
-    x = real("radius_ratio", radius_ratio, least=0.0, most=1.0)
-    fo = real("fourier", fourier, above=0.0)
-    lows = np.concatenate(([0.0], jn_zeros(1, terms - 1)))
-    roots = np.array(
-        [
-            brentq(lambda q: q * j1(q) - number * j0(q), low, high, xtol=1e-14, rtol=1e-15)
-            for low, high in zip(lows, jn_zeros(0, terms), strict=True)
-        ]
-    )
-    # at a root J_0(q) = q J_1(q)/Bi, which does not vanish as Bi grows
-    weight = 2 * number**2 / ((roots**2 + number**2) * roots * j1(roots))
-    value: FloatArray = np.sum(
-        weight * j0(x[..., np.newaxis] * roots) * np.exp(-(roots**2) * fo[..., np.newaxis]), axis=-1
-    )
-    return value
 
 
 class _Cells:
