@@ -16,8 +16,9 @@ that the largest stretch is 1/phi); Giesekus where entangled solutions soften.
 
 Cost and error: linear models, exact for the interpolated history (`_element_history`), 3 us a sample, fourth order in the
 spacing where strain rates are given and theta is constant, else second (half that where theta is far below the spacing: the
-rate at the sample then decides, but its error counts times theta). The others by Radau's method in compiled loops (`_conformation_kernels`), relative error
-1e-9, a few us a sample; FENE-P in ln(f A), which makes every value possible, Giesekus in ln A.
+rate at the sample then decides, but its error counts times theta). The others by Radau's method in compiled loops
+(`_conformation_kernels`), relative error 1e-9, a few us a sample; FENE-P in ln(f A), which makes every value possible,
+Giesekus in ln A.
 
 References
 ----------
