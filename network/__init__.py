@@ -156,6 +156,7 @@ __all__ = [
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
+    "dried_state",
     "elastic_coupling",
     "empty_start",
     "eq33",
@@ -195,7 +196,6 @@ __all__ = [
     "uniform_strand",
     "varying_strand",
     "walk_moments",
-    "dried_state",
 ]
 
 

@@ -63,7 +63,7 @@ def figure(result: xr.Dataset) -> Figure:
         across(axes[2, 0], place, result)
         along(axes[2, 1], place, result)
     for axis in axes.flat:
-        _mark(axis, result)
+        _mark(axis, result, "white" if axis.collections else "black")
         axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
     if beads:
@@ -168,7 +168,7 @@ def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**_LEGEND, loc="upper left")
 
 
-def _mark(axis: "Axes", result: xr.Dataset) -> None:
+def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:
     for name, style, label in (
         ("crossover", "-", "S"),
         ("crossover_extension", (0, (1, 3)), ""),
@@ -176,9 +176,9 @@ def _mark(axis: "Axes", result: xr.Dataset) -> None:
     ):
         position = 1e3 * float(result[f"{name}_position"]) if f"{name}_position" in result else np.nan
         if np.isfinite(position):
-            axis.axvline(position, color="black", linewidth=0.9, linestyle=style)
+            axis.axvline(position, color=colour, linewidth=0.9, linestyle=style)
             if label:
                 axis.annotate(
                     label, (position, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points",
-                    va="top", fontsize=9, fontweight="bold",
+                    va="top", fontsize=9, fontweight="bold", color=colour,
                 )  # fmt: skip

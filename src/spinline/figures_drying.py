@@ -27,7 +27,7 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         )  # fmt: skip
         axis.set_ylim(0, 1)
         axis.set_ylabel("distance from the axis $r/R$")
-        inset = axis.inset_axes((0.03, 0.90, 0.42, 0.045))
+        inset = axis.inset_axes((0.12, 0.90, 0.42, 0.04))
         bar = axis.figure.colorbar(picture, cax=inset, orientation="horizontal")
         bar.ax.tick_params(labelsize=7, colors="white")
         bar.ax.set_title("polymer volume fraction", fontsize=7, color="white", pad=2)

@@ -146,13 +146,13 @@ def _frozen(result: xr.Dataset) -> list[str]:
     if "frozen_position" not in result:
         return []
     sentences = []
-    for name, what in (("frozen", "The jet turns to glass"), ("skin", "Its surface does"), ("core", "Its axis does")):
+    for name, what in (("skin", "The surface"), ("frozen", "The jet, on average,"), ("core", "The axis")):
         if f"{name}_position" not in result or not np.isfinite(float(result[f"{name}_position"])):
             continue
         at = {
             key: float(result[f"{name}_{key}"]) for key in ("position", "radius", "orientation", "stretch", "relaxed")
         }
-        text = f"{what} at {1e3 * at['position']:.3g} mm, radius {1e6 * at['radius']:.3g} µm"
+        text = f"{what} turns to glass at {1e3 * at['position']:.3g} mm, radius {1e6 * at['radius']:.3g} µm"
         if name == "frozen":
             text += (
                 f": what stays is O = {at['orientation']:.3g} and a stretch of {at['stretch']:.3g}; "
@@ -191,7 +191,8 @@ _MODELS = (
 )
 _INPUTS = (
     "polymer", "polymer_density", "solvent", "solvent_density", "solution_density", "mass_fraction", "temperature",
-    "kuhn_length", "strands_per_chain", "zero_shear_viscosity", "relaxation_time_at_rest", "jet", "initial_radius", "initial_velocity", "flow_rate",
+    "kuhn_length", "strands_per_chain",
+    "zero_shear_viscosity", "relaxation_time_at_rest", "jet", "initial_radius", "initial_velocity", "flow_rate",
 )  # fmt: skip
 
 
