@@ -187,23 +187,22 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
         spread = vapour.vapour_diffusivity(name, air_temperature, pressure)
     if mass is None and not known:
         mass = _needed("solution.solvent.molar_mass", name, None if ambient.saturation is None else 0.1)
-    if ambient.saturation is not None:
-        molar = mass if mass is not None else vapour.molar_mass(name)
-        density = _density(scene, solution, name)
-        return Volatile(name, ambient.saturation.value, spread, humidity, chi, molar / density)
     pull = given(own.vapour_pressure, None) if own is not None else None
-    if pull is None and not known:
+    if pull is None and not known and ambient.saturation is None:
         pull = _needed("solution.solvent.vapour_pressure", name, None)
+    density = _density(scene, solution, name)
     try:
+        if ambient.saturation is not None:
+            molar = mass if mass is not None else vapour.molar_mass(name)
+            return Volatile(name, ambient.saturation.value, spread, humidity, chi, molar / density)
         return Volatile.build(
             name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention, pressure=pressure,
-            density=_density(scene, solution, name), vapour_pressure=pull, molar_mass=mass, diffusivity=spread,
+            density=density, vapour_pressure=pull, molar_mass=mass, diffusivity=spread,
         )  # fmt: skip
     except InputError as error:
-        raise InputError(
-            "solution.temperature" if error.field == "temperature" else error.field, error.problem, value=error.value,
-            allowed=error.allowed, remedy=error.remedy,
-        ) from None  # fmt: skip
+        keys = {"temperature": "solution.temperature", f"{name}.ambient": "ambient.relative_humidity"}
+        raise InputError(keys.get(error.field, error.field), error.problem, value=error.value, allowed=error.allowed,
+                         remedy=error.remedy) from None  # fmt: skip
 
 
 def _needed(field: str, name: str, otherwise: float | None) -> float:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spinline.build import coupling, coupling_error
+from spinline.build import bead_ages, coupling, coupling_error
 from spinline.effects import NAMES, Effects, model_of
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.mesh import network_at_rest
@@ -120,7 +120,15 @@ def attributes_of(
             ),
         }
     else:
+        rate = bead_ages(jet)[1]
+        if np.isfinite(rate):
+            attributes["flow_rate"] = rate
         attributes |= {
+            "age_source": (
+                "volume fed since, at the flow rate that the motion of the elements implies"
+                if np.isfinite(rate)
+                else "arc length at the speed of the beads"
+            ),
             "jet": str(jet.attributes.get("title", jet.attributes.get("source", "bead jet"))),
             "model_reason": f"{why}: the material stretch of each element drives the network; elastic slip not estimated",
             "jet_attributes": "\n".join(f"{key} = {value}" for key, value in jet.attributes.items()),

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spinline.checks import FloatArray
 from spinline.errors import InputError
 from spinline.jetprofile.hyperbolic import Hyperbolic
 from spinline.jetprofile.k_estimate import estimate_k
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
 
 __all__ = [
+    "bead_ages",
     "build_jet",
     "build_solution",
     "coupling",
@@ -115,6 +117,23 @@ def build_jet(scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet"
     if j.time == "all":
         return beads
     return beads.at(None if isinstance(j.time, str) else j.time.value)
+
+
+def bead_ages(jet: "LagrangianJet") -> tuple[FloatArray, float]:
+    """Age of the elements of a bead jet in s, and the flow rate (m3/s) behind it.
+
+    By what was fed since, at the flow rate that the motion implies; where there is none (NaN), by the time it takes along
+    the arc at the speed of the beads; NaN without velocities.
+    """
+    from spinline.jetprofile.bead_age import bead_flow_rate, element_age
+
+    rate = bead_flow_rate(jet)
+    if np.isfinite(rate):
+        return element_age(jet, rate), rate
+    between = 0.5 * (jet.bead_velocity[..., 1:] + jet.bead_velocity[..., :-1])
+    step = np.diff(jet.arc_length, axis=-1, prepend=0.0)
+    ages: FloatArray = np.cumsum(step / np.where(between > 0, between, np.nan), axis=-1)
+    return ages, rate
 
 
 def jet_length(scene: Scene, jet: StraightJet) -> float:

@@ -87,7 +87,7 @@ def examine(
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")
     if effects.numbers is not None:
         slip, relaxation = effects.numbers.errors["slip"], effects.numbers.errors["relaxation"]
-        if min(slip, relaxation) > scene.accuracy.rtol:
+        if slip > scene.accuracy.rtol and relaxation > scene.accuracy.rtol:
             remarks.append(
                 f"no model holds both elastic slip (error of about {slip:.2g}) and relaxation ({relaxation:.2g}): "
                 f"compare manifold and conformation"

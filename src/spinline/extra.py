@@ -160,6 +160,10 @@ def follow_frames(
             scalars[name] = np.array(values) if lead and name != "vitrification_fraction" else values[0]
     remarks = list(dict.fromkeys(remark for moment in moments for remark in moment.remarks))
     attributes: dict[str, Any] = dict(moments[-1].attributes)
+    for name, value in (("zero_shear_viscosity", solution.viscosity),
+                        ("relaxation_time_at_rest", solution.relaxation_time)):  # fmt: skip
+        if value is not None:
+            attributes[name] = value
     if effects.radial:
         known = first.frozen is not None and not np.isnan(first.frozen.scalars["vitrification_fraction"])
         attributes["skin_criterion"] = (

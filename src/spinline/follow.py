@@ -5,9 +5,10 @@ Solved on a grid of its own, at least as fine as the result's, and read at the r
 """
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spinline.checks import BoolArray, FloatArray
 from spinline.drying_run import Dried, dry, element_path, first_passage, where_mean_reaches
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Followed", "follow"]
 
+IntArray = NDArray[np.intp]
 _LEAST = 401  # samples along a jet
 
 
@@ -60,7 +62,7 @@ class Followed:
     frozen: Frozen | None
     dried: Dried | None
     air: "Air | None"
-    at: FloatArray
+    at: IntArray
     known: BoolArray
     attributes: dict[str, str] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
@@ -106,7 +108,7 @@ def follow(
     left = np.ones(x.size) if dried is None else dried.remaining
     fraction = np.minimum(phi / left, 1.0)  # rounding only
     time, stretch, radius, velocity, rate = _kinematics(jet, profile, known, x, dried, left)
-    fields: dict[str, FloatArray] = {
+    fields: dict[str, Any] = {
         "radius": radius, "velocity": velocity, "residence_time": time, "stretch_ratio": stretch,
     }  # fmt: skip
     attributes: dict[str, str] = {"concentration_laws": material.words}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.air import build_air
-from spinline.build import coupling, coupling_error, drag_of_solvent, jet_length
+from spinline.build import bead_ages, coupling, coupling_error, drag_of_solvent, jet_length
 from spinline.drying_run import biot_number, check_radial, dry, element_path, fourier_number, peclet_number
 from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
@@ -153,11 +153,9 @@ def deborah_number(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
     if isinstance(jet, StraightJet):
         place = float(np.fmin(jet.position_of(full), jet_length(scene, jet)))
         return solution.relaxation_time * float(jet.strain_rate(place))
-    speed = 0.5 * (jet.bead_velocity[1:] + jet.bead_velocity[:-1])[jet.usable]
-    arc, stretch = jet.arc_length[jet.usable], jet.stretch[jet.usable]
-    if not np.isfinite(speed).all() or (speed <= 0).any():
+    time, stretch = bead_ages(jet)[0][jet.usable], jet.stretch[jet.usable]
+    if not np.isfinite(time).all():
         return _NAN
-    time = np.cumsum(np.diff(arc, prepend=0.0) / speed)
     reached = np.flatnonzero(stretch >= full)
     i = int(reached[0]) if reached.size else int(np.argmax(stretch))
     return solution.relaxation_time * float(np.log(stretch[i]) / time[i])
@@ -204,7 +202,8 @@ def _drying(
         return (_NAN,) * 5
     try:
         air = build_air(scene, solution)
-        path = element_path(jet, _places(scene, jet))
+        age = None if isinstance(jet, StraightJet) else bead_ages(jet)[0][jet.usable]
+        path = element_path(jet, _places(scene, jet), age)
         dried = dry(path, solution, air)
     except InputError as error:
         missing["evaporation"] = missing["radial"] = str(error)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.attributes import attributes_of, elsewhere
-from spinline.build import build_jet, build_solution, jet_length
+from spinline.build import bead_ages, build_jet, build_solution, jet_length
 from spinline.checks import FloatArray
 from spinline.effects import choose_effects
 from spinline.errors import InputError, SpinlineWarning
@@ -183,14 +183,13 @@ def _straight_profile(scene: Scene, jet: StraightJet, special: list[float]) -> d
 
 def _bead_profile(jet: "LagrangianJet") -> dict[str, FloatArray]:
     between = 0.5 * (jet.bead_velocity[..., 1:] + jet.bead_velocity[..., :-1])
-    step = np.diff(jet.arc_length, axis=-1, prepend=0.0)
     return {
         "arc_length": jet.arc_length,
         "radius": jet.element_radius,
         "velocity": between,
         "velocity_ratio": jet.stretch,
         "strain_rate": jet.element_strain_rate,
-        "residence_time": np.cumsum(step / np.where(between > 0, between, np.nan), axis=-1),
+        "residence_time": bead_ages(jet)[0],
         "stretch_ratio": jet.stretch,
         "x": jet.x,
         "y": jet.y,
