@@ -49,7 +49,7 @@ __all__ = [
     "tensile_force",
 ]
 
-_RTOL, _ATOL = 1e-10, 1e-12  # of the logarithms
+_RTOL = 1e-10  # of the logarithms
 
 
 @dataclass(frozen=True)
@@ -144,6 +144,7 @@ def conformation(
     *,
     strain_rate: ArrayLike | None = None,
     start: tuple[float, float] = (1.0, 1.0),
+    rtol: float = _RTOL,
 ) -> ElementConformation:
     """Conformation along a material element.
 
@@ -161,6 +162,8 @@ def conformation(
         edot, 1/s, at the samples: raises the order from 2 to 4.
     start : (float, float)
         A_zz and A_rr at the first sample, > 0 (Giesekus and FENE-P: 1e-100 to 1e100).
+    rtol : float, optional
+        Of each step of the nonlinear models, in [1e-12, 1e-3]; the error of A is about ten times that.
 
     Returns
     -------
@@ -182,6 +185,7 @@ def conformation(
     first = real("start", start, above=0.0)
     if first.shape != (2,):
         raise InputError("start", "must be A_zz and A_rr", value=start)
+    accuracy = float(real("rtol", rtol, least=1e-12, most=1e-3))
     stiffening = np.ones(history.time.size)
     if isinstance(chosen, Giesekus | FENEP):  # integrated step by step: within what a double can square
         real("start", first, least=1e-100, most=1e100)
@@ -191,13 +195,13 @@ def conformation(
     if isinstance(chosen, Maxwell | OldroydB):
         axial, radial = propagate(history, 2.0, float(first[0])), propagate(history, -1.0, float(first[1]))
     elif isinstance(chosen, Giesekus):
-        axial, radial = np.exp(_followed(history, 0, chosen.mobility, np.log(first)))
+        axial, radial = np.exp(_followed(history, 0, chosen.mobility, np.log(first), accuracy))
     else:
         limit, spread = chosen.extensibility, float(first[0] + 2 * first[1])
         if spread >= limit:
             raise InputError("start", "is beyond the contour", value=spread, allowed=f"A_zz + 2 A_rr < {limit:g}")
         scaled = first * (limit - 3) / (limit - spread)
-        tensor = np.exp(_followed(history, 1, limit, np.log(scaled)))
+        tensor = np.exp(_followed(history, 1, limit, np.log(scaled), accuracy))
         stiffening = (tensor[0] + 2 * tensor[1] + limit - 3) / limit
         axial, radial = tensor / stiffening
     rate = 0.5 * (
@@ -266,7 +270,7 @@ def steady_fenep(weissenberg: float, extensibility: float) -> tuple[float, float
     return 1 / gap, 1 / (gap + 3 * de)
 
 
-def _followed(history: ElementHistory, kind: int, parameter: float, first: FloatArray) -> FloatArray:
+def _followed(history: ElementHistory, kind: int, parameter: float, first: FloatArray, rtol: float) -> FloatArray:
     """Logarithms at the samples, (2, n)."""
     from spinline.rheology._conformation_kernels import follow
 
@@ -275,7 +279,7 @@ def _followed(history: ElementHistory, kind: int, parameter: float, first: Float
     bend = start + end - 2 * secant  # ln Lambda is a cubic: its rate is start + u (end - start - 3 bend) + 3 u^2 bend
     rates = np.stack((start, end - start - 3 * bend, 3 * bend), axis=1)
     reached, values = follow(
-        kind, parameter, first, history.time, rates, -np.log(history.relaxation_time), _RTOL, _ATOL
+        kind, parameter, first, history.time, rates, -np.log(history.relaxation_time), rtol, 0.01 * rtol
     )
     if reached < history.time.size:
         raise InputError(
