@@ -26,6 +26,7 @@ from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
 __all__ = [
+    "UNSTEADY",
     "Effect",
     "elastic_coupling_effect",
     "extensibility_effect",
@@ -36,7 +37,7 @@ __all__ = [
 
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
-_UNSTEADY = 0.25  # eps V' from which no steady network exists
+UNSTEADY = 0.25  # eps V' from which no steady network exists
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def elastic_coupling_effect(scene: Scene, solution: Solution, jet: StraightJet) 
     number, error = _slip(scene, solution, jet, eps)
     if np.isnan(alpha):
         words = f"alpha_v is {viscosity}"
-    elif number > _UNSTEADY:
+    elif number > UNSTEADY:
         words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
     else:
         words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
@@ -142,7 +143,7 @@ def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tup
     v = jet.velocity_ratio(z)
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
     number = float(np.abs(eps) * slope.max())
-    if number > _UNSTEADY:
+    if number > UNSTEADY:
         return number, max(1.0, number)
     first = eps * slope
     return number, _moved(scene, solution, z, v, v * (1 + first + 2 * first**2))

@@ -17,6 +17,7 @@ from spinline.errors import InputError, SpinlineWarning
 from spinline.examine import SLIPPING, examine
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
+from spinline.plan import plan_scene, resolved
 from spinline.rungs import (
     BOND_STRENGTH,
     Crossover,
@@ -86,6 +87,8 @@ def run(scene: Scene) -> "xr.Dataset":
 
     solution = build_solution(scene)
     jet = build_jet(scene, solution)
+    plan = plan_scene(scene, solution, jet)
+    scene = resolved(scene, plan)
     effects = choose_effects(scene, solution, jet)
     remarks = examine(scene, solution, jet, effects)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
@@ -105,7 +108,14 @@ def run(scene: Scene) -> "xr.Dataset":
     network: Manifold | SettledChain | None = None
     if scene.network.model in SLIPPING and isinstance(jet, StraightJet):
         solve = steady_state if scene.network.model == "manifold" else settled_chain
-        network = solve(scene, solution, jet)
+        try:
+            network = solve(scene, solution, jet)
+        except InputError as error:
+            if plan.forced:
+                raise
+            remedy = f"{error.remedy}; or" if error.remedy else "take"
+            raise InputError(error.field, f"{error.problem} (the rung that rtol = {plan.rtol:g} needs)", value=error.value,
+                             allowed=error.allowed, remedy=f'{remedy} model = "affine"') from None  # fmt: skip
         if isinstance(network, SettledChain) and network.drift > scene.accuracy.rtol:
             remarks.append(
                 f"the chain has not settled: its stretch still changed by {network.drift:.2g} over the last tenth of "
@@ -144,7 +154,7 @@ def run(scene: Scene) -> "xr.Dataset":
     for remark in remarks:
         warnings.warn(remark, SpinlineWarning, stacklevel=2)
     scalars |= _crossover_scalars(found, single=not _has_times(jet))
-    attributes = attributes_of(scene, solution, jet, found, remarks, network, effects)
+    attributes = attributes_of(scene, solution, jet, found, remarks, network, effects, plan)
     if extra is not None:
         attributes |= extra.attributes
     return results.assemble(fields, scalars, attributes, jet)
