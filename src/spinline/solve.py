@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.attributes import attributes_of, elsewhere
-from spinline.build import bead_ages, build_jet, build_solution, jet_length
+from spinline.build import bead_ages, build_jet, build_solution, jet_grid, jet_length
 from spinline.checks import FloatArray
 from spinline.effects import choose_effects
 from spinline.errors import InputError, SpinlineWarning
@@ -46,6 +46,8 @@ def crossover(scene: Scene, jet: "StraightJet | LagrangianJet", velocity_ratio: 
     if not isinstance(jet, StraightJet) and jet.time is not None:
         raise InputError("jet.time", "holds many times", remedy="take one")
     predicted = float(jet.position_of(velocity_ratio)) if velocity_ratio > 0 else float("nan")
+    if 0 < velocity_ratio <= 1:  # so at rest
+        predicted = jet.start if isinstance(jet, StraightJet) else 0.0
     end = jet_length(scene, jet) if isinstance(jet, StraightJet) else float("inf")
     if not predicted <= end * (1 + 1e-12):
         nan = float("nan")
@@ -172,14 +174,9 @@ def _frames(jet: "StraightJet | LagrangianJet") -> "list[StraightJet | Lagrangia
 
 def _straight_profile(scene: Scene, jet: StraightJet, special: list[float]) -> dict[str, FloatArray]:
     """Jet variables on a grid that is fine at the nozzle and holds the special places exactly."""
-    length, r0 = jet_length(scene, jet), jet.initial_radius
-    span = length - jet.start
-    grid = jet.start + r0 * np.expm1(np.linspace(0.0, np.log1p(span / r0), scene.accuracy.points))
-    grid[-1] = length
-    extra = [
-        place for place in (*special, *(jet.start + kink * r0 for kink in jet.kinks())) if jet.start <= place <= length
-    ]
-    z = np.unique(np.concatenate((np.clip(grid, jet.start, length), extra)))
+    length = jet_length(scene, jet)
+    extra = [place for place in special if jet.start <= place <= length]
+    z = np.unique(np.concatenate((jet_grid(jet, length, scene.accuracy.points), extra)))
     return {
         "z": z,
         "radius": jet.radius(z),
