@@ -10,7 +10,7 @@ In ``dsigma = Lambda dt`` the stretch drops out of the equation and stays in Sh 
 Finite volumes: polymer does not leave its cell, solvent leaves one cell for the next or for the air, and the loss is
 integrated with them, so that both masses are conserved to rounding. Cells shrink towards the surface as the square of their
 number; the outermost one (1.2e-4 of the polymer, of 100 cells) is taken as the surface. Face diffusivities are Simpson means
-over phi. In time Radau, order 5, implicit.
+over phi. Along the jet Radau's method, order 5, in compiled loops (`_drying_kernels`).
 
 Two numbers: ``drying_peclet = D_a Sh C_sat/(2 D)``, evaporation against diffusion (below 0.1: flat profiles, use
 `evaporate`; above 10: a skin), and the Fourier number ``pi D z/Q``.
@@ -22,16 +22,14 @@ References
 Crank, The Mathematics of Diffusion (1975), sections 5.3 and 10; review Eqs. (43a), (44).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 
 from spinline.checks import FloatArray, number, real
 from spinline.errors import InputError
-from spinline.rheology import vapour
+from spinline.rheology._drying_march import march, tabulated
 from spinline.rheology._evaporation_balance import Balance
 from spinline.rheology._finite import finite_result
 from spinline.rheology.cylinder import cylinder_series
@@ -158,29 +156,23 @@ def dry_radially(
     real("diffusion", sample, above=0.0, most=1e3, unit="m2/s", remedy="D must be positive from phi = 0 to 1")
     edges = np.sin(0.5 * np.pi * np.linspace(0, 1, cells + 1))
     share = np.diff(edges)
-    system = _Cells(balance, volatile, diffusion, share, phi0)
     first = (1 - phi0) / phi0
-    state = np.concatenate((np.full(cells, first), [0.0, 0.0]))
-    pace = float(path.exposure(np.asarray([path.start]))[0])
-    # the time is for information: it follows from the path, and must not set the step
-    atol = np.concatenate((np.full(cells + 1, 1e-3 * accuracy * first), [1e-6 * pace * path.position[-1]]))
-    after = path.position > path.start
-    values = np.tile(state[:, np.newaxis], path.position.size)
-    where, when = [np.nan, np.nan], [np.nan, np.nan]
-    if after.any():
-        events = [_reaches(cells - 1, glass), _reaches(0, glass)] if np.isfinite(glass) else None
-        with np.errstate(divide="ignore"):  # Radau divides by an error of exactly 0 where nothing happens
-            found = solve_ivp(
-                system.slope, (path.start, path.position[-1]), state, method="Radau", t_eval=path.position[after],
-                rtol=accuracy, atol=atol, jac=system.jacobian, events=events,
-            )  # fmt: skip
-        if not found.success:
-            raise InputError("jet", f"cannot be dried: {found.message}", remedy="more cells, or a smoother D(phi)")
-        values[:, after] = found.y
-        if found.t_events is not None and found.y_events is not None:
-            for i, (places, states) in enumerate(zip(found.t_events, found.y_events, strict=True)):
-                if places.size:
-                    where[i], when[i] = float(places[0]), float(states[0][-1])
+    state = np.concatenate((np.full(cells, first), [0.0]))
+    amount = phi0 * path.initial_radius**2
+    air = np.array([
+        volatile.diffusivity, volatile.saturation, volatile.ambient, volatile.chi, 0.495 * np.sqrt(balance.schmidt[0]),
+        balance.floor, phi0, path.initial_radius, balance.wind, balance.nu, float(balance.kept),
+    ])  # fmt: skip
+
+    def along(x: FloatArray) -> FloatArray:
+        return np.column_stack((path.stretch(x), path.speed(x), path.exposure(x) / amount))
+
+    dry = 1 / glass - 1 if np.isfinite(glass) else -np.inf
+    marched = march(
+        path.start, path.position, path.breaks, state, share, tabulated(diffusion), air, along, accuracy,
+        np.full(cells + 1, 1e-3 * accuracy * first), ((cells - 1, dry), (0, dry)),
+    )  # fmt: skip
+    values = marched.values.T
     u = values[:cells]
     volume = np.concatenate(
         (np.zeros((1, u.shape[1])), np.cumsum(share[:, np.newaxis] * (1 + u), axis=0))
@@ -188,66 +180,7 @@ def dry_radially(
     left = phi0 * volume[-1]
     stretch = path.stretch(path.position) * (left if balance.kept else 1.0)
     return RadialDrying(
-        path.position, values[-1], (1 / (1 + u)).T, path.initial_radius * np.sqrt(phi0 * volume / stretch).T, share,
-        1 / volume[-1], left, phi0 * values[cells], (where[0], where[1]), (when[0], when[1]),
+        path.position, marched.time, (1 / (1 + u)).T, path.initial_radius * np.sqrt(phi0 * volume / stretch).T, share,
+        1 / volume[-1], left, phi0 * values[cells], (marched.events[0][0], marched.events[1][0]),
+        (marched.events[0][1], marched.events[1][1]),
     )  # fmt: skip
-
-
-class _Cells:
-    """Right-hand side: u in the cells, what has left (over the polymer), and the time; columns are states."""
-
-    def __init__(
-        self, balance: Balance, volatile: Volatile, diffusion: DiffusionLaw, share: FloatArray, phi0: float
-    ) -> None:
-        self.balance, self.volatile, self.diffusion, self.phi0 = balance, volatile, diffusion, phi0
-        self.share, self.width = share, share[:, np.newaxis]
-        self.gaps = 0.5 * (self.width[1:] + self.width[:-1])
-        self.amount = phi0 * balance.path.initial_radius**2
-        self.size, self.chi = np.array([volatile.molar_volume]), np.array([volatile.chi])
-
-    def flux(self, x: float, u: FloatArray) -> FloatArray:
-        """Flux outwards through the upper edge of every cell, times -1; (cells, columns)."""
-        volatile, diffusion = self.volatile, self.diffusion
-        phi = 1 / (1 + u)
-        volume = np.cumsum(self.width * (1 + u), axis=0)
-        middle = 0.5 * (phi[1:] + phi[:-1])
-        mean = (diffusion(phi[1:]) + 4 * diffusion(middle) + diffusion(phi[:-1])) / 6
-        inward = 4 * mean * volume[:-1] * phi[1:] * phi[:-1] * (u[1:] - u[:-1]) / self.gaps  # D phi^2 u_y = -D phi_y
-        solvent = (u[-1] * phi[-1])[np.newaxis]
-        activity = (vapour.flory_huggins_coefficient(solvent, self.size, self.chi) * solvent)[0]
-        reynolds = self.balance.reynolds(np.asarray([x]), self.phi0 * volume[-1])
-        number = np.cbrt(reynolds) * 0.495 * np.sqrt(self.balance.schmidt[0])
-        pull = volatile.saturation * (activity - volatile.ambient)
-        loss = volatile.diffusivity * np.maximum(number, self.balance.floor) * pull
-        return np.concatenate((inward, -loss[np.newaxis]))
-
-    def change(self, x: float, flux: FloatArray) -> FloatArray:
-        """Rates of u and of what has left; linear in the flux, and their sum over the polymer is 0."""
-        rate = float(self.balance.path.exposure(np.asarray([x]))[0]) / self.amount
-        inner = np.diff(flux, axis=0, prepend=np.zeros((1, flux.shape[1]))) / self.width
-        return rate * np.concatenate((inner, -flux[-1:]))
-
-    def slope(self, x: float, state: FloatArray) -> FloatArray:
-        """Rates of u, of what has left and of the time; NaN, which shortens the step, for a trial far below dryness."""
-        if float(state[:-2].min()) < -0.3:
-            return np.full_like(state, np.nan)
-        u, at = state[:-2, np.newaxis], np.asarray([x])
-        path = self.balance.path
-        left = self.phi0 * float(self.share @ (1 + state[:-2]))
-        stretch = path.stretch(at) * (left if self.balance.kept else 1.0)
-        return np.concatenate((self.change(x, self.flux(x, u))[:, 0], path.exposure(at) / stretch))
-
-    def jacobian(self, x: float, state: FloatArray) -> FloatArray:
-        """Differences of the fluxes, so that the columns conserve both masses to rounding; the time stays out."""
-        u, count = state[:-2], self.share.size
-        step = 1.5e-8 * np.maximum(np.abs(u), 1e-6 * float(np.abs(u).max()))
-        moved = u[:, np.newaxis] + np.diag(step)
-        step = np.diag(moved) - u
-        flux = self.flux(x, np.concatenate((u[:, np.newaxis], moved), axis=1))
-        matrix = np.zeros((count + 2, count + 2))
-        matrix[:-1, :-2] = self.change(x, (flux[:, 1:] - flux[:, :1]) / step)
-        return matrix
-
-
-def _reaches(cell: int, fraction: float) -> Callable[[float, FloatArray], float]:
-    return lambda _, state: 1 / (1 + float(state[cell])) - fraction
