@@ -66,6 +66,8 @@ class Plan:
     used, left_out : tuple of str
         Names of effects.
     rtol : float
+    numbers : EffectNumbers
+        What the estimates are made from.
     reason : str
         A sentence.
     remarks : tuple of str
@@ -78,6 +80,7 @@ class Plan:
     used: tuple[str, ...]
     left_out: tuple[str, ...]
     rtol: float
+    numbers: EffectNumbers
     reason: str
     remarks: tuple[str, ...]
 
@@ -153,6 +156,7 @@ def plan_scene(
         tuple(e.name for e in effects if e.name in used),
         left_out,
         rtol,
+        known,
         reason,
         remarks,
     )

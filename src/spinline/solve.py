@@ -91,7 +91,7 @@ def run(scene: Scene) -> "xr.Dataset":
     jet = build_jet(scene, solution)
     plan = plan_scene(scene, solution, jet)
     scene = resolved(scene, plan)
-    effects = choose_effects(scene, solution, jet)
+    effects = choose_effects(scene, solution, jet, plan.numbers)
     remarks = examine(scene, solution, jet, effects)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     targets = {
