@@ -143,6 +143,7 @@ def conformation(
     *,
     strain_rate: ArrayLike | None = None,
     start: tuple[float, float] = (1.0, 1.0),
+    rtol: float = _RTOL,
 ) -> ElementConformation:
     """Conformation along a material element.
 
@@ -160,6 +161,8 @@ def conformation(
         edot, 1/s, at the samples: raises the order from 2 to 4.
     start : (float, float)
         A_zz and A_rr at the first sample.
+    rtol : float, optional
+        Of the integration of the nonlinear models, in [1e-12, 1e-3]; the global error is about a hundred times that.
 
     Returns
     -------
@@ -181,17 +184,18 @@ def conformation(
     first = real("start", start, above=0.0)
     if first.shape != (2,):
         raise InputError("start", "must be A_zz and A_rr", value=start)
+    accuracy = float(real("rtol", rtol, least=1e-12, most=1e-3))
     stiffening = np.ones(history.time.size)
     if isinstance(chosen, Maxwell | OldroydB):
         axial, radial = propagate(history, 2.0, float(first[0])), propagate(history, -1.0, float(first[1]))
     elif isinstance(chosen, Giesekus):
-        axial, radial = np.exp(_radau(history, _giesekus(chosen.mobility), np.log(first)))
+        axial, radial = np.exp(_radau(history, _giesekus(chosen.mobility), np.log(first), accuracy))
     else:
         limit, spread = chosen.extensibility, float(first[0] + 2 * first[1])
         if spread >= limit:
             raise InputError("start", "is beyond the contour", value=spread, allowed=f"A_zz + 2 A_rr < {limit:g}")
         scaled = first * (limit - 3) / (limit - spread)
-        tensor = np.exp(_radau(history, _fenep(limit), np.log(scaled)))
+        tensor = np.exp(_radau(history, _fenep(limit), np.log(scaled), accuracy))
         stiffening = (tensor[0] + 2 * tensor[1] + limit - 3) / limit
         axial, radial = tensor / stiffening
     rate = 0.5 * (
@@ -282,15 +286,15 @@ def _fenep(limit: float) -> Slope:
     return slope
 
 
-def _radau(history: ElementHistory, slope: Slope, first: FloatArray) -> FloatArray:
+def _radau(history: ElementHistory, slope: Slope, first: FloatArray, rtol: float) -> FloatArray:
     from scipy.integrate import solve_ivp
 
     t = history.time
     longest = max(float(np.diff(t).max()), float(t[-1] - t[0]) / 100)
     with np.errstate(divide="ignore"):  # Radau divides by an error of exactly 0 at rest
         found = solve_ivp(
-            lambda at, y: slope(y, *history.rates(at)), (t[0], t[-1]), first, method="Radau", t_eval=t, rtol=_RTOL,
-            atol=1e-14, max_step=longest,
+            lambda at, y: slope(y, *history.rates(at)), (t[0], t[-1]), first, method="Radau", t_eval=t, rtol=rtol,
+            atol=1e-4 * rtol, max_step=longest,
         )  # fmt: skip
     if not found.success:
         raise InputError("time", f"cannot be followed: {found.message}", remedy="sample the history more finely")

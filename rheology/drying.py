@@ -24,10 +24,12 @@ Crank, The Mathematics of Diffusion (1975), sections 5.3 and 10; review Eqs. (43
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
+from scipy.sparse import csc_matrix
 
 from spinline.checks import FloatArray, positive, real
 from spinline.errors import InputError
@@ -243,11 +245,12 @@ class _Cells:
         self.amount = phi0 * balance.path.initial_radius**2
         self.size, self.chi = np.array([volatile.molar_volume]), np.array([volatile.chi])
 
-    def flux(self, x: float, u: FloatArray) -> FloatArray:
-        """Flux outwards through the upper edge of every cell, times -1; (cells, columns)."""
+    def flux(self, x: float, u: FloatArray, volume: FloatArray | None = None) -> FloatArray:
+        """Flux outwards through the upper edge of every cell, times -1; (cells, columns). X of u, if not given."""
         volatile, diffusion = self.volatile, self.diffusion
         phi = 1 / (1 + u)
-        volume = np.cumsum(self.width * (1 + u), axis=0)
+        if volume is None:
+            volume = np.cumsum(self.width * (1 + u), axis=0)
         middle = 0.5 * (phi[1:] + phi[:-1])
         mean = (diffusion(phi[1:]) + 4 * diffusion(middle) + diffusion(phi[:-1])) / 6
         inward = 4 * mean * volume[:-1] * phi[1:] * phi[:-1] * (u[1:] - u[:-1]) / self.gaps  # D phi^2 u_y = -D phi_y
@@ -275,16 +278,29 @@ class _Cells:
         stretch = path.stretch(at) * (left if self.balance.kept else 1.0)
         return np.concatenate((self.change(x, self.flux(x, u))[:, 0], path.exposure(at) / stretch))
 
-    def jacobian(self, x: float, state: FloatArray) -> FloatArray:
-        """Differences of the fluxes, so that the columns conserve both masses to rounding; the time stays out."""
+    def jacobian(self, x: float, state: FloatArray) -> Any:
+        """Sparse: differences of the fluxes at the X there is, so that the columns conserve both masses to rounding.
+
+        A flux depends on the fractions on its two sides, and weakly, left out here, on all volume within. The time stays out.
+        """
         u, count = state[:-2], self.share.size
         step = 1.5e-8 * np.maximum(np.abs(u), 1e-6 * float(np.abs(u).max()))
-        moved = u[:, np.newaxis] + np.diag(step)
-        step = np.diag(moved) - u
-        flux = self.flux(x, np.concatenate((u[:, np.newaxis], moved), axis=1))
-        matrix = np.zeros((count + 2, count + 2))
-        matrix[:-1, :-2] = self.change(x, (flux[:, 1:] - flux[:, :1]) / step)
-        return matrix
+        even = np.arange(count) % 2 == 0
+        moved = np.stack((u, np.where(even, u + step, u), np.where(even, u, u + step)), axis=1)
+        step = np.where(even, moved[:, 1], moved[:, 2]) - u
+        flux = self.flux(x, moved, np.cumsum(self.width * (1 + u[:, np.newaxis]), axis=0))
+        change = flux[:, 1:] - flux[:, :1]
+        inner = np.where(even, change[:, 0], change[:, 1]) / step  # by the cell's own u
+        outer = np.where(even, change[:, 1], change[:, 0])[:-1] / step[1:]  # by its outer neighbour's
+        rate = float(self.balance.path.exposure(np.asarray([x]))[0]) / self.amount
+        own = inner.copy()
+        own[1:] -= outer
+        i = np.arange(count)
+        rows = np.concatenate((i, i[:-1], i[1:], [count]))
+        columns = np.concatenate((i, i[1:], i[:-1], [count - 1]))
+        width = self.share
+        values = rate * np.concatenate((own / width, outer / width[:-1], -inner[:-1] / width[1:], [-inner[-1]]))
+        return csc_matrix((values, (rows, columns)), shape=(count + 2, count + 2))
 
 
 def _reaches(cell: int, fraction: float) -> Callable[[float, FloatArray], float]:
