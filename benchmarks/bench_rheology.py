@@ -111,7 +111,9 @@ def drying() -> None:
             return np.interp(np.linspace(0.05, 0.95, 19), share - 0.5 * done.polymer_share, done.polymer_fraction[-1])
 
         error = np.abs(ours() / ours(200, 1e-7) - 1).max()
-        print(f"{f'D = {diffusivity:g} m2/s':34s}{error:10.1e}{best(ours, 3):10.4f}{1e-5 * 0.3e-3 / (2 * diffusivity):10.2g}")
+        print(
+            f"{f'D = {diffusivity:g} m2/s':34s}{error:10.1e}{best(ours, 3):10.4f}{1e-5 * 0.3e-3 / (2 * diffusivity):10.2g}"
+        )
     r0, d, biot = 1e-4, 1e-6, 1.0
     still = sl.jetprofile.PowerLaw(radius=r0, flow_rate=np.pi * r0**2, k=1e-6, beta=1.0)
     phi = 1 - 2.0**-36
@@ -126,12 +128,11 @@ def drying() -> None:
 
 def coupled() -> None:
     """The design's run."""
-    scene = sl.load_scene("pmma10-drying", ["accuracy.points=200"])
     print(f"\n{'coupled run, 200 x 100':34s}{'s':>10s}{'wall, s':>10s}")
     for label, overrides in (
-        ("Maxwell", []),
-        ("FENE-P", ["network.closure=stretch"]),
-        ("evaporation, conformation only", ["effects.radial=false"]),
+        ("Maxwell", ["network.closure=force"]),
+        ("FENE-P", []),
+        ("Maxwell, flat across", ["network.closure=force", "effects.radial=false"]),
     ):
         scene = sl.load_scene("pmma10-drying", ["accuracy.points=200", *overrides])
         start = time.perf_counter()
