@@ -9,6 +9,7 @@ evaporation, conformation and radial drying, a map of 200 x 100, warm.
 import time
 import warnings
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -88,7 +89,7 @@ def evaporation() -> None:
 
             ends = (0.0, 125e-6, 10e-3)
             left = np.array([1.0])
-            for a, b in zip(ends[:-1], ends[1:], strict=True):
+            for a, b in pairwise(ends):
                 left = solve_ivp(slope, (a, b), left, method="LSODA", rtol=1e-12, atol=1e-14).y[:, -1]
             return float(left[0])
 
@@ -101,8 +102,8 @@ def drying() -> None:
     z = np.linspace(1e-5, 10e-3, 200)
     path = straight_path(JET, z)
     print(f"\n{'radial drying, 100 cells':34s}{'error':>10s}{'s':>10s}{'Peclet':>10s}")
+    solvent = Volatile("x", 1e-3, 1e-5, chi=0.45)
     for diffusivity in (1e-8, 1e-10, 1e-12):
-        solvent = Volatile("x", 1e-3, 1e-5, chi=0.45)
 
         def ours(cells: int = 100, rtol: float = 1e-5, diffusivity: float = diffusivity) -> np.ndarray:
             law = ConstantDiffusion(diffusivity)
