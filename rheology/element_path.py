@@ -145,7 +145,7 @@ def straight_path(jet: SteadyJet, z: ArrayLike, given: Given | None = None) -> E
     position = _positions("z", z, jet.start, jet.end)
     velocity, radius = jet.initial_velocity, jet.initial_radius
     chosen: Given = given if given is not None else getattr(jet, "given", "velocity")
-    if chosen not in get_args(Given):
+    if not isinstance(chosen, str) or chosen not in get_args(Given):
         raise InputError("given", "is not known", value=chosen, allowed='"velocity", "radius"')
     return ElementPath(
         position=position,
