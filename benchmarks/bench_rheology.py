@@ -123,7 +123,7 @@ def drying() -> None:
     done = dry_radially(straight_path(still, fourier * r0**2 / d), phi, there, ConstantDiffusion(d), air_viscosity=NU,
                         sherwood_floor=2.0, cells=100, rtol=1e-10)  # fmt: skip
     left = (1 / done.polymer_fraction - 1)[:, 0] / ((1 - phi) / phi)
-    series = cylinder_series(0.5 * done.edges[0, 1] / r0, fourier, biot)
+    series = cylinder_series(done.edges[0, 1] / np.sqrt(2) / r0, fourier, biot)  # the mean of a parabola over the cell
     print(f"{'cylinder series, Bi = 1, axis':34s}{np.abs(left / series - 1).max():10.1e}")
 
 

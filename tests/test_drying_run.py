@@ -54,6 +54,11 @@ def test_peo_in_water_with_given_properties_is_the_closed_form() -> None:
 def test_library_properties_and_the_convention_of_2001() -> None:
     mass = quiet("peo5-water", *WET, LONG)
     assert 0.36 < 100 * float(mass["evaporated_fraction"][-1]) < 0.45
+    # the velocity is kept: the crossover stays where it is, in a thinner jet
+    plain = quiet("peo5-water", LONG)
+    assert float(mass["crossover_position"]) == pytest.approx(float(plain["crossover_position"]), rel=1e-12)
+    left = 1 - np.interp(float(mass["crossover_position"]), mass["z"], mass["evaporated_fraction"])
+    assert float(mass["crossover_radius"] / plain["crossover_radius"]) == pytest.approx(np.sqrt(left), rel=1e-6)
     mole = quiet("peo5-water", *WET, LONG, "rheology.convention=yarin2001")
     assert float(mole["mean_polymer_fraction"][-1]) == pytest.approx(equilibrium_fraction(0.4, 0.5), abs=2e-3)
     # initial rates: rho R T / (p M), 1300 for water
@@ -438,6 +443,17 @@ def test_own_solvent_needs_its_properties_one_by_one() -> None:
     with pytest.raises(InputError, match="one number, and the solvent is a mixture"):
         quiet("peo5-water", mixture, *WET, "ambient.saturation=1e-5")
     assert "ethanol" in quiet("peo5-water", mixture, *WET).attrs["evaporation"]
+
+
+def test_check_finds_what_is_missing_before_it_runs(spinline) -> None:
+    for overrides, words in (
+        (["effects.evaporation=true"], "ambient.relative_humidity"),
+        ([HUMID, "effects.radial=true"], "rheology.diffusivity"),
+        (["effects.relaxation=true"], "solution.relaxation_time"),
+    ):
+        ran = spinline("check", "peo5-water", *(part for key in overrides for part in ("--set", key)))
+        assert (ran.code, words in ran.err) == (2, True)
+    assert spinline("check", "pmma10-drying").code == 0
 
 
 def test_numbers_that_decide() -> None:

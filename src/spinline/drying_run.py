@@ -21,7 +21,17 @@ if TYPE_CHECKING:
     from spinline.rheology.drying import RadialDrying
     from spinline.rheology.element_path import ElementPath
 
-__all__ = ["Dried", "biot_number", "dry", "element_path", "fourier_number", "peclet_number", "where_mean_reaches"]
+__all__ = [
+    "Dried",
+    "biot_number",
+    "check_radial",
+    "dry",
+    "element_path",
+    "first_passage",
+    "fourier_number",
+    "peclet_number",
+    "where_mean_reaches",
+]
 
 _FARTHEST = 1e4  # lengths of the jet that a prediction looks beyond it
 
