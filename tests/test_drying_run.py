@@ -425,9 +425,7 @@ def test_auto_takes_what_matters_and_says_so() -> None:
     flat = quiet("peo5-water", *WET, "rheology.diffusivity=1e-8 m2/s")
     assert flat.attrs["radial_reason"].startswith("off: leaving it out errs")
     drier = quiet("peo5-water", "solution.relaxation_time=10 s", HUMID, "rheology.convention=yarin2001")
-    assert (drier.attrs["model"], drier.attrs["relaxation_reason"]) == (
-        "conformation", "on: evaporation changes the solution that relaxes",
-    )  # fmt: skip
+    assert (drier.attrs["model"], drier.attrs["relaxation_reason"][:3]) == ("conformation", "on:")
     both = quiet("peo5-water", "solution.relaxation_time=10 ms", "network.coupling=100")
     assert "no model holds both" in both.attrs["warnings"]
 

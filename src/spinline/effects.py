@@ -71,11 +71,6 @@ def choose_effects(
         on[name], why[name] = _decide(getattr(asked, name), numbers.errors[name], numbers.missing.get(name, ""), rtol)
     if model == "conformation":
         on["relaxation"], why["relaxation"] = True, 'on: network.model = "conformation"'
-    elif (
-        model == "auto" and asked.relaxation == "auto" and not on["relaxation"] and solution.relaxation_time is not None
-    ):
-        if on["evaporation"] and numbers.errors["evaporation"] > rtol:
-            on["relaxation"], why["relaxation"] = True, "on: evaporation changes the solution that relaxes"
     elif on["relaxation"] and asked.relaxation == "auto" and model != "auto":
         on["relaxation"] = False
         why["relaxation"] = f'off: network.model = "{model}" has none; it would matter, {why["relaxation"][4:]}'

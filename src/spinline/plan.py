@@ -213,7 +213,10 @@ def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float
         return "conformation"
     if _names_a_law(scene) or (slips and not (relaxes and relaxing >= elastic)):
         return "manifold" if not np.isnan(elastic) else "affine"
-    return "conformation" if relaxes else "affine"
+    # a solution that dries relaxes by other times than it set out with: the rung that can hold that, if the time is known
+    dries = _switched(scene.effects.evaporation, errors["evaporation"], rtol) and MARGIN * errors["evaporation"] > rtol
+    knows = not np.isnan(relaxing) and scene.effects.relaxation is not False
+    return "conformation" if relaxes or (dries and knows) else "affine"
 
 
 def _names_a_law(scene: Scene) -> bool:
