@@ -87,6 +87,31 @@ def run(scene: Scene) -> "xr.Dataset":
     itself are estimated in the attribute ``model_reason``.
     """
     from spinline import results
+    from spinline.uncertainty import propagated, uncertain_inputs
+
+    result, taken = _solved(scene)
+    remarks = str(result.attrs["warnings"]).splitlines()
+    uncertain = uncertain_inputs(scene)
+    if uncertain and taken.network.model in _SAMPLED:
+        remarks.append(f'uncertain inputs are not followed through model = "{taken.network.model}": take another')
+    elif uncertain:
+        numbers, said = propagated(taken, result, lambda moved: _solved(moved)[0])
+        result = results.with_numbers(result, numbers)
+        result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
+        remarks += said
+    result.attrs["warnings"] = "\n".join(remarks)
+    for remark in remarks:
+        warnings.warn(remark, SpinlineWarning, stacklevel=2)
+    return result
+
+
+_SAMPLED = ("chain", "walk")  # rungs that are too slow, or too noisy, to run for every uncertain input
+
+
+def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":
+    """Result of a scene, its remarks in its attribute, and the scene with the rung and the effects that were taken."""
+    from spinline import results
+    from spinline.summary import structure_summary
 
     solution = build_solution(scene)
     jet = build_jet(scene, solution)
@@ -158,13 +183,14 @@ def run(scene: Scene) -> "xr.Dataset":
     for name, places in found.items():
         if len(places) == 1 and np.isnan(places[0].position):
             remarks.append(f"{name.replace('_', ' by ')} is not reached: {elsewhere(places[0])}")
-    for remark in remarks:
-        warnings.warn(remark, SpinlineWarning, stacklevel=2)
     scalars |= _crossover_scalars(found, single=not _has_times(jet))
     attributes = attributes_of(scene, solution, jet, found, remarks, network, effects, plan)
     if extra is not None:
         attributes |= extra.attributes
-    return results.assemble(fields, scalars, attributes, jet)
+    result = results.assemble(fields, scalars, attributes, jet)
+    switches = {"evaporation": effects.evaporation, "relaxation": effects.relaxation, "radial": effects.radial}
+    taken = scene.model_copy(update={"effects": scene.effects.model_copy(update=switches)})
+    return results.with_numbers(result, structure_summary(result)), taken
 
 
 def _has_times(jet: "StraightJet | LagrangianJet") -> bool:
