@@ -1,0 +1,181 @@
+"""Equations of a map: a row touches four neighbouring splines along z, so the matrix is a narrow band of small blocks.
+
+Blocks of as many splines as the degree make it block tridiagonal, with diagonal blocks D and lower ones O. Elimination
+``D_(s+1) <- D_(s+1) - C_s O_s^T``, ``C_s = O_s D_s^-1`` solves it, and from the far end
+
+    V_ss = D_s^-1 + C_s^T V_(s+1,s+1) C_s,   V_(s+1,s) = -V_(s+1,s+1) C_s
+
+gives that part of the inverse which the band covers [1]_, all that variances at the rows need. Both cost time and memory in
+proportion to the rows.
+
+References
+----------
+.. [1] Takahashi, Fagan and Chin, 8th PICA Conf. Proc., 63 (1973).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.linalg import lapack
+
+from spinline.checks import FloatArray
+from spinline.xray.map_basis import AxialBasis
+
+__all__ = ["Factor", "assembled", "factorised"]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _assemble(
+    first: FloatArray, values: FloatArray, fisher: FloatArray, gradient: FloatArray, matrix: FloatArray, right: FloatArray
+) -> None:
+    rows, touched = values.shape
+    width = fisher.shape[1]
+    for i in range(rows):
+        for a in range(touched):
+            k = first[i] + a
+            for p in range(width):
+                right[k, p] += values[i, a] * gradient[i, p]
+            for d in range(touched - a):
+                w = values[i, a] * values[i, a + d]
+                for p in range(width):
+                    for q in range(width):
+                        matrix[k, d, p, q] += w * fisher[i, p, q]
+
+
+def assembled(basis: AxialBasis, fisher: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sum the rows' matrices, shape (rows, n, n), and slopes, (rows, n), over the splines along z.
+
+    Returns
+    -------
+    matrix : ndarray, shape (splines, degree + 1, n, n)
+        Element [k, d] is the block (k, k + d), itself symmetric.
+    right : ndarray, shape (splines, n)
+    """
+    width = gradient.shape[1]
+    matrix = np.zeros((basis.size, basis.degree + 1, width, width))
+    right = np.zeros((basis.size, width))
+    _assemble(basis.first, basis.values, fisher, gradient, matrix, right)
+    return matrix, right
+
+
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """Elimination of a band.
+
+    Attributes
+    ----------
+    inverses, links : ndarray, shapes (blocks, m, m) and (blocks - 1, m, m)
+        ``D_s^-1`` and ``C_s`` of the matrix scaled to unit diagonal.
+    scale : ndarray, shape (splines, n)
+        Square roots of the diagonal.
+    degree : int
+    log_determinant : float
+    """
+
+    inverses: FloatArray
+    links: FloatArray
+    scale: FloatArray
+    degree: int
+    log_determinant: float
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """Solution for a right side of shape (splines, n)."""
+        blocks = self.inverses.shape[0]
+        x = self._cut(right / self.scale)
+        for s in range(1, blocks):
+            x[s] -= self.links[s - 1] @ x[s - 1]
+        x = np.einsum("sij,sj->si", self.inverses, x)
+        for s in range(blocks - 2, -1, -1):
+            x[s] -= self.links[s].T @ x[s + 1]
+        return self._joined(x) / self.scale
+
+    def draw(self, generator: np.random.Generator) -> FloatArray:
+        """A normal sample with the inverse as its covariance, shape (splines, n)."""
+        x = np.einsum("sij,sj->si", np.linalg.cholesky(self.inverses), generator.standard_normal(self.inverses.shape[:2]))
+        for s in range(self.inverses.shape[0] - 2, -1, -1):
+            x[s] -= self.links[s].T @ x[s + 1]
+        return self._joined(x) / self.scale
+
+    def covariance(self) -> FloatArray:
+        """The inverse within the band, shape (splines, degree + 1, n, n): element [k, d] is the block (k, k + d)."""
+        splines, n = self.scale.shape
+        group = max(self.degree, 1)
+        blocks, m = self.inverses.shape[:2]
+        diagonal, lower = np.empty_like(self.inverses), np.zeros((blocks, m, m))
+        diagonal[-1] = self.inverses[-1]
+        for s in range(blocks - 2, -1, -1):
+            lower[s] = -diagonal[s + 1] @ self.links[s]
+            diagonal[s] = self.inverses[s] - self.links[s].T @ lower[s]
+        here = diagonal.reshape(blocks, group, n, group, n)
+        below = lower.reshape(blocks, group, n, group, n)
+        out = np.zeros((blocks * group, self.degree + 1, n, n))
+        for a in range(group):
+            for d in range(self.degree + 1):
+                b = a + d
+                out[a::group, d] = here[:, a, :, b, :] if b < group else below[:, b - group, :, a, :].transpose(0, 2, 1)
+        out = out[:splines]
+        out /= self.scale[:, None, :, None]
+        for d in range(self.degree + 1):
+            out[: splines - d, d] /= self.scale[d:, None, :]
+            out[splines - d :, d] = 0.0
+        return out
+
+    def _cut(self, array: FloatArray) -> FloatArray:
+        blocks, m = self.inverses.shape[:2]
+        padded = np.zeros(blocks * m)
+        padded[: array.size] = array.ravel()
+        return padded.reshape(blocks, m)
+
+    def _joined(self, x: FloatArray) -> FloatArray:
+        flat: FloatArray = x.ravel()[: self.scale.size].reshape(self.scale.shape)
+        return flat
+
+
+def factorised(matrix: FloatArray) -> Factor:
+    """Eliminate a positive definite band, shape (splines, degree + 1, n, n).
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        Where it is not positive definite.
+    """
+    splines, touched, n = matrix.shape[:3]
+    degree = touched - 1
+    group = max(degree, 1)
+    blocks = -(-splines // group)
+    scale = np.sqrt(np.maximum(np.diagonal(matrix[:, 0], axis1=1, axis2=2), 0.0))
+    if not (scale > 0.0).all():
+        raise np.linalg.LinAlgError("a coefficient leaves no trace")
+    diagonal = np.zeros((blocks, group, n, group, n))
+    lower = np.zeros((blocks, group, n, group, n))
+    one = np.arange(n)
+    for k in range(splines, blocks * group):
+        diagonal[-1, k % group, one, k % group, one] = 1.0
+    for a in range(group):
+        for d in range(degree + 1):
+            piece = matrix[a::group, d] / scale[a::group, :, None]
+            b = a + d
+            count = min(piece.shape[0], len(range(a + d, splines, group)))
+            piece = piece[:count] / scale[a + d :: group, None, :][:count]
+            if b < group:
+                diagonal[:count, a, :, b, :] = piece
+                diagonal[:count, b, :, a, :] = piece.transpose(0, 2, 1)
+            else:
+                lower[:count, b - group, :, a, :] = piece.transpose(0, 2, 1)
+    m = group * n
+    d_all, o_all = diagonal.reshape(blocks, m, m), lower.reshape(blocks, m, m)
+    inverses, links = np.empty((blocks, m, m)), np.empty((blocks - 1, m, m))
+    log_determinant = 2.0 * float(np.log(scale).sum())
+    here = d_all[0]
+    eye = np.eye(m)
+    for s in range(blocks):
+        c, info = lapack.dpotrf(here, lower=1)
+        if info:
+            raise np.linalg.LinAlgError("the band is not positive definite")
+        log_determinant += 2.0 * float(np.log(np.diag(c)).sum())
+        inverses[s] = lapack.dpotrs(c, eye, lower=1)[0]
+        if s + 1 < blocks:
+            links[s] = o_all[s] @ inverses[s]
+            here = d_all[s + 1] - links[s] @ o_all[s].T
+    return Factor(inverses, links, scale, degree, log_determinant)

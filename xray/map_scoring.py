@@ -1,0 +1,187 @@
+"""The largest penalised Poisson likelihood of a map, with the weights of the roughness that its counts ask for.
+
+Each turn evaluates all rows, updates the weights on the quadratic likelihood of that turn (`map_smoothing`), and takes a step of
+Fisher scoring with them, halved until deviance and roughness together fall. It ends where a step is under 3 % of a standard
+deviation, all unknowns together, and the weights have settled.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spinline.checks import FloatArray
+from spinline.errors import InputError
+from spinline.xray.forward import Absorber
+from spinline.xray.map_band import Factor, assembled, factorised
+from spinline.xray.map_basis import AxialBasis, RadialBasis
+from spinline.xray.map_data import MapData, Start
+from spinline.xray.map_rows import row_curvature
+from spinline.xray.map_smoothing import Penalty
+from spinline.xray.model import NUISANCES
+
+__all__ = ["BestMap", "MapModel", "best_map"]
+
+_TURNS = 40
+_TOLERANCE = 1e-3
+_HALVINGS = 8
+_FIRST_CHANGES = {  # what a second difference of coefficients may be, before the counts are asked
+    "fraction across": 0.01,
+    "fraction along": 0.003,
+    "radius": 0.5,
+    "axis": 0.3,
+    "amplitude": 0.003,
+    "slope": 0.003,
+    "blur": 0.02,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """All rows at one point."""
+
+    local: FloatArray
+    fisher: FloatArray
+    gradient: FloatArray
+    deviance: float
+    pearson: float
+    inverse_means: float
+
+
+class MapModel:
+    """Counts of a map for coefficients of shape (splines along z, splines across + fitted nuisances)."""
+
+    def __init__(
+        self,
+        data: MapData,
+        radial: RadialBasis,
+        axial: AxialBasis,
+        absorber: Absorber,
+        names: Sequence[str],
+        parts: int,
+        reach: int,
+    ) -> None:
+        self.data, self.radial, self.axial, self.names = data, radial, axial, tuple(names)
+        self.base = (absorber.solvent - absorber.air) * data.pixel
+        self.contrast = absorber.contrast * data.pixel
+        self.parts, self.reach = parts, reach
+        n = radial.size
+        self.free = np.array([*range(n), *(n + NUISANCES.index(name) for name in names)])
+        self.penalty = Penalty.of(radial, axial, self.names)
+
+    def local(self, held: FloatArray, coefficients: FloatArray) -> FloatArray:
+        """Parameters of each row, in the order of `map_rows`."""
+        out = np.empty((held.shape[0], self.radial.size + len(NUISANCES)))
+        out[:, self.radial.size :] = held
+        out[:, self.free] = self.axial.along(coefficients)
+        return out
+
+    def look(self, held: FloatArray, coefficients: FloatArray) -> Look | None:
+        """Likelihood of the counts and its derivatives; None where the model has no meaning."""
+        local = self.local(held, coefficients)
+        if not self._allows(local):
+            return None
+        rows, width = local.shape
+        fisher, gradient = np.empty((rows, width, width)), np.empty((rows, width))
+        score = np.empty((rows, 4))
+        d = self.data
+        row_curvature(
+            d.counts, d.good, d.flat, d.dark, d.veil, local, self.radial.table, self.base, self.contrast, self.parts,
+            self.reach, fisher, gradient, score,
+        )  # fmt: skip
+        deviance, pearson, inverse_means, dark = score.sum(axis=0)
+        if dark > 0.0 or not np.isfinite(deviance):
+            return None
+        part = np.ix_(np.arange(rows), self.free, self.free)
+        return Look(
+            local, fisher[part], gradient[:, self.free], float(deviance), float(pearson), float(inverse_means)
+        )
+
+    def _allows(self, local: FloatArray) -> bool:
+        if not np.isfinite(local).all():
+            return False
+        n, pixels = self.radial.size, self.data.counts.shape[1]
+        radius, axis, amplitude, slope, blur = local[:, n:].T
+        lengths = (radius > 0.2) & (radius < 2.0 * pixels) & (np.abs(axis) < 0.5 * pixels)
+        beam = (amplitude > 0.0) & (np.abs(slope) < 1.0)
+        depth = (self.base + self.contrast * local[:, :n]).min(axis=1) * 2.0 * radius
+        sharp = np.ones_like(lengths)
+        if self.reach:
+            sharp = (blur * self.parts > 0.1) & (blur * self.parts * 5.5 < self.reach * 1.001)
+        return bool((lengths & beam & sharp & (depth > -20.0)).all())
+
+
+@dataclass(frozen=True, eq=False)
+class BestMap:
+    """Where the fit ended."""
+
+    coefficients: FloatArray
+    look: Look
+    weights: FloatArray
+    factor: Factor
+    converged: bool
+    settled: bool
+    turns: int
+
+
+def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
+    """Maximise the likelihood from a start; `held` has the nuisances that are not fitted, shape (rows, 5)."""
+    penalty, names = model.penalty, model.names
+    weights = np.array([_FIRST_CHANGES[name] ** -2.0 for name in penalty.names])
+    c = _first(model, held, start)
+    here = model.look(held, c)
+    if here is None:
+        raise InputError("radius", "the fit cannot start from here", remedy="give radius and axis near the jet's")
+    settled = converged = False
+    turn = 0
+    try:
+        for turn in range(1, _TURNS + 1):
+            matrix, right = assembled(model.axial, here.fisher, here.gradient)
+            sweeps = 0 if turn == 1 else 2 if turn == 2 else 8
+            weights, factor, proposed, settled = penalty.improved(matrix, right, c, weights, sweeps)
+            step = proposed - c
+            slope = right - penalty.applied(c, weights)
+            gain = float((step * slope).sum())
+            if gain < _TOLERANCE and (settled or turn > _TURNS // 2):
+                converged = True
+                break
+            value = here.deviance + float(weights @ penalty.roughness(c))
+            share = 1.0
+            for _ in range(_HALVINGS):
+                there = model.look(held, c + share * step)
+                if there is not None:
+                    new = there.deviance + float(weights @ penalty.roughness(c + share * step))
+                    if new < value + 1e-3 * _TOLERANCE:
+                        break
+                share *= 0.4
+            else:
+                converged = gain < 1.0  # a kink: edges that cross pixels of few counts
+                break
+            c, here = c + share * step, there
+        matrix, _ = assembled(model.axial, here.fisher, here.gradient)
+        factor = factorised(penalty.added(matrix, weights))
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "nuisances", "the counts cannot tell the unknowns apart",
+            remedy="fit fewer nuisances, give radius and axis, or keep air in view on both sides",
+        ) from None  # fmt: skip
+    return BestMap(c, here, weights, factor, converged, settled, turn)
+
+
+def _first(model: MapModel, held: FloatArray, start: Start) -> FloatArray:
+    """Coefficients near a start: one fraction for all, curves smoothed."""
+    rows = held.shape[0]
+    fraction = (start.depth - model.base) / model.contrast
+    wanted = {"radius": start.radius, "axis": start.axis, "amplitude": start.amplitude}
+    curves = [wanted.get(name, held[:, NUISANCES.index(name)]) for name in model.names]
+    out = np.empty((model.axial.size, model.free.size))
+    out[:, : model.radial.size] = min(max(fraction, 0.0), 1.0)
+    if curves:
+        y = np.stack(curves, axis=1)
+        count = y.shape[1]
+        matrix, right = assembled(model.axial, np.broadcast_to(np.eye(count), (rows, count, count)).copy(), y)
+        one = np.arange(count)
+        matrix[:, :, one, one] += model.axial.penalty[:, :, None]
+        matrix[:, 0, one, one] += 1e-9
+        out[:, model.radial.size :] = factorised(matrix).solve(right)
+    return out
