@@ -19,6 +19,7 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
     local = best.look.local
     band = best.factor.covariance()
     covariance = _at_rows(model.axial, band)
+    left = best.weights * penalty.traces(band)
     shells = radial.shells(edges)
     inner = covariance[:, :size, :size]
     values = {name: local[:, size + i].copy() for i, name in enumerate(NUISANCES)}
@@ -33,7 +34,6 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
         data.flat, data.dark, data.veil, local, radial.table, model.base, model.contrast, model.parts, model.reach,
         expected,
     )  # fmt: skip
-    left = best.weights * penalty.traces(band)
     unknowns = float(best.coefficients.size - left.sum())
     pixels = float(data.good.sum())
     freedom = pixels - unknowns

@@ -138,7 +138,7 @@ def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
         for turn in range(1, _TURNS + 1):
             matrix, right = assembled(model.axial, here.fisher, here.gradient)
             sweeps = 0 if turn == 1 else 2 if turn == 2 else 8
-            weights, factor, proposed, settled = penalty.improved(matrix, right, c, weights, sweeps)
+            weights, proposed, settled = penalty.improved(matrix, right, c, weights, sweeps)
             step = proposed - c
             slope = right - penalty.applied(c, weights)
             gain = float((step * slope).sum())
@@ -158,7 +158,7 @@ def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
                 converged = gain < 1.0  # a kink: edges that cross pixels of few counts
                 break
             c, here = c + share * step, there
-        matrix, _ = assembled(model.axial, here.fisher, here.gradient)
+        matrix, right = assembled(model.axial, here.fisher, here.gradient)
         factor = factorised(penalty.added(matrix, weights))
     except np.linalg.LinAlgError:
         raise InputError(

@@ -6,13 +6,18 @@ exact for a quadratic one). Near a working point with curvature A and ``V = (A +
 
     lambda_j c^T S_j c = lambda_j (tr(S^- S_j) - tr(V S_j)) = e_j,
 
-the roughness that is there against the degrees of freedom e_j that term j leaves; the generalised Fellner-Schall update [1]_
-``lambda_j <- e_j/(c^T S_j c)`` raises it at every step. Steps in ln lambda are stretched by secants. A term that vanishes in
-the noise (e_j -> 0) has lambda_j -> infinity: what its roughness lets pass, a straight line.
+the roughness that is there against the degrees of freedom e_j that the counts leave term j. There is one more term: the weights have a
+prior, flat in the roughness' own scale ``1/sqrt(lambda_j)`` [1]_, for without one a term whose signal is near the noise is often put to
+nothing (lambda_j -> infinity), and the errors with it. So ``lambda_j c^T S_j c + 1 = e_j``, found by updates [2]_
+
+    lambda_j <- lambda_j e_j/(lambda_j c^T S_j c + 1)
+
+whose steps in ln lambda are stretched by secants.
 
 References
 ----------
-.. [1] Wood and Fasiolo, Biometrics 73, 1071 (2017); Fellner, Technometrics 28, 51 (1986).
+.. [1] Gelman, Bayesian Anal. 1, 515 (2006), on that prior.
+.. [2] Wood and Fasiolo, Biometrics 73, 1071 (2017), without it; Fellner, Technometrics 28, 51 (1986).
 """
 
 from collections.abc import Sequence
@@ -26,7 +31,8 @@ from spinline.xray.map_basis import AxialBasis, RadialBasis
 
 __all__ = ["Penalty"]
 
-_GONE = 0.02  # degrees of freedom of a term that is a straight line
+_LEAST_FREEDOM = 1.0  # from the prior, flat in 1/sqrt(lambda)
+_GONE = 0.02  # degrees of freedom that do not matter
 _CLOSE = 0.1  # of the error of ln lambda
 
 
@@ -103,7 +109,7 @@ class Penalty:
 
     def improved(
         self, matrix: FloatArray, right: FloatArray, coefficients: FloatArray, weights: FloatArray, sweeps: int
-    ) -> tuple[FloatArray, Factor, FloatArray, bool]:
+    ) -> tuple[FloatArray, FloatArray, bool]:
         """Better weights for a quadratic likelihood, by up to `sweeps` updates.
 
         Parameters
@@ -117,8 +123,8 @@ class Penalty:
 
         Returns
         -------
-        weights, factor, proposed, settled
-            With the factor of ``A + S`` and the mode for these weights.
+        weights, proposed, settled
+            With the mode for these weights.
         """
         weights = weights.copy()
         last_gap = last_step = None
@@ -129,9 +135,9 @@ class Penalty:
                 break
             freedom = np.maximum(self.prior(weights) - weights * self.traces(factor.covariance()), 0.0)
             rough = weights * self.roughness(proposed)
-            if (np.abs(rough - freedom) < _CLOSE * np.sqrt(freedom + _GONE)).all():
-                return weights, factor, proposed, True
-            gap = np.log((freedom + 1e-6) / (rough + 1e-6))
+            if (np.abs(rough + _LEAST_FREEDOM - freedom) < _CLOSE * np.sqrt(freedom + _GONE)).all():
+                return weights, proposed, True
+            gap = np.log((freedom + 1e-6) / (rough + _LEAST_FREEDOM))
             stretch = np.ones_like(gap)
             if last_gap is not None and last_step is not None:
                 change = last_gap - gap
@@ -139,7 +145,7 @@ class Penalty:
                 stretch = np.where((ratio > 0.0) & (gap * last_gap > 0.0), np.clip(ratio, 1.0, 5.0), np.clip(ratio, 0.3, 1.0))
             last_gap, last_step = gap, np.clip(stretch * gap, -4.0, 4.0)
             weights *= np.exp(last_step)
-        return weights, factor, proposed, False
+        return weights, proposed, False
 
     def _along(self) -> list[tuple[int, FloatArray]]:
         n = self.radial.size
