@@ -82,7 +82,7 @@ class Penalty:
     def roughness(self, coefficients: FloatArray) -> FloatArray:
         """``c^T S_j c`` of each term."""
         fraction = coefficients[:, : self.radial.size]
-        across = float(((fraction @ self.radial.penalty) * fraction).sum())
+        across = float(((fraction @ self.radial.differences.T) ** 2).sum())
         return np.array([across, *(self.axial.quadratic(coefficients[:, c]).sum() for _, c in self._along())])
 
     def prior(self, weights: FloatArray) -> FloatArray:
