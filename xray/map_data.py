@@ -19,7 +19,7 @@ from spinline.xray.start import find_jet
 __all__ = ["MapData", "Start", "map_data", "started"]
 
 _SEEN = 10.0  # standard deviations
-_FEWEST_ROWS = 6  # in a block, once there are many
+_FEWEST_ROWS = 10  # in a block, once there are many
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,7 +76,7 @@ def fit_map(
     shells : int or array_like
         Shells of the tabulated fraction: a number of equal width, or edges r/R from 0 to 1. They do not affect the fit.
     radial_splines, axial_splines : int, optional
-        Most detail there can be: 4 to 60 across; 1 to the number of rows along, one for 8 rows where left out.
+        Most detail there can be: 4 to 60 across; 1 to the number of rows along, one for 8 rows where left out (8 at least).
     good : array_like of bool, optional
         False for bad pixels; the shape of `counts`, or of one row.
     saturation : float
@@ -110,7 +110,7 @@ def fit_map(
     if places.shape != (rows,) or (np.diff(places) <= 0.0).any():
         raise InputError("z", "does not rise from row to row", value=z, allowed=f"{rows} numbers")
     across = _count("radial_splines", radial_splines, 4, 60)
-    most = min(rows, max(4, -(-rows // _ROWS_PER_SPLINE) + 3))
+    most = min(rows, max(8, -(-rows // _ROWS_PER_SPLINE) + 3))
     along = most if axial_splines is None else _count("axial_splines", axial_splines, 1, rows)
     held = _held(data, names, radius, axis, amplitude, slope)
     one = detector if isinstance(detector, Detector) else next(iter(detector))
