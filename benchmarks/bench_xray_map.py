@@ -39,7 +39,9 @@ def sharp(r: np.ndarray, z: float) -> np.ndarray:
 PROFILES = {"smooth": smooth, "sharp": sharp}
 
 
-def phantom(profile: Profile, rows: int = ROWS, drift: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def phantom(
+    profile: Profile, rows: int = ROWS, drift: bool = True
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Heights in [0, 1], radius, axis and transmission of each row; the beam's drift is in the transmission."""
     heights = np.linspace(0, 1, rows)
     radius = 100e-6 / np.sqrt(1 + 5.25 * heights)
@@ -97,7 +99,9 @@ def in_shells(profile: np.ndarray, radius: np.ndarray) -> np.ndarray:
 
 
 def compare_with_abel(replicates: int) -> None:
-    print("RMSE of phi in 10 shells of all rows (and, in brackets, weighted by their areas); PyAbel knows axis, radius and beam")
+    print(
+        "RMSE of phi in 10 shells of all rows (and, in brackets, weighted by their areas); PyAbel knows axis, radius and beam"
+    )
     area = np.diff(SHELLS**2)
 
     def error(found: np.ndarray, true: np.ndarray) -> tuple[float, float]:
@@ -123,11 +127,15 @@ def compare_with_abel(replicates: int) -> None:
             ours = rms.pop("map")
             print(f"{kind}, {photons:g} photons per pixel, {replicates} replicates: map {ours[0]:.4f} ({ours[1]:.4f})")
             for name, value in sorted(rms.items(), key=lambda item: item[1][0]):
-                print(f"    {name:18s} {value[0]:.4f} ({value[1]:.4f}), ratio {value[0] / ours[0]:.1f} ({value[1] / ours[1]:.1f})")
+                print(
+                    f"    {name:18s} {value[0]:.4f} ({value[1]:.4f}), ratio {value[0] / ours[0]:.1f} ({value[1] / ours[1]:.1f})"
+                )
 
 
 def check_errors(replicates: int) -> None:
-    print("error bars, over all rows (and 10 shells): root mean square z, share within 1.96, bias in standard deviations")
+    print(
+        "error bars, over all rows (and 10 shells): root mean square z, share within 1.96, bias in standard deviations"
+    )
     for kind, profile in PROFILES.items():
         heights, radius, axis, mean = phantom(profile)
         true = truth(profile, heights)
@@ -147,7 +155,9 @@ def check_errors(replicates: int) -> None:
                     ("axis", fit.axis, axis, fit.axis_std),
                 ):
                     z.setdefault(name, []).append((value - real) / std)
-            print(f"{kind}, {photons:g} photons per pixel, {replicates} replicates; misfit {np.mean(misfit):+.2f} +- {np.std(misfit):.2f}")
+            print(
+                f"{kind}, {photons:g} photons per pixel, {replicates} replicates; misfit {np.mean(misfit):+.2f} +- {np.std(misfit):.2f}"
+            )
             for name, values in z.items():
                 all_z = np.array(values)
                 rms, inside = np.sqrt((all_z**2).mean()), (np.abs(all_z) < 1.96).mean()

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from spinline.checks import FloatArray
 from spinline.xray.map_basis import AxialBasis
@@ -26,7 +27,12 @@ __all__ = ["Factor", "assembled", "factorised"]
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _assemble(
-    first: FloatArray, values: FloatArray, fisher: FloatArray, gradient: FloatArray, matrix: FloatArray, right: FloatArray
+    first: NDArray[np.int64],
+    values: FloatArray,
+    fisher: FloatArray,
+    gradient: FloatArray,
+    matrix: FloatArray,
+    right: FloatArray,
 ) -> None:
     rows, touched = values.shape
     width = fisher.shape[1]
@@ -134,7 +140,9 @@ class Factor:
 
     def draw(self, generator: np.random.Generator) -> FloatArray:
         """A normal sample with the inverse as its covariance, shape (splines, n)."""
-        x = np.einsum("sij,sj->si", np.linalg.cholesky(self.inverses), generator.standard_normal(self.inverses.shape[:2]))
+        x = np.einsum(
+            "sij,sj->si", np.linalg.cholesky(self.inverses), generator.standard_normal(self.inverses.shape[:2])
+        )
         for s in range(self.inverses.shape[0] - 2, -1, -1):
             x[s] -= self.links[s].T @ x[s + 1]
         return self._joined(x) / self.scale

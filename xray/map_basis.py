@@ -10,9 +10,9 @@ The chord of b_j at the distance s (in radii) from the axis is, piece by piece, 
 
     G_j(s) = 2 int b_j dy,   int rho^m dy = (y rho^m + m s^2 int rho^(m-2) dy)/(m+1),   int rho^(-1) dy = asinh(y/s),
 
-and the chord averaged over a pixel from x1 to x2 that of ``R^2 (H_j(s2) - H_j(s1))/(x2 - x1)`` with ``H_j = int_0^s G_j ds``. Radius and
-axis enter by ``s = (x - a)/R`` only, so one table of H serves all rows: cubics in ``t = sqrt(1 - |s|)``, in which the square root at
-the jet's edge is smooth.
+and the chord averaged over a pixel from x1 to x2 ``R^2 (H_j(s2) - H_j(s1))/(x2 - x1)`` with ``H_j = int_0^s G_j ds``.
+Radius and axis enter by ``s = (x - a)/R`` only, so one table of H serves all rows: cubics in ``t = sqrt(1 - |s|)``, in which
+the square root at the jet's edge is smooth.
 
 References
 ----------

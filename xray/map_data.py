@@ -1,7 +1,7 @@
 """Counts of a map as they come: checked, bad pixels and dead rows left out, and where the jet is in them.
 
-Radius, axis, level and depth to start from are those of `start.find_jet` on sums of neighbouring rows, as many as it takes to see
-the jet at ten standard deviations.
+Radius, axis, level and depth to start from are those of `start.find_jet` on sums of neighbouring rows, as many as it takes
+to see the jet at ten standard deviations.
 """
 
 from collections.abc import Sequence

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from spinline.checks import FloatArray
+from spinline.checks import BoolArray, FloatArray
 from spinline.xray.map_basis import AxialBasis
 from spinline.xray.map_result import MapFit, MapPosterior
 from spinline.xray.map_rows import expected_rows
@@ -59,7 +59,7 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
         deviance=best.look.deviance,
         degrees_of_freedom=freedom,
         misfit=float((best.look.pearson - freedom) / spread),
-        used=data.good.any(axis=1),
+        used=np.asarray(data.good.max(axis=1) > 0.0),
         converged=best.converged,
         iterations=best.turns,
         warnings=(),
@@ -110,7 +110,7 @@ def _warnings(fit: MapFit, model: MapModel, best: BestMap) -> tuple[str, ...]:
     weak = fit.mean_fraction_std > np.abs(fit.mean_fraction)
     if weak.any():
         said.append(f"the error of the mean fraction exceeds the fraction in {_rows(weak)}: sum more frames")
-    outside = ((fit.fraction < -3 * fit.fraction_std) | (fit.fraction > 1 + 3 * fit.fraction_std)).any(axis=1)
+    outside = np.any((fit.fraction < -3 * fit.fraction_std) | (fit.fraction > 1 + 3 * fit.fraction_std), axis=1)
     if outside.any():
         said.append(
             f"the fraction lies outside [0, 1] by more than 3 of its errors in {_rows(outside)}: "
@@ -134,11 +134,13 @@ def _warnings(fit: MapFit, model: MapModel, best: BestMap) -> tuple[str, ...]:
         )
     across = fit.term_freedom["fraction across"] + fit.term_freedom.get("fraction along", 0.0)
     if across > 0.6 * model.radial.size * model.axial.size:
-        said.append("the fraction asks for more detail than the splines have: give more radial_splines or axial_splines")
+        said.append(
+            "the fraction asks for more detail than the splines have: give more radial_splines or axial_splines"
+        )
     return tuple(said)
 
 
-def _rows(which: FloatArray) -> str:
+def _rows(which: BoolArray) -> str:
     """Rows by number: "row 3", "5 rows (7, 8, 9, ...)"."""
     at = np.flatnonzero(which)
     if at.size == 1:

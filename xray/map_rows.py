@@ -1,9 +1,9 @@
 """Counts of all rows of a map, the slope of their likelihood and its expected curvature, row by row (compiled).
 
-The model of a row is that of `forward`, with the chords of `map_basis`: exact averages over pixels (over parts of them, where the
-blur or a strong absorber asks for it, as in `model`), the exponential, the blur on a row that goes on beyond the detector's ends,
-the beam. Each row has its own local parameters: a coefficient for every radial spline, then radius, axis, amplitude, slope
-and blur, lengths in pixels.
+The model of a row is that of `forward`, with the chords of `map_basis`: exact averages over pixels (over parts of them,
+where the blur or a strong absorber asks for it, as in `model`), the exponential, the blur on a row that goes on beyond the
+detector's ends, the beam. Each row has its own local parameters: a coefficient for every radial spline, then radius, axis,
+amplitude, slope and blur, lengths in pixels.
 """
 
 import numpy as np
@@ -13,10 +13,8 @@ from spinline.checks import FloatArray
 
 __all__ = ["expected_rows", "row_curvature"]
 
-_JIT = {"cache": True, "error_model": "numpy", "nogil": True}
 
-
-@njit(**_JIT)
+@njit(cache=True, error_model="numpy", nogil=True)
 def _chord_table(s: float, table: FloatArray, mu: FloatArray, out: FloatArray) -> float:
     """Fill H_j(s); return the chord through attenuations mu."""
     cells, _, size = table.shape
@@ -36,10 +34,10 @@ def _chord_table(s: float, table: FloatArray, mu: FloatArray, out: FloatArray) -
         slope += mu[j] * (c[1, j] + u * (2.0 * c[2, j] + 3.0 * u * c[3, j]))
     if t < 1e-3:
         return 0.0
-    return -0.5 * slope * cells * cells / t
+    return float(-0.5 * slope * cells * cells / t)
 
 
-@njit(**_JIT)
+@njit(cache=True, error_model="numpy", nogil=True)
 def _row(
     local: FloatArray,
     size: int,
@@ -85,7 +83,7 @@ def _row(
     return first, last
 
 
-@njit(**_JIT)
+@njit(cache=True, error_model="numpy", nogil=True)
 def _binned(
     columns: FloatArray, first: int, last: int, parts: int, reach: int, blur: float, step: float, out: FloatArray
 ) -> tuple[int, int]:
@@ -125,7 +123,7 @@ def _binned(
     return low, high
 
 
-@njit(**_JIT)
+@njit(cache=True, error_model="numpy", nogil=True)
 def row_curvature(
     counts: FloatArray,
     good: FloatArray,
@@ -231,7 +229,7 @@ def row_curvature(
         gradient[i, size + 3] += g_s
 
 
-@njit(**_JIT)
+@njit(cache=True, error_model="numpy", nogil=True)
 def expected_rows(
     flat: FloatArray,
     dark: FloatArray,

@@ -1,7 +1,7 @@
 """The largest penalised Poisson likelihood of a map, with the weights of the roughness that its counts ask for.
 
-Each turn evaluates all rows, updates the weights on the quadratic likelihood of that turn (`map_smoothing`), and takes a step of
-Fisher scoring with them, cut until deviance and roughness together fall. It ends where a step is under 7 % of a standard
+Each turn evaluates all rows, updates the weights on the quadratic likelihood of that turn (`map_smoothing`; once the start is
+forgotten, lest a wrong radius is taken for detail), and takes a step of Fisher scoring with them, cut until deviance and roughness together fall. It ends where a step is under 7 % of a standard
 deviation, all unknowns together, and the weights have settled.
 """
 
@@ -24,7 +24,9 @@ __all__ = ["BestMap", "MapModel", "best_map"]
 
 _TURNS = 40
 _TOLERANCE = 5e-3
+_SWEEPS = 8
 _WEIGHT_TURNS = 12  # then the weights stay
+_NEAR = 1.0  # squared step, in standard deviations, per unknown: what is left is noise rather than a wrong start
 _HALVINGS = 8
 _FIRST_CHANGES = {  # what a second difference of coefficients may be, before the counts are asked
     "fraction across": 0.01,
@@ -94,9 +96,7 @@ class MapModel:
         if dark > 0.0 or not np.isfinite(deviance):
             return None
         part = np.ix_(np.arange(rows), self.free, self.free)
-        return Look(
-            local, fisher[part], gradient[:, self.free], float(deviance), float(pearson), float(inverse_means)
-        )
+        return Look(local, fisher[part], gradient[:, self.free], float(deviance), float(pearson), float(inverse_means))
 
     def _allows(self, local: FloatArray) -> bool:
         if not np.isfinite(local).all():
@@ -127,23 +127,25 @@ class BestMap:
 
 def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
     """Maximise the likelihood from a start; `held` has the nuisances that are not fitted, shape (rows, 5)."""
-    penalty, names = model.penalty, model.names
+    penalty = model.penalty
     weights = np.array([_FIRST_CHANGES[name] ** -2.0 for name in penalty.names])
     c = _first(model, held, start)
     here = model.look(held, c)
     if here is None:
         raise InputError("radius", "the fit cannot start from here", remedy="give radius and axis near the jet's")
-    settled = converged = False
-    turn = 0
+    settled = converged = near = False
+    turn = changes = 0
     try:
         for turn in range(1, _TURNS + 1):
             matrix, right = assembled(model.axial, here.fisher, here.gradient)
-            sweeps = (0, 2, 8)[min(turn - 1, 2)] if turn <= _WEIGHT_TURNS else 0
+            sweeps = _SWEEPS if near and changes < _WEIGHT_TURNS else 0
             weights, proposed, now = penalty.improved(matrix, right, c, weights, sweeps)
             settled = now if sweeps else settled
+            changes += sweeps > 0
             step = proposed - c
             gain = float((step * (right - penalty.applied(c, weights))).sum())
-            if gain < _TOLERANCE and (settled or not sweeps):
+            near = near or gain < _NEAR * c.size
+            if gain < _TOLERANCE and near and (settled or changes >= _WEIGHT_TURNS):
                 converged = True
                 break
             found = _fallen(model, held, c, here, step, gain, weights)

@@ -6,17 +6,17 @@ exact for a quadratic one). Near a working point with curvature A and ``V = (A +
 
     lambda_j c^T S_j c = lambda_j (tr(S^- S_j) - tr(V S_j)) = e_j,
 
-the roughness that is there against the degrees of freedom e_j that the counts leave term j. There is one more term: the weights have a
-prior, flat in the roughness' own scale ``1/sqrt(lambda_j)`` [1]_, for without one a term whose signal is near the noise is often put to
-nothing (lambda_j -> infinity), and the errors with it. So ``lambda_j c^T S_j c + 1 = e_j``, found by updates [2]_
+the roughness that is there against the degrees of freedom e_j that the counts leave term j. One thing is added: a prior of
+the weights, flat in the variance ``1/lambda_j`` of the differences [1]_, for without one a term whose signal is near the noise
+is often put to nothing (lambda_j -> infinity), and its errors with it. So ``lambda_j c^T S_j c + 2 = e_j``, found by [2]_
 
-    lambda_j <- lambda_j e_j/(lambda_j c^T S_j c + 1)
+    lambda_j <- lambda_j e_j/(lambda_j c^T S_j c + 2)
 
 whose steps in ln lambda are stretched by secants.
 
 References
 ----------
-.. [1] Gelman, Bayesian Anal. 1, 515 (2006), on that prior.
+.. [1] Gelman, Bayesian Anal. 1, 515 (2006), on such priors.
 .. [2] Wood and Fasiolo, Biometrics 73, 1071 (2017), without it; Fellner, Technometrics 28, 51 (1986).
 """
 
@@ -26,12 +26,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from spinline.checks import FloatArray
-from spinline.xray.map_band import Factor, factorised
+from spinline.xray.map_band import factorised
 from spinline.xray.map_basis import AxialBasis, RadialBasis
 
 __all__ = ["Penalty"]
 
-_LEAST_FREEDOM = 1.0  # from the prior, flat in 1/sqrt(lambda)
+_LEAST_FREEDOM = 2.0  # from the prior, flat in 1/lambda
 _GONE = 0.02  # degrees of freedom that do not matter
 _CLOSE = 0.1  # of the error of ln lambda
 
@@ -133,17 +133,22 @@ class Penalty:
             proposed = coefficients + factor.solve(right - self.applied(coefficients, weights))
             if sweep == sweeps:
                 break
-            freedom = np.maximum(self.prior(weights) - weights * self.traces(factor.covariance()), 0.0)
+            taken = weights * self.traces(factor.covariance())
+            freedom = np.maximum(self.prior(weights) - taken, 0.0)
             rough = weights * self.roughness(proposed)
-            if (np.abs(rough + _LEAST_FREEDOM - freedom) < _CLOSE * np.sqrt(freedom + _GONE)).all():
+            close = np.abs(rough + _LEAST_FREEDOM - freedom) < _CLOSE * np.sqrt(freedom + _GONE)
+            idle = (rough + _LEAST_FREEDOM > freedom) & (taken < _GONE)  # a smaller weight would change nothing
+            if (close | idle).all():
                 return weights, proposed, True
             gap = np.log((freedom + 1e-6) / (rough + _LEAST_FREEDOM))
             stretch = np.ones_like(gap)
             if last_gap is not None and last_step is not None:
                 change = last_gap - gap
                 ratio = np.divide(last_step, change, out=np.ones_like(gap), where=np.abs(change) > 1e-9)
-                stretch = np.where((ratio > 0.0) & (gap * last_gap > 0.0), np.clip(ratio, 1.0, 5.0), np.clip(ratio, 0.3, 1.0))
-            last_gap, last_step = gap, np.clip(stretch * gap, -4.0, 4.0)
+                stretch = np.where(
+                    (ratio > 0.0) & (gap * last_gap > 0.0), np.clip(ratio, 1.0, 5.0), np.clip(ratio, 0.3, 1.0)
+                )
+            last_gap, last_step = gap, np.where(idle, 0.0, np.clip(stretch * gap, -4.0, 4.0))
             weights *= np.exp(last_step)
         return weights, proposed, False
 
