@@ -1,9 +1,10 @@
 """The map against row-by-row Abel inversion, its error bars over replicates, and its cost.
 
-Run: ``python benchmarks/bench_xray_map.py [abel|errors|cost] [--replicates 1000]``; `abel` needs PyAbel. Everything when nothing is
-named. Phantoms: a jet of PEO in water at 10 keV, 300 rows of 0.67 um pixels, radius falling from 100 to 40 um, polymer fraction
-rising first in the core, then at the rim ("smooth": the rises as wide as half the radius and a third of the length; "sharp": a skin of
-r^6, over a tenth). They come from Gauss quadrature along chords at 16 places in each pixel and share no code with the package.
+Run: ``python benchmarks/bench_xray_map.py [abel|errors|cost] [--replicates 1000]``, everything when nothing is named; `abel`
+needs PyAbel. Phantoms: a jet of PEO in water at 10 keV, 300 rows of 0.67 um pixels, radius falling from 100 to 40 um, polymer
+fraction rising first in the core, then at the rim ("smooth": rises as wide as half the radius and a third of the length;
+"sharp": the rim a skin of r^6, within a tenth of the length). They come from Gauss quadrature along chords at 16 places in each
+pixel and share no code with the package.
 """
 
 import argparse
@@ -11,6 +12,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from spinline import xray
 
@@ -40,10 +42,10 @@ PROFILES = {"smooth": smooth, "sharp": sharp}
 
 
 def phantom(
-    profile: Profile, rows: int = ROWS, drift: bool = True
+    profile: Profile, rows: int = ROWS, drift: bool = True, last: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Heights in [0, 1], radius, axis and transmission of each row; the beam's drift is in the transmission."""
-    heights = np.linspace(0, 1, rows)
+    heights = np.linspace(0, last, rows)
     radius = 100e-6 / np.sqrt(1 + 5.25 * heights)
     axis = drift * PIXEL * (3 + 2 * np.sin(3 * heights))
     level = 1 + drift * (0.005 + 0.003 * np.cos(4 * heights))
@@ -68,7 +70,7 @@ def truth(profile: Profile, heights: np.ndarray, edges: np.ndarray = SHELLS) -> 
 
 
 def abel_profiles(lines: np.ndarray) -> dict[str, np.ndarray]:
-    """Attenuation at r = 0, 1, 2, ... pixels by every method of PyAbel that takes rows alone (rbasex and linbasex take none)."""
+    """Attenuation at r = 0, 1, 2, ... pixels by every method of PyAbel that takes rows (rbasex, linbasex: images only)."""
     import abel
 
     out = {
@@ -156,7 +158,7 @@ def check_errors(replicates: int) -> None:
                 ):
                     z.setdefault(name, []).append((value - real) / std)
             print(
-                f"{kind}, {photons:g} photons per pixel, {replicates} replicates; misfit {np.mean(misfit):+.2f} +- {np.std(misfit):.2f}"
+                f"{kind}, {photons:g} photons, {replicates} replicates; misfit {np.mean(misfit):+.2f} +- {np.std(misfit):.2f}"
             )
             for name, values in z.items():
                 all_z = np.array(values)
@@ -167,7 +169,9 @@ def check_errors(replicates: int) -> None:
 def measure_cost() -> None:
     print("cost: ms per row of process time (wall), best of 3")
     for rows, blur in ((1, 0.0), (10, 0.0), (100, 0.0), (300, 0.0), (300, 1.2e-6), (1000, 0.0), (10_000, 0.0)):
-        mean = phantom(smooth, min(rows, 1000))[3]
+        mean = phantom(smooth, min(rows, 1000), last=min(rows / ROWS, 1.0))[3]
+        if blur:
+            mean = gaussian_filter1d(mean, blur / PIXEL, axis=1)
         counts = xray.noisy_counts(1e7 * np.repeat(mean, max(rows // 1000, 1), axis=0), 5)
         detector = xray.Detector(np.full(PIXELS, 1e7), PIXEL, blur=blur)
         best = [np.inf, np.inf]

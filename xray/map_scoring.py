@@ -1,8 +1,9 @@
 """The largest penalised Poisson likelihood of a map, with the weights of the roughness that its counts ask for.
 
-Each turn evaluates all rows, updates the weights on the quadratic likelihood of that turn (`map_smoothing`; once the start is
-forgotten, lest a wrong radius is taken for detail), and takes a step of Fisher scoring with them, cut until deviance and roughness together fall. It ends where a step is under 7 % of a standard
-deviation, all unknowns together, and the weights have settled.
+Each turn evaluates all rows, updates the weights on the quadratic likelihood of that turn (`map_smoothing`; only once the start
+is forgotten, lest a wrong radius is taken for detail), and takes a step of Fisher scoring with them, cut until deviance and
+roughness together fall. It ends where a step is under 7 % of a standard deviation, all unknowns together, and the weights have
+settled.
 """
 
 from collections.abc import Sequence
@@ -134,9 +135,10 @@ def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
     if here is None:
         raise InputError("radius", "the fit cannot start from here", remedy="give radius and axis near the jet's")
     settled = converged = near = False
-    turn = changes = 0
+    turns = changes = 0
     try:
-        for turn in range(1, _TURNS + 1):
+        while turns < _TURNS:
+            turns += 1
             matrix, right = assembled(model.axial, here.fisher, here.gradient)
             sweeps = _SWEEPS if near and changes < _WEIGHT_TURNS else 0
             weights, proposed, now = penalty.improved(matrix, right, c, weights, sweeps)
@@ -150,6 +152,8 @@ def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
                 break
             found = _fallen(model, held, c, here, step, gain, weights)
             if found is None:
+                if near and not changes:
+                    continue
                 converged = gain < 1.0  # a kink: edges that cross pixels of few counts
                 break
             c, here = found
@@ -160,7 +164,7 @@ def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
             "nuisances", "the counts cannot tell the unknowns apart",
             remedy="fit fewer nuisances, give radius and axis, or keep air in view on both sides",
         ) from None  # fmt: skip
-    return BestMap(c, here, weights, factor, converged, settled, turn)
+    return BestMap(c, here, weights, factor, converged, settled, turns)
 
 
 def _fallen(
