@@ -13,15 +13,7 @@ module          law
 `row`           shells, radius, axis and beam from one row of counts, by likelihood
 `start`         where the jet is in a noisy row
 `scoring`       the largest Poisson likelihood
-`map_fit`       phi(r, z), radius, axis and beam of all rows at once, by penalised likelihood
-`map_basis`     splines over (r/R, z), and their chords
-`map_data`      counts of a map, and where the jet is in them
-`map_rows`      counts of all rows with their derivatives
-`map_band`      the band of equations
-`map_smoothing`  how smooth the counts say it is
-`map_scoring`   the largest penalised likelihood
-`map_result`    what a map says of the jet
-`map_report`    its errors and warnings
+`map_fit`       phi(r, z), radius, axis and beam of all rows at once; its parts are `map_*`
 `absorption`    Eqs. (41)-(42): what a change of attenuation says
 `chord`         the same on every chord of a row: the quick look, and its price
 ==============  ==========================================================================

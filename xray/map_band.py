@@ -5,12 +5,12 @@ Blocks of as many splines as the degree make it block tridiagonal, with diagonal
 
     V_ss = D_s^-1 + C_s^T V_(s+1,s+1) C_s,   V_(s+1,s) = -V_(s+1,s+1) C_s
 
-gives that part of the inverse which the band covers [1]_, all that variances at the rows need. Both cost time and memory in
+gives that part of the inverse which the band covers (Takahashi), all that variances at the rows need. Both cost time and memory in
 proportion to the rows.
 
 References
 ----------
-.. [1] Takahashi, Fagan and Chin, 8th PICA Conf. Proc., 63 (1973).
+Takahashi, Fagan and Chin, 8th PICA Conf. Proc., 63 (1973).
 """
 
 from dataclasses import dataclass

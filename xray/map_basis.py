@@ -1,7 +1,7 @@
 """Splines over the half-plane (r/R, z) of a round jet, and their chords.
 
-The polymer fraction is ``phi(rho, z) = sum_jk c_jk b_j(rho) B_k(z)``, ``rho = r/R(z)``: cubic B-splines on evenly spaced knots
-[1]_, in rho even about the axis, so that the fraction is smooth there. Roughness is the sum of squared differences of
+The polymer fraction is ``phi(rho, z) = sum_jk c_jk b_j(rho) B_k(z)``, ``rho = r/R(z)``: cubic B-splines on evenly spaced knots,
+in rho even about the axis, so that the fraction is smooth there. Roughness is the sum of squared differences of
 neighbouring coefficients, of second order, ``c^T D^T D c``; what it lets pass is a fraction that is constant over rho and a
 straight line along z.
 
@@ -16,7 +16,7 @@ the square root at the jet's edge is smooth.
 
 References
 ----------
-.. [1] Eilers and Marx, Statist. Sci. 11, 89 (1996).
+Eilers and Marx, Statist. Sci. 11, 89 (1996).
 """
 
 import math

@@ -7,15 +7,14 @@ counts tell themselves (`map_smoothing`). Fisher scoring takes all unknowns at o
     (A + S) step = g - S c,   A = sum_i (B_i B_i^T) x F_i,
 
 with F_i the Fisher matrix of row i and B_i the four splines that it touches. The covariance is that of the posterior,
-``(A + S)^-1``: taken over the map, its intervals hold what they say, noise and smoothing bias together [1]_ [2]_. Not so for
+``(A + S)^-1``: taken over the map, its intervals hold what they say, noise and smoothing bias together (Nychka). Not so for
 detail that the counts cannot show: a rise that is narrow and deep in the noise is smoothed away, and its error understated.
 
 The logarithm of the counts is never taken, zero counts are data, and a fraction outside [0, 1] is not cut off.
 
 References
 ----------
-.. [1] Nychka, J. Am. Statist. Assoc. 83, 1134 (1988).
-.. [2] Wood, Pya and Safken, J. Am. Statist. Assoc. 111, 1548 (2016).
+Nychka, J. Am. Statist. Assoc. 83, 1134 (1988). Wood, Pya and Safken, J. Am. Statist. Assoc. 111, 1548 (2016).
 """
 
 from collections.abc import Sequence

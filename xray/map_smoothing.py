@@ -7,8 +7,8 @@ exact for a quadratic one). Near a working point with curvature A and ``V = (A +
     lambda_j c^T S_j c = lambda_j (tr(S^- S_j) - tr(V S_j)) = e_j,
 
 the roughness that is there against the degrees of freedom e_j that the counts leave term j. One thing is added: a prior of
-the weights, flat in the variance ``1/lambda_j`` of the differences [1]_, for without one a term whose signal is near the noise
-is often put to nothing (lambda_j -> infinity), and its errors with it. So ``lambda_j c^T S_j c + 2 = e_j``, found by [2]_
+the weights, flat in the variance ``1/lambda_j`` of the differences (Gelman), for without one a term whose signal is near the noise
+is often put to nothing (lambda_j -> infinity), and its errors with it. So ``lambda_j c^T S_j c + 2 = e_j``, found by (Wood)
 
     lambda_j <- lambda_j e_j/(lambda_j c^T S_j c + 2)
 
@@ -16,8 +16,8 @@ whose steps in ln lambda are stretched by secants.
 
 References
 ----------
-.. [1] Gelman, Bayesian Anal. 1, 515 (2006), on such priors.
-.. [2] Wood and Fasiolo, Biometrics 73, 1071 (2017), without it; Fellner, Technometrics 28, 51 (1986).
+Gelman, Bayesian Anal. 1, 515 (2006), on such priors.
+Wood and Fasiolo, Biometrics 73, 1071 (2017), without it; Fellner, Technometrics 28, 51 (1986).
 """
 
 from collections.abc import Sequence
