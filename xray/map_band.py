@@ -5,8 +5,8 @@ Blocks of as many splines as the degree make it block tridiagonal, with diagonal
 
     V_ss = D_s^-1 + C_s^T V_(s+1,s+1) C_s,   V_(s+1,s) = -V_(s+1,s+1) C_s
 
-gives that part of the inverse which the band covers (Takahashi), all that variances at the rows need. Both cost time and memory in
-proportion to the rows.
+gives that part of the inverse which the band covers (Takahashi), all that variances at the rows need. Both cost time and
+memory in proportion to the rows.
 
 References
 ----------
