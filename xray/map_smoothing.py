@@ -7,8 +7,9 @@ exact for a quadratic one). Near a working point with curvature A and ``V = (A +
     lambda_j c^T S_j c = lambda_j (tr(S^- S_j) - tr(V S_j)) = e_j,
 
 the roughness that is there against the degrees of freedom e_j that the counts leave term j. One thing is added: a prior of
-the weights, flat in the variance ``1/lambda_j`` of the differences (Gelman), for without one a term whose signal is near the
-noise is often put to nothing (lambda_j -> infinity), and its errors with it. So ``lambda_j c^T S_j c + 2 = e_j``, found by (Wood)
+the weights, flat in the variance ``1/lambda_j`` of the differences (Gelman), for without it a term whose signal is near
+the noise is often put to nothing (lambda_j -> infinity), and its errors with it. So ``lambda_j c^T S_j c + 2 = e_j``,
+found by (Wood)
 
     lambda_j <- lambda_j e_j/(lambda_j c^T S_j c + 2)
 
