@@ -29,9 +29,7 @@ from spinline.xray.forward import Absorber, Detector, row_model
 from spinline.xray.limit import free_parameters, require_contrast
 from spinline.xray.map_basis import axial_basis, radial_basis
 from spinline.xray.map_data import MapData, map_data, started
-from spinline.xray.map_report import reported
 from spinline.xray.map_result import MapFit
-from spinline.xray.map_scoring import MapModel, best_map
 from spinline.xray.model import NUISANCES
 
 __all__ = ["fit_map"]
@@ -98,6 +96,9 @@ def fit_map(
     smooth over the spacing of the splines along z: a shift from row to row is not in the model.
     Flat and dark are taken as exact: average enough of them.
     """
+    from spinline.xray.map_report import reported  # compiled: loaded when first used
+    from spinline.xray.map_scoring import MapModel, best_map
+
     require_contrast(absorber)
     data = map_data(counts, detector, good, saturation)
     rows = data.counts.shape[0]

@@ -1,14 +1,17 @@
 """What a fitted map says of the jet: fractions at any row and radius, with their errors."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spinline.checks import BoolArray, FloatArray, real
 from spinline.errors import InputError
-from spinline.xray.map_band import Factor
 from spinline.xray.map_basis import AxialBasis, RadialBasis
+
+if TYPE_CHECKING:
+    from spinline.xray.map_band import Factor
 
 __all__ = ["MapDraws", "MapFit"]
 
@@ -168,5 +171,5 @@ class MapPosterior:
     names: tuple[str, ...]
     local: FloatArray
     covariance: FloatArray
-    factor: Factor
+    factor: "Factor"
     pixel: float
