@@ -37,8 +37,10 @@ from spinline.checks import FloatArray, positive, real
 from spinline.errors import InputError
 from spinline.network.chain_model import Chain, ChainError
 from spinline.network.chain_profile import ChainProfile, profile
+from spinline.network.chain_reference import steady_reference
 from spinline.network.chain_state import ChainState, affine_start, empty_start, load_states, save_states
 from spinline.network.chain_step import advance, with_rates
+from spinline.network.flow import Segment
 
 __all__ = ["ChainResult", "Progress", "run_chain"]
 
@@ -144,6 +146,7 @@ def run_chain(
         raise InputError("output_times", "must increase", value=outputs.tolist())
     key = f"{chain.fingerprint()} {end!r} {tolerance!r} {fixed!r} {watch!r} {outputs.tolist()!r}"
     snapshots: list[ChainState] = []
+    spans: dict[int, Segment] = {}
     if checkpoint is not None and Path(checkpoint).exists():
         *snapshots, state = load_states(checkpoint, key)
     # Newton's error stays small against the local error, above the rounding of positions
@@ -161,7 +164,7 @@ def run_chain(
             if state.steps >= most_steps:
                 raise ChainError(f"chain: {most_steps} steps at time {state.time:g}; raise most_steps or rtol")
             barrier = min([end, *outputs[outputs > state.time][:1].tolist()])
-            state = _next(chain, state, barrier, fixed, watch, _SHARE * tolerance, fine)
+            state = _next(chain, spans, state, barrier, fixed, watch, _SHARE * tolerance, fine)
             if checkpoint is not None and monotonic() - last_write >= checkpoint_seconds:
                 save_states(checkpoint, [*snapshots, state], key)
                 last_write = monotonic()
@@ -183,11 +186,20 @@ def _start(chain: Chain, start: ChainState | str) -> ChainState:
 
 
 def _next(
-    chain: Chain, state: ChainState, barrier: float, fixed: float | None, watch: float, rtol: float, fine: float
+    chain: Chain,
+    spans: dict[int, Segment],
+    state: ChainState,
+    barrier: float,
+    fixed: float | None,
+    watch: float,
+    rtol: float,
+    fine: float,
 ) -> ChainState:
-    """One accepted step."""
+    """One accepted step; `spans` keeps the references found."""
     number = int(np.searchsorted(chain.flow.times, state.time, side="right"))
-    span = chain.flow.segment(state.time)
+    if number not in spans:
+        spans[number] = steady_reference(chain, chain.flow.segment(state.time))
+    span = spans[number]
     if state.span != number:
         state = with_rates(chain, span, number, state)
     dt = fixed or state.next_step or chain.step

@@ -35,7 +35,7 @@ def with_rates(chain: Chain, span: Segment, number: int, state: ChainState) -> C
     velocities = state.velocities.copy()
     rates, surplus = np.empty_like(velocities), np.empty_like(velocities)
     kernels.rates(
-        *_tables(chain, span),
+        *_tables(span),
         span.share(state.time),
         state.positions,
         state.tensions,
@@ -75,7 +75,7 @@ def advance(
     """
     dt = time - state.time
     begin = _with_entries(chain, span, state, time)
-    tables, n, h = _tables(chain, span), begin.positions.size, chain.step
+    tables, n, h = _tables(span), begin.positions.size, chain.step
     age = np.empty(n)
     look.ages_of(*tables, begin.positions, age)
     inertia, pull = float(chain.inertia), chain.elasticity / h
@@ -130,8 +130,8 @@ def advance(
     return _without(end, int(left[0])), error, first + second
 
 
-def _tables(chain: Chain, span: Segment) -> tuple[FloatArray, FloatArray, FloatArray]:
-    return chain.flow.nodes, span.age, span.slowness
+def _tables(span: Segment) -> tuple[FloatArray, FloatArray, FloatArray]:
+    return span.nodes, span.age, span.slowness
 
 
 def _released(chain: Chain, newest: int, size: int, time: float, *, inclusive: bool = False) -> int:

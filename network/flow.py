@@ -37,17 +37,25 @@ class Segment:
     ----------
     begin, end : float
         Times, units of r_0 / v_0; either may be infinite.
+    nodes : ndarray, shape (nodes,)
+        Positions, in initial radii.
     age, slowness : ndarray, shape (2, nodes)
         Tables of both ends; the second is the reference in which ages are counted.
+    weight : float, optional
+        Share of the second profile in the flow, where it does not change: 0 where it is a reference only.
     """
 
     begin: float
     end: float
+    nodes: FloatArray
     age: FloatArray
     slowness: FloatArray
+    weight: float | None = None
 
     def share(self, time: float) -> float:
         """Weight of the second profile at a time, in [0, 1]."""
+        if self.weight is not None:
+            return self.weight
         if not np.isfinite(self.begin) or not np.isfinite(self.end):
             return 1.0
         return min(max((time - self.begin) / (self.end - self.begin), 0.0), 1.0)
@@ -67,6 +75,8 @@ class Flow:
         ``int ds / V`` and 1/V of each profile at the nodes.
     error : float
         Largest relative error of V seen between nodes.
+    kinks : tuple of float
+        Places where V' may jump, initial radii: the chain resolves the slip there once, not in every step.
     """
 
     nodes: FloatArray
@@ -74,6 +84,7 @@ class Flow:
     age: FloatArray
     slowness: FloatArray
     error: float
+    kinks: tuple[float, ...] = ()
 
     @classmethod
     def from_jet(cls, jet: Any, length: float, *, rtol: float = 1e-8) -> Self:
@@ -93,7 +104,7 @@ class Flow:
         InputError
             For a jet that does not cover the length, or is too rough for a table.
         """
-        return cls.from_profiles([profile_of(jet, length)], [0.0], length, rtol=rtol)
+        return cls.from_profiles([profile_of(jet, length)], [0.0], length, rtol=rtol, kinks=_kinks_of(jet))
 
     @classmethod
     def switching(
@@ -114,10 +125,19 @@ class Flow:
         start = float(real("at", at))
         stop = start + float(real("over", over, least=0.0))
         profiles = [profile_of(before, length), profile_of(after, length)]
-        return cls.from_profiles(profiles, [start, stop], length, rtol=rtol)
+        kinks = (*_kinks_of(before), *_kinks_of(after))
+        return cls.from_profiles(profiles, [start, stop], length, rtol=rtol, kinks=kinks)
 
     @classmethod
-    def from_profiles(cls, profiles: Sequence[Profile], times: ArrayLike, length: float, *, rtol: float = 1e-8) -> Self:
+    def from_profiles(
+        cls,
+        profiles: Sequence[Profile],
+        times: ArrayLike,
+        length: float,
+        *,
+        rtol: float = 1e-8,
+        kinks: Sequence[float] = (),
+    ) -> Self:
         """Tabulate functions V(s), s in initial radii, valid at the given times.
 
         Parameters
@@ -130,7 +150,10 @@ class Flow:
             In initial radii, > 0.
         rtol : float, optional
             As for `from_jet`.
+        kinks : sequence of float, optional
+            Where V' jumps, initial radii; not naming them costs time steps, not accuracy.
         """
+        corners = tuple(sorted(set(real("kinks", kinks).ravel().tolist())))
         far = positive("length", length, "r_0")
         tolerance = float(real("rtol", rtol, least=1e-11, most=1e-2))
         when = real("times", times)
@@ -155,7 +178,7 @@ class Flow:
             nodes = np.sort(np.concatenate((nodes, middle)))
         age = np.stack([t[0] for t in tables])
         slowness = np.stack([t[1] for t in tables])
-        return cls(nodes, when, age, slowness, float(error.max()))
+        return cls(nodes, when, age, slowness, float(error.max()), corners)
 
     @property
     def length(self) -> float:
@@ -169,7 +192,7 @@ class Flow:
         begin = float(self.times[first]) if after > 0 else -np.inf
         end = float(self.times[last]) if after < self.times.size else np.inf
         rows = [0, 0] if after == 0 else [first, last]
-        return Segment(begin, end, self.age[rows], self.slowness[rows])
+        return Segment(begin, end, self.nodes, self.age[rows], self.slowness[rows])
 
     def velocity_ratio(self, position: ArrayLike, time: float = 0.0) -> FloatArray:
         """V at positions s (initial radii) and one time (r_0 / v_0)."""
@@ -182,10 +205,10 @@ class Flow:
         """Age a(s), units of r_0 / v_0, in the profile that holds at a time (the later one while it changes)."""
         s = real("position", position)
         part = self.segment(float(real("time", time)))
-        return _hermite(s, self.nodes, part.age[1], part.slowness[1])[0]
+        return hermite(s, self.nodes, part.age[1], part.slowness[1])[0]
 
     def _velocity(self, s: FloatArray, part: Segment, row: int) -> FloatArray:
-        value: FloatArray = 1 / _hermite(s, self.nodes, part.age[row], part.slowness[row])[1]
+        value: FloatArray = 1 / hermite(s, self.nodes, part.age[row], part.slowness[row])[1]
         return value
 
 
@@ -209,6 +232,12 @@ def profile_of(jet: Any, length: float) -> Profile:
     return profile
 
 
+def _kinks_of(jet: Any) -> tuple[float, ...]:
+    """Places named by a jet, initial radii."""
+    kinks = getattr(jet, "kinks", None)
+    return tuple(kinks()) if callable(kinks) else ()
+
+
 def _table(profile: Profile, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Age and slowness at the nodes; 5-point Gauss-Legendre in each cell."""
     points, weights = np.polynomial.legendre.leggauss(5)
@@ -224,12 +253,12 @@ def _checked(profile: Profile, s: FloatArray) -> FloatArray:
 
 def _cell_error(profile: Profile, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> FloatArray:
     inside = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * _PROBES
-    slope = _hermite(inside, nodes, age, slowness)[1]
+    slope = hermite(inside, nodes, age, slowness)[1]
     value: FloatArray = np.max(np.abs(slope * _checked(profile, inside) - 1), axis=1)
     return value
 
 
-def _hermite(s: FloatArray, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> tuple[FloatArray, FloatArray]:
+def hermite(s: FloatArray, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Age and its slope; straight outside the table."""
     i = np.clip(np.searchsorted(nodes, s, side="right") - 1, 0, nodes.size - 2)
     width = nodes[i + 1] - nodes[i]
