@@ -39,7 +39,7 @@ from spinline.network.chain_model import Chain, ChainError
 from spinline.network.chain_profile import ChainProfile, profile
 from spinline.network.chain_reference import steady_reference
 from spinline.network.chain_state import ChainState, affine_start, empty_start, load_states, save_states
-from spinline.network.chain_step import advance, with_rates
+from spinline.network.chain_step import Room, advance, with_rates
 from spinline.network.flow import Segment
 
 __all__ = ["ChainResult", "Progress", "run_chain"]
@@ -147,6 +147,7 @@ def run_chain(
     key = f"{chain.fingerprint()} {end!r} {tolerance!r} {fixed!r} {watch!r} {outputs.tolist()!r}"
     snapshots: list[ChainState] = []
     spans: dict[int, Segment] = {}
+    room = Room()
     if checkpoint is not None and Path(checkpoint).exists():
         *snapshots, state = load_states(checkpoint, key)
     # Newton's error stays small against the local error, above the rounding of positions
@@ -164,7 +165,7 @@ def run_chain(
             if state.steps >= most_steps:
                 raise ChainError(f"chain: {most_steps} steps at time {state.time:g}; raise most_steps or rtol")
             barrier = min([end, *outputs[outputs > state.time][:1].tolist()])
-            state = _next(chain, spans, state, barrier, fixed, watch, _SHARE * tolerance, fine)
+            state = _next(chain, spans, room, state, barrier, fixed, watch, _SHARE * tolerance, fine)
             if checkpoint is not None and monotonic() - last_write >= checkpoint_seconds:
                 save_states(checkpoint, [*snapshots, state], key)
                 last_write = monotonic()
@@ -188,6 +189,7 @@ def _start(chain: Chain, start: ChainState | str) -> ChainState:
 def _next(
     chain: Chain,
     spans: dict[int, Segment],
+    room: Room,
     state: ChainState,
     barrier: float,
     fixed: float | None,
@@ -207,7 +209,7 @@ def _next(
     rejected, iterations = 0, 0
     while True:
         time = _landing(chain, state.time, dt, barrier, aligned=fixed is None)
-        after, error, count = advance(chain, span, state, time, watch, fine)
+        after, error, count = advance(chain, span, state, time, watch, fine, room)
         iterations += count
         taken = time - state.time
         # an error of position far below a spacing is no error of stretch: a bead may be kicked as it enters

@@ -13,6 +13,7 @@ Upstream of s = 0 and beyond `length` the velocity is held.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -51,6 +52,13 @@ class Segment:
     age: FloatArray
     slowness: FloatArray
     weight: float | None = None
+
+    @cached_property
+    def packed(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The tables as the compiled loops read them."""
+        from spinline.network._flow_kernels import pack
+
+        return pack(self.nodes, self.age, self.slowness)
 
     def share(self, time: float) -> float:
         """Weight of the second profile at a time, in [0, 1]."""
