@@ -48,7 +48,7 @@ Progress = Callable[[ChainState], None]
 
 _SAFETY, _LEAST_FACTOR, _MOST_FACTOR = 0.85, 0.2, 4.0
 _SMALLEST = 1e-9  # of one spacing: no step below
-_SHARE = 0.5  # of the tolerance, for one step: what beads see at a kink of V adds up
+_SHARE = 0.1  # of the tolerance, for one step: what beads see at a locking front adds up
 _MOST_STEP = 0.01  # of the residence time: the estimate of the error needs to see the flow
 
 
