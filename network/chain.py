@@ -220,7 +220,7 @@ def _next(
             proposal = max(taken * max(factor, _LEAST_FACTOR), dt if taken < dt and factor >= 1 else 0.0)
             return replace(
                 after,
-                next_step=min(proposal, _MOST_STEP * float(chain.flow.age[-1, -1])),
+                next_step=min(proposal, _MOST_STEP * float(-chain.flow.age[-1, 0])),
                 steps=state.steps + 1,
                 rejected=state.rejected + rejected,
                 iterations=state.iterations + iterations,

@@ -1,6 +1,6 @@
 """The jet as the bead chain feels it: V(s, t) in initial radii, tabulated once, cheap to look up.
 
-The chain works with the age ``a(s) = int_0^s ds' / V(s')``, in which an affine bead moves at exactly one: the
+The chain works with the age ``a(s) = int ds / V(s)``, in which an affine bead moves at exactly one: the
 whole error of a time step is then that of the slip, not of the flow. In each cell of the table a(s) is the cubic through
 the ages and slownesses 1/V at both ends, and V is *defined* as 1 / a'(s) there: age and velocity agree exactly. Cells
 are halved until V so defined is within `error` of the jet's own; kinks (the onset of a power-law jet) need no care.
@@ -80,7 +80,7 @@ class Flow:
     times : ndarray, shape (m,)
         Times of the profiles, units of r_0 / v_0, never decreasing.
     age, slowness : ndarray, shape (m, n)
-        ``int ds / V`` and 1/V of each profile at the nodes.
+        ``int ds / V`` from the far end (so <= 0) and 1/V of each profile at the nodes.
     error : float
         Largest relative error of V seen between nodes.
     kinks : tuple of float
@@ -174,7 +174,7 @@ class Flow:
             tables = [_table(profile, nodes) for profile in profiles]
             error = np.max([_cell_error(p, nodes, *t) for p, t in zip(profiles, tables, strict=True)], axis=0)
             # a kink is not chased into cells so small that rounding of the age spoils its slope
-            least = np.finfo(float).eps * max(float(t[0][-1]) for t in tables) / tolerance
+            least = np.finfo(float).eps * np.max([-age[:-1] / slow[:-1] for age, slow in tables], axis=0) / tolerance
             rough = (error > tolerance) & (np.diff(nodes) > least)
             if not rough.any():
                 break
@@ -213,7 +213,7 @@ class Flow:
         """Age a(s), units of r_0 / v_0, in the profile that holds at a time (the later one while it changes)."""
         s = real("position", position)
         part = self.segment(float(real("time", time)))
-        return hermite(s, self.nodes, part.age[1], part.slowness[1])[0]
+        return hermite(s, self.nodes, part.age[1], part.slowness[1])[0] - part.age[1, 0]
 
     def _velocity(self, s: FloatArray, part: Segment, row: int) -> FloatArray:
         value: FloatArray = 1 / hermite(s, self.nodes, part.age[row], part.slowness[row])[1]
@@ -252,7 +252,8 @@ def _table(profile: Profile, nodes: FloatArray) -> tuple[FloatArray, FloatArray]
     width = np.diff(nodes)
     inside = nodes[:-1, np.newaxis] + 0.5 * width[:, np.newaxis] * (1 + points)
     passed = 0.5 * width * np.sum(weights / _checked(profile, inside), axis=1)
-    return np.concatenate(([0.0], np.cumsum(passed))), 1 / _checked(profile, nodes)
+    # counted from the far end: where beads are fast and close in age, ages are small and their differences exact
+    return np.append(-np.cumsum(passed[::-1])[::-1], 0.0), 1 / _checked(profile, nodes)
 
 
 def _checked(profile: Profile, s: FloatArray) -> FloatArray:
