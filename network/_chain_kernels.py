@@ -8,7 +8,6 @@ iteration is two passes: forward it looks up the flow and eliminates, backward i
 
 import math
 
-import numpy as np
 from numba import njit
 
 from spinline.checks import FloatArray
@@ -283,7 +282,7 @@ def step(
 
     `start` holds positions, velocities, rates and surplus; `tension` starts as the tensions. `times` are those of the
     start and of both stages, `shares` and `free` belong to the stages. Returns the iterations (-1: Newton's method
-    failed), the beads that have left, and the local error: root mean square over the beads in (0, watch], as a time
+    failed), the beads that have left, and the local error: root mean square over the released beads up to `watch`, as a time
     by which they are early or late, per unit of time (and of velocity, where inertia counts).
     """
     x0, v0, r0, s0 = start
@@ -366,7 +365,7 @@ def step(
             v = 1.0
             stiff = 0.0
             defect[i] = 0.0
-        if massive and 0 < x[i] <= watch:
+        if massive and i < free[1] and x[i] <= watch:
             bad = dt * (_E1 * s0[i] + _E2 * s2[i] + _E3 * stiff) / (inertia + g) * slow
             wrong += bad * bad
         rate[i] = now
@@ -376,8 +375,13 @@ def step(
     _filtered(defect, lead, work)
     late = 0.0
     count = 0
-    for i in range(n):
-        if 0 < x[i] <= watch:
+    flung = True  # all watched beads beyond the watched part in one step: they count where they began
+    for i in range(free[1]):
+        if x[i] <= watch:
+            flung = False
+            break
+    for i in range(free[1]):
+        if (x0[i] if flung else x[i]) <= watch:
             bad = defect[i] * push[i] / dt
             late += bad * bad
             count += 1

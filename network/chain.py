@@ -33,8 +33,9 @@ from time import monotonic
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
+from spinline.network._objects import instance
 from spinline.network.chain_model import Chain, ChainError
 from spinline.network.chain_profile import ChainProfile, profile
 from spinline.network.chain_reference import steady_reference
@@ -136,11 +137,14 @@ def run_chain(
     About 0.2 us per bead and step with linear springs, 0.3 to 1.5 us with bounded laws; 500 bytes per bead. Bounded
     laws with inertia can end in `ChainError` where a slack part locks at speed: the impact has no width in time.
     """
-    tolerance = float(real("rtol", rtol, least=1e-10, most=0.1))
+    instance("chain", chain, Chain, remedy="make one with spinline.network.Chain")
+    tolerance = number("rtol", rtol, least=1e-10, most=0.1)
+    most = number("most_steps", most_steps, least=1)
+    seconds = number("checkpoint_seconds", checkpoint_seconds, least=0.0)
     fixed = None if time_step is None else positive("time_step", time_step)
     watch = 0.95 * chain.flow.length if accurate_to is None else positive("accurate_to", accurate_to, "r_0")
     state = _start(chain, start)
-    end = float(real("until", until, above=state.time))
+    end = number("until", until, above=state.time)
     outputs = real("output_times", output_times, least=state.time, most=end).ravel()
     if np.any(np.diff(outputs) <= 0):
         raise InputError("output_times", "must increase", value=outputs.tolist())
@@ -162,11 +166,11 @@ def run_chain(
                 report(state)
             if state.time >= end:
                 break
-            if state.steps >= most_steps:
+            if state.steps >= most:
                 raise ChainError(f"chain: {most_steps} steps at time {state.time:g}; raise most_steps or rtol")
             barrier = min([end, *outputs[outputs > state.time][:1].tolist()])
             state = _next(chain, spans, room, state, barrier, fixed, watch, _SHARE * tolerance, fine)
-            if checkpoint is not None and monotonic() - last_write >= checkpoint_seconds:
+            if checkpoint is not None and monotonic() - last_write >= seconds:
                 save_states(checkpoint, [*snapshots, state], key)
                 last_write = monotonic()
     if checkpoint is not None:
@@ -177,6 +181,8 @@ def run_chain(
 def _start(chain: Chain, start: ChainState | str) -> ChainState:
     if isinstance(start, ChainState):
         return start
+    if not isinstance(start, str):
+        start = type(start).__name__
     if start == "empty":
         if not chain.entry:
             raise InputError("start", "must hold beads where none enter", value=start, remedy='use "affine"')
@@ -209,6 +215,10 @@ def _next(
     rejected, iterations = 0, 0
     while True:
         time = _landing(chain, state.time, dt, barrier, aligned=fixed is None)
+        if not time > state.time:
+            raise ChainError(
+                f"chain: step of {dt:.1e} at time {state.time:g} is lost in rounding; raise rtol or spacing"
+            )
         after, error, count = advance(chain, span, state, time, watch, fine, room)
         iterations += count
         taken = time - state.time

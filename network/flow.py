@@ -19,7 +19,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
 
 __all__ = ["Flow", "Segment"]
@@ -27,6 +27,7 @@ __all__ = ["Flow", "Segment"]
 Profile = Callable[[FloatArray], FloatArray]  # V(s), s in initial radii
 
 _MOST_CELLS = 200_000
+_LONGEST = 1e12  # initial radii
 _PROBES = np.array([0.2113, 0.5, 0.7887])  # where the slope of a Hermite cubic errs most
 
 
@@ -103,7 +104,7 @@ class Flow:
         jet : StraightJet, or any object with ``velocity_ratio(z)`` and ``initial_radius``
             z in m from the nozzle.
         length : float
-            In initial radii, > 0.
+            In initial radii, in (0, 1e12].
         rtol : float, optional
             Relative error of V between nodes, in [1e-11, 1e-2].
 
@@ -130,8 +131,8 @@ class Flow:
         rtol : float, optional
             As for `from_jet`.
         """
-        start = float(real("at", at))
-        stop = start + float(real("over", over, least=0.0))
+        start = number("at", at)
+        stop = start + number("over", over, least=0.0)
         profiles = [profile_of(before, length), profile_of(after, length)]
         kinks = (*_kinks_of(before), *_kinks_of(after))
         return cls.from_profiles(profiles, [start, stop], length, rtol=rtol, kinks=kinks)
@@ -162,9 +163,11 @@ class Flow:
             Where V' jumps, initial radii; not naming them costs time steps, not accuracy.
         """
         corners = tuple(sorted(set(real("kinks", kinks).ravel().tolist())))
-        far = positive("length", length, "r_0")
-        tolerance = float(real("rtol", rtol, least=1e-11, most=1e-2))
+        far = number("length", length, above=0.0, most=_LONGEST, unit="r_0")
+        tolerance = number("rtol", rtol, least=1e-11, most=1e-2)
         when = real("times", times)
+        if isinstance(profiles, str) or not isinstance(profiles, Sequence) or not all(map(callable, profiles)):
+            raise InputError("profiles", "is not a sequence of functions V(s)", value=type(profiles).__name__)
         if when.ndim != 1 or when.size != len(profiles) or not when.size:
             raise InputError("times", "needs one time for each profile", value=f"{when.shape} for {len(profiles)}")
         if np.any(np.diff(when) < 0):
@@ -205,14 +208,14 @@ class Flow:
     def velocity_ratio(self, position: ArrayLike, time: float = 0.0) -> FloatArray:
         """V at positions s (initial radii) and one time (r_0 / v_0)."""
         s = real("position", position)
-        part = self.segment(float(real("time", time)))
+        part = self.segment(number("time", time))
         share = part.share(time)
         return (1 - share) * self._velocity(s, part, 0) + share * self._velocity(s, part, 1)
 
     def residence_time(self, position: ArrayLike, time: float = 0.0) -> FloatArray:
         """Age a(s), units of r_0 / v_0, in the profile that holds at a time (the later one while it changes)."""
         s = real("position", position)
-        part = self.segment(float(real("time", time)))
+        part = self.segment(number("time", time))
         return hermite(s, self.nodes, part.age[1], part.slowness[1])[0] - part.age[1, 0]
 
     def _velocity(self, s: FloatArray, part: Segment, row: int) -> FloatArray:

@@ -255,7 +255,7 @@ def network_fields(
         moved,
         stretch[known],
         solution.volume_fraction,
-        closure=scene.network.closure,
+        closure=scene.network.closure_used,
         solvent_quality=scene.network.solvent_quality,
     )
     radius = profile["radius"][known]

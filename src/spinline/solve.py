@@ -57,7 +57,7 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
         raise InputError("network.model", "is not available", value=n.model, allowed=allowed, remedy=_TAKE)
     if n.model in _SLIPPING and not isinstance(jet, StraightJet):
         raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
-    if n.model == "walk" and n.closure != "force":
+    if n.model == "walk" and n.closure_used != "force":
         raise InputError("network.closure", "has no walk: strands are walked under a force", value=n.closure,
                          allowed='"force"', remedy=_TAKE)  # fmt: skip
     if n.model not in _SLIPPING and n.force_law != "lattice":
@@ -73,8 +73,8 @@ def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet"
     remarks = []
     if n.model in _SLIPPING and n.force_law != "linear" and n.closure == "force":
         remarks.append(
-            'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; closure '
-            '"stretch" gives the extension that the force law itself has'
+            'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; "auto" '
+            'takes "stretch" here, the extension that the force law itself has'
         )
     strands = solution.strands_per_chain(float(rest.segments))
     if strands < 2:
@@ -166,7 +166,7 @@ def run(scene: Scene) -> "xr.Dataset":
             extension_velocity_ratio(
                 scene.network.crossover_extension.value,
                 phi,
-                closure=scene.network.closure,
+                closure=scene.network.closure_used,
                 solvent_quality=quality,
             )
         ),
@@ -308,7 +308,7 @@ def _attributes(
         "scene": scene.text,
         "model": "affine" if scene.network.model == "auto" else scene.network.model,
         "model_requested": scene.network.model,
-        "closure": scene.network.closure,
+        "closure": scene.network.closure_used,
         "force_law": scene.network.force_law,
         "solvent_quality": scene.network.solvent_quality,
         "rtol": scene.accuracy.rtol,
