@@ -72,4 +72,5 @@ def speed_now(cells: FloatArray, share: float, x: float, j: int, speed: float, s
 def place(cells: FloatArray, age: float, j: int) -> float:
     """Position of a reference age in cell j, as good as the table."""
     d = age - cells[j, 1]
-    return cells[j, 0] + d * (cells[j, 8] + d * (cells[j, 9] + d * cells[j, 10]))
+    x: float = cells[j, 0] + d * (cells[j, 8] + d * (cells[j, 9] + d * cells[j, 10]))
+    return x

@@ -8,8 +8,8 @@
 Beads leave the nozzle (x = 0) with V = 1, one every h; the far end is free: tension T(1). The bead just
 beyond ``x = length`` keeps that share of its drag which its strand has still inside, so leaving takes no event.
 
-How it is solved: unknowns are the ages ``a(x) = int dx / V`` of the beads (an affine bead ages at exactly one,
-whatever the jet) and the tensions of the strands; implicit, second order (`chain_step`), one tridiagonal system a
+How it is solved: unknowns are the ages ``b(x) = int dx / U`` of the beads, U the speed of the steady network where there
+is one, else V (`chain_reference`: a settled bead ages at exactly one, whatever the jet), and the tensions of the strands; implicit, second order (`chain_step`), one tridiagonal system a
 Newton iteration, O(N) a step.
 The step follows the accuracy of the slip alone, not the entries: a step may pass thousands of beads.
 
@@ -104,8 +104,8 @@ def run_chain(
     start : ChainState or {"empty", "affine"}
         "empty": the first bead at the nozzle; "affine": beads along the whole jet, as the flow alone would put them.
     rtol : float
-        Error of the stretch, roughly: what is controlled is the local error of the velocity of each bead relative to
-        the jet's, to half of `rtol`; in [1e-10, 0.1].
+        Error of the stretch, roughly: what is controlled is the local error of the velocities of the beads relative to
+        the jet's, root mean square, to a tenth of `rtol` (calibrated on fronts of locking); in [1e-10, 0.1].
     time_step : float, optional
         A fixed step in place of the adaptive one (no error control).
     accurate_to : float, optional
@@ -134,7 +134,7 @@ def run_chain(
 
     Notes
     -----
-    About 0.2 us per bead and step with linear springs, 0.3 to 1.5 us with bounded laws; 500 bytes per bead. Bounded
+    About 0.1 to 0.4 us per bead and step with linear springs, 0.3 to 0.6 us with bounded laws; 300 bytes per bead. Bounded
     laws with inertia can end in `ChainError` where a slack part locks at speed: the impact has no width in time.
     """
     instance("chain", chain, Chain, remedy="make one with spinline.network.Chain")

@@ -112,7 +112,7 @@ def _wave(jet: _Jet, kink: float, eps: float, h: float) -> _Table | None:
     d, strength = step / m, eps / step**2
     before = int(np.ceil(_UPSTREAM * eps / d)) + _MARGIN * m
     n = before + 1 + int(np.ceil(_DOWNSTREAM * eps / d)) + _MARGIN * m
-    x = kink + speed * d * np.arange(-before, n - before)
+    x: FloatArray = kink + speed * d * np.arange(-before, n - before)
     lag = d * np.arange(1, m + 1)
     for _ in range(12):
         first, last = jet.velocity(x[[0, -1]])
@@ -154,7 +154,8 @@ def _wave(jet: _Jet, kink: float, eps: float, h: float) -> _Table | None:
             return None
         if np.max(np.abs(move)) < 1e-10 * step:
             inside = (x > 0) | (np.arange(n) >= before)
-            return (x[inside], (d * np.arange(n))[inside], 1 / rate[inside]) if np.all(rate > 0) else None
+            ages: FloatArray = d * np.arange(n, dtype=np.float64)
+            return (x[inside], ages[inside], 1 / rate[inside]) if np.all(rate > 0) else None
     return None
 
 

@@ -216,7 +216,8 @@ class Flow:
         """Age a(s), units of r_0 / v_0, in the profile that holds at a time (the later one while it changes)."""
         s = real("position", position)
         part = self.segment(number("time", time))
-        return hermite(s, self.nodes, part.age[1], part.slowness[1])[0] - part.age[1, 0]
+        value: FloatArray = hermite(s, self.nodes, part.age[1], part.slowness[1])[0] - part.age[1, 0]
+        return value
 
     def _velocity(self, s: FloatArray, part: Segment, row: int) -> FloatArray:
         value: FloatArray = 1 / hermite(s, self.nodes, part.age[row], part.slowness[row])[1]
