@@ -8,9 +8,9 @@
 Beads leave the nozzle (x = 0) with V = 1, one every h; the far end is free: tension T(1). The bead just
 beyond ``x = length`` keeps that share of its drag which its strand has still inside, so leaving takes no event.
 
-How it is solved: unknowns are the ages ``b(x) = int dx / U`` of the beads, U the speed of the steady network where there
-is one, else V (`chain_reference`: a settled bead ages at exactly one, whatever the jet), and the tensions of the strands; implicit, second order (`chain_step`), one tridiagonal system a
-Newton iteration, O(N) a step.
+How it is solved: unknowns are the tensions of the strands and the ages ``b(x) = int dx / U`` of the beads, U the speed
+of the steady network where there is one, else V (`chain_reference`): a settled bead ages at exactly one, whatever the
+jet. Implicit, second order (`chain_step`), one tridiagonal system a Newton iteration, O(N) a step.
 The step follows the accuracy of the slip alone, not the entries: a step may pass thousands of beads.
 
 The stretch of a strand belongs to its midpoint; given to a bead it errs by ``h w w' / 2``.

@@ -11,11 +11,12 @@ from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.coupling import BOLTZMANN, strand_force
 from spinline.network.mesh import network_at_rest
-from spinline.network.state import network_state
+from spinline.network.state import dried_state, network_state
 from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
 if TYPE_CHECKING:
+    from spinline.extra import Extra
     from spinline.network.chain_profile import ChainProfile
     from spinline.network.manifold import Manifold
 
@@ -23,7 +24,9 @@ __all__ = [
     "BOND_STRENGTH",
     "Crossover",
     "SettledChain",
+    "lateral_fields",
     "network_fields",
+    "network_stretch",
     "settled_chain",
     "slip_fields",
     "slipping_crossover",
@@ -50,6 +53,8 @@ class Crossover:
         r / r_0; NaN likewise.
     predicted : float
         Position if the profile went on beyond the jet's length; NaN where it cannot be said.
+    words : str
+        Why it is not reached, where the profile alone does not say.
     """
 
     velocity_ratio: float
@@ -57,6 +62,7 @@ class Crossover:
     radius: float
     radius_ratio: float
     predicted: float
+    words: str = ""
 
 
 def steady_state(scene: Scene, solution: Solution, jet: StraightJet) -> "Manifold":
@@ -212,6 +218,38 @@ def slip_fields(
     }
 
 
+def lateral_fields(
+    fields: dict[str, FloatArray], scene: Scene, solution: Solution, jet: StraightJet
+) -> dict[str, FloatArray]:
+    """Network across the jet, Eq. (32b) in motion: its radius, and the polymer fraction of its layers.
+
+    Raises
+    ------
+    InputError
+        Where alpha_v is not known.
+    """
+    from spinline.network.lateral import lateral_network
+
+    alpha, _, words = coupling(scene, solution, jet)
+    if np.isnan(alpha):
+        raise InputError("network.lateral", f"needs alpha_v, which is {words}", remedy="give network.coupling")
+    pace = scene.network.spring.value / alpha * jet.initial_velocity / jet.initial_radius
+    contraction = fields["radial_contraction"]
+    across = lateral_network(
+        pace * fields["residence_time"],
+        fields["velocity_ratio"],
+        contraction / contraction[0],
+        solution.volume_fraction,
+        network_velocity_ratio=fields["network_velocity_ratio"],
+        rtol=max(1e-5, min(1e-3, 0.1 * scene.accuracy.rtol)),
+    )
+    return {
+        "layer": 0.5 * (across.layer_edges[1:] + across.layer_edges[:-1]),
+        "lateral_network_radius": across.radius_ratio * fields["radius"],
+        "lateral_polymer_fraction": across.polymer_fraction,
+    }
+
+
 def walk_fields(fields: dict[str, FloatArray], scene: Scene, solution: Solution) -> dict[str, FloatArray]:
     """Sampled conformation with its standard errors, strand by strand (rung ``walk``)."""
     from spinline.network.walk import sample_strands
@@ -242,22 +280,35 @@ def walk_fields(fields: dict[str, FloatArray], scene: Scene, solution: Solution)
 
 
 def network_fields(
-    profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | SettledChain | None"
+    profile: dict[str, FloatArray],
+    scene: Scene,
+    solution: Solution,
+    network: "Manifold | SettledChain | None",
+    extra: "Extra | None" = None,
 ) -> dict[str, FloatArray]:
-    """Network variables wherever the stretch is known, NaN (or False) elsewhere."""
+    """Network variables wherever the stretch is known, NaN (or False) elsewhere.
+
+    Where the jet loses volume, the strands are those of the solution at the nozzle and every fraction is over what is left.
+    What relaxes moves with the solution: the network then slips by what the closure says of its own stretch.
+    """
     stretch = profile["stretch_ratio"]
     known = np.isfinite(stretch)
-    moved = stretch[known]
+    moved = flow = stretch[known]
     if network is not None:
-        s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
-        moved = network.stretch(np.clip(s, 0.0, network.length))
+        moved = network_stretch(profile, network)
+    left: FloatArray | float = 1.0
+    if extra is not None:
+        moved, left = extra.stretch[known], extra.remaining[known]
+        flow = moved if network is None else flow
     net = network_state(
         moved,
-        stretch[known],
+        flow,
         solution.volume_fraction,
         closure=scene.network.closure_used,
         solvent_quality=scene.network.solvent_quality,
     )
+    if extra is not None and extra.dries:
+        net = dried_state(net, flow, solution.volume_fraction, left, scene.network.solvent_quality)
     radius = profile["radius"][known]
     walk = net.conformation
     flat: dict[str, Any] = {
@@ -280,6 +331,12 @@ def network_fields(
         "contour_reached": net.contour_reached,
     }
     return {name: _spread(values, known) for name, values in flat.items()}
+
+
+def network_stretch(profile: dict[str, FloatArray], network: "Manifold | SettledChain") -> FloatArray:
+    """Stretch w of a network that slips, at the places of a straight jet's profile."""
+    s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
+    return network.stretch(np.clip(s, 0.0, network.length))
 
 
 def _spread(values: FloatArray, known: Any) -> FloatArray:
