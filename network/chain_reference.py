@@ -112,7 +112,7 @@ def _wave(jet: _Jet, kink: float, eps: float, h: float) -> _Table | None:
     d, strength = step / m, eps / step**2
     before = int(np.ceil(_UPSTREAM * eps / d)) + _MARGIN * m
     n = before + 1 + int(np.ceil(_DOWNSTREAM * eps / d)) + _MARGIN * m
-    x: FloatArray = kink + speed * d * np.arange(-before, n - before)
+    x: FloatArray = kink + speed * d * np.arange(-before, n - before, dtype=np.float64)
     lag = d * np.arange(1, m + 1)
     for _ in range(12):
         first, last = jet.velocity(x[[0, -1]])
