@@ -311,7 +311,7 @@ def network_fields(
         moved,
         flow,
         solution.volume_fraction,
-        closure=scene.network.closure,
+        closure=scene.network.closure_used,
         solvent_quality=scene.network.solvent_quality,
     )
     if extra is not None and extra.dries:

@@ -126,7 +126,7 @@ def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":
             extension_velocity_ratio(
                 scene.network.crossover_extension.value,
                 phi,
-                closure=scene.network.closure,
+                closure=scene.network.closure_used,
                 solvent_quality=quality,
             )
         ),
