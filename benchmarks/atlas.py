@@ -202,7 +202,7 @@ def warm():
             small = [
                 "accuracy.points=17",
                 "accuracy.strands=10",
-                "network.coarse_grain=2000",
+                "jet.length=1 mm",
                 'solution.relaxation_time="1 s"',
             ]
             run(load_scene("peo5-water", [f'network.model="{model}"', *small, *extra]))

@@ -37,6 +37,7 @@ __all__ = [
 BOND_STRENGTH = 5e-9  # N, covalent bond
 _FRONT_RTOL = 0.03
 _MOST_BEADS = 3000  # of a chain that is free to join strands
+_MOST_STEPS = 8000  # of it in time: some ten seconds
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,7 @@ def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> Settled
     # a front of locking passes bead by bead: resolving it in time costs much and the settled state does not need it
     rtol = _FRONT_RTOL if over else float(np.clip(0.1 * scene.accuracy.rtol, 1e-8, 1e-3))
     try:
-        run = run_chain(chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration])
+        run = run_chain(chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration], most_steps=_MOST_STEPS)
     except ChainError as error:
         raise InputError("network.model", f"the chain cannot be followed ({error})", value="chain") from None
     profile = run.profile
@@ -343,7 +344,14 @@ def network_fields(
 def network_stretch(profile: dict[str, FloatArray], network: "Manifold | SettledChain") -> FloatArray:
     """Stretch w of a network that slips, at the places of a straight jet's profile."""
     s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
-    return network.stretch(np.clip(s, 0.0, network.length))
+    stretch = network.stretch(np.clip(s, 0.0, network.length))
+    if not (stretch > 0).all():
+        joined = getattr(network, "coarse_grain", 1.0)
+        raise InputError(
+            "network.model", f"leaves strands turned over ({joined:.3g} joined into one): too few of them in this jet",
+            value="chain", remedy="join fewer (network.coarse_grain), take a longer jet, or a higher coupling",
+        )  # fmt: skip
+    return stretch
 
 
 def _spread(values: FloatArray, known: Any) -> FloatArray:
