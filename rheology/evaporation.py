@@ -87,7 +87,11 @@ def sherwood(reynolds: ArrayLike, schmidt: ArrayLike, floor: float = 0.0) -> Flo
 
 
 def power_law_loss(
-    distance: ArrayLike, k: float, beta: float, rate: float, given: Literal["velocity", "radius"] = "velocity"
+    distance: ArrayLike,
+    k: ArrayLike,
+    beta: ArrayLike,
+    rate: ArrayLike,
+    given: Literal["velocity", "radius"] = "velocity",
 ) -> FloatArray:
     """Closed form: part of the volume lost on a power-law jet in still air, constant properties and C.
 
@@ -95,23 +99,24 @@ def power_law_loss(
     ----------
     distance : array_like
         s = z/r_0, >= 0.
-    k, beta : float
+    k, beta : array_like
         ``V = k^2 s^(2 beta)`` beyond ``s_0 = k^(-1/beta)``, V = 1 before.
-    rate : float
+    rate : array_like
         ``a = pi D_a Sh_0 dC r_0 / Q``.
     given : {"velocity", "radius"}
         ``1 - (1 - 5 a J/6)^(6/5)``, or ``1 - (1 - 2 a J/3)^(3/2)`` where the radius is kept; ``J = int V^(1/6) ds``.
 
     Returns
     -------
-    ndarray; NaN where nothing is left.
+    ndarray, broadcast shape; NaN where nothing is left.
     """
     s = real("distance", distance, least=0.0)
-    power = 1 + beta / 3
-    onset = positive("k", k) ** (-1 / positive("beta", beta))
+    exponent = real("beta", beta, above=0.0)
+    power = 1 + exponent / 3
+    onset = real("k", k, above=0.0) ** (-1 / exponent)
     path = np.minimum(s, onset) + onset * (np.maximum(s / onset, 1.0) ** power - 1) / power
     q = 6 / 5 if given == "velocity" else 3 / 2
-    gone = positive("rate", rate) * path / q
+    gone = real("rate", rate, above=0.0) * path / q
     return -np.expm1(q * np.log1p(-np.where(gone < 1, gone, np.nan)))
 
 

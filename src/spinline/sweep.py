@@ -100,7 +100,11 @@ def run_sweep(
     task, cost = _probe(sweep, vectorise)
     chunk = sweep.chunk or _chunk(sweep, task, cost)
     attributes = _attributes(sweep, task)
-    sink = Memory(sweep, task, chunk, attributes) if path is None else Store(path, sweep, task, chunk, attributes, force=force)
+    sink = (
+        Memory(sweep, task, chunk, attributes)
+        if path is None
+        else Store(path, sweep, task, chunk, attributes, force=force)
+    )
     chunks = sink.pending()
     size = sweep.design.size
     done = size - sum(_extent(sweep, sink.chunk, i)[1] for i in chunks)
@@ -217,7 +221,9 @@ def _distributed(
             i = next(waiting, None)
             if i is None:
                 return None
-            future = client.submit(compute, task, _rows(sweep, chunk, i), key=f"spinline-{name}-{chunk}-{i}", pure=False)
+            future = client.submit(
+                compute, task, _rows(sweep, chunk, i), key=f"spinline-{name}-{chunk}-{i}", pure=False
+            )
             running[future.key] = i
             return future
 
@@ -336,4 +342,3 @@ def _attributes(sweep: Sweep, task: Task) -> dict[str, Any]:
         "computed_by": "closed forms on arrays" if task.vectorise else "one scene at a time",
         "fingerprint": sweep.fingerprint(),
     }
-

@@ -328,5 +328,7 @@ def _along(task: Task, jets: _Jets, phi: FloatArray, usable: BoolArray, scene: S
     if "residence_time" in task.profiles:
         fields["residence_time"] = r0 / v0 * jets.call("time", s)[usable]
     if "strand_force" in task.profiles:
-        fields["strand_force"] = strand_force(state["force"], tall(of("solution.kuhn_length")), tall(of("solution.temperature")))
+        fields["strand_force"] = strand_force(
+            state["force"], tall(of("solution.kuhn_length")), tall(of("solution.temperature"))
+        )
     return {name: fields[name] for name in task.profiles}

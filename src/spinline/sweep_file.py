@@ -28,13 +28,12 @@ from typing import Any
 import numpy as np
 
 from spinline.errors import InputError
-from spinline.scene import Scene, bundled_scenes, load_scene, scene_from_dict
+from spinline.scene import Scene, _override, bundled_scenes, scene_from_dict
 from spinline.sweep_design import KINDS, Axis, Column, Design
 from spinline.sweep_keys import full_key, placed, read_value, reader
 from spinline.sweep_table import read_table
-from spinline.units import Measured
 
-__all__ = ["Sweep", "bundled_sweeps", "load_sweep", "sweep_from_dict"]
+__all__ = ["Sweep", "bundled_sweeps", "load_sweep", "scene_tables", "sweep_from_dict"]
 
 _TOP = ("title", "scene", "profiles", "points", "chunk", "design", "vary")
 _DESIGN = ("kind", "samples", "seed", "path")
@@ -87,8 +86,24 @@ class Sweep:
         """Says whether two sweeps are the same: scene, files it reads, design, profiles, version."""
         from spinline import __version__
 
-        parts = [__version__, self.base, self.design.digest(), self.profiles, self.points, _files(self.base, self.folder)]
+        parts = [
+            __version__,
+            self.base,
+            self.design.digest(),
+            self.profiles,
+            self.points,
+            _files(self.base, self.folder),
+        ]
         return hashlib.sha256(json.dumps(parts, sort_keys=True, default=repr).encode()).hexdigest()
+
+
+def scene_tables(text: str) -> dict[str, Any]:
+    """Tables of a scene from its text, overrides (``# --set`` at its end) put in."""
+    data = tomllib.loads(text)
+    for line in text.splitlines():
+        if line.startswith("# --set "):
+            _override(data, line.removeprefix("# --set "))
+    return data
 
 
 def bundled_sweeps() -> dict[str, Path]:
@@ -157,9 +172,13 @@ def sweep_from_dict(
     if kind == "table":
         axes = _from_table(design, axes, home)
     elif "path" in design:
-        raise InputError("design.path", "is only for a table", value=design["path"], remedy='add kind = "table", or drop it')
+        raise InputError(
+            "design.path", "is only for a table", value=design["path"], remedy='add kind = "table", or drop it'
+        )
     if not axes:
-        raise InputError("vary", "is missing or empty", remedy='add [vary] with, for example, "jet.k" = {values = [1, 2]}')
+        raise InputError(
+            "vary", "is missing or empty", remedy='add [vary] with, for example, "jet.k" = {values = [1, 2]}'
+        )
     _not_both([axis.key for axis in axes])
     sampled = kind not in ("grid", "table")
     if sampled and "samples" not in design:
@@ -185,8 +204,6 @@ def sweep_from_dict(
 
 def _base(scene: Any, overrides: Sequence[str], home: Path) -> tuple[dict[str, Any], Path]:
     """Tables of the base scene and the folder of its paths."""
-    from spinline.scene import _override
-
     if isinstance(scene, Mapping):
         data: dict[str, Any] = json.loads(json.dumps(scene, default=str))
         at = home

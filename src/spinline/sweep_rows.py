@@ -132,7 +132,9 @@ class Block:
         )
 
 
-def evaluate_rows(task: Task, columns: Mapping[str, Column], rows: Sequence[int] | None = None, into: Block | None = None) -> Block:
+def evaluate_rows(
+    task: Task, columns: Mapping[str, Column], rows: Sequence[int] | None = None, into: Block | None = None
+) -> Block:
     """Scenes one by one.
 
     Parameters
@@ -211,7 +213,9 @@ def _profiles(solved: Solved, task: Task) -> dict[str, FloatArray]:
     jet, z = solved.jet, solved.fields["z"]
     if not isinstance(jet, StraightJet):
         raise InputError("profiles", "needs a straight jet", remedy="take them out of the sweep")
-    grid = jet.start + jet.initial_radius * profile_grid(np.asarray((z[-1] - jet.start) / jet.initial_radius), task.points)
+    grid = jet.start + jet.initial_radius * profile_grid(
+        np.asarray((z[-1] - jet.start) / jet.initial_radius), task.points
+    )
     nearest = np.clip(np.searchsorted(z, grid), 1, z.size - 1)
     nearest -= grid - z[nearest - 1] < z[nearest] - grid
     return {name: np.asarray(solved.fields[name], dtype=np.float64)[nearest] for name in task.profiles}

@@ -120,7 +120,9 @@ class Store:
                 wide = () if len(dims) == 1 else (self.task.points,)
                 group.create_array(name, shape=(size, *wide), chunks=(min(chunk, size), *wide), dtype=kind,
                                    fill_value=fill, dimension_names=dims, attributes=described)  # fmt: skip
-            group.attrs.update({_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))})
+            group.attrs.update(
+                {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
+            )
             place.rename(self.path)
 
     def pending(self) -> list[int]:
@@ -196,7 +198,9 @@ def as_grid(data: "xr.Dataset") -> "xr.Dataset":
     import xarray as xr
 
     if data.attrs.get("design") != "grid":
-        raise InputError("grid", "is not the design of this sweep", value=data.attrs.get("design"), remedy="leave it out")
+        raise InputError(
+            "grid", "is not the design of this sweep", value=data.attrs.get("design"), remedy="leave it out"
+        )
     keys = str(data.attrs["keys"]).split()
     shape = [int(n) for n in str(data.attrs["shape"]).split()]
     coordinates = {}
@@ -256,5 +260,7 @@ def _zarr() -> Any:
     try:
         import zarr
     except ImportError:
-        raise InputError("--out", "needs zarr, which is not installed", remedy='pip install "spinline[sweep]"') from None
+        raise InputError(
+            "--out", "needs zarr, which is not installed", remedy='pip install "spinline[sweep]"'
+        ) from None
     return zarr

@@ -70,7 +70,9 @@ def _cell(row: list[str], j: int, key: str, unit: str | None, field: str) -> Any
     if not isinstance(how, Read) or not QUANTITIES[how.kind].unit:
         if isinstance(how, Read):
             return read_value(key, f"{text} {unit}", field, ranged=False)
-        raise InputError(field, "has a unit, and is a bare number", value=unit, remedy="take the unit out of the header")
+        raise InputError(
+            field, "has a unit, and is a bare number", value=unit, remedy="take the unit out of the header"
+        )
     scale, offset = parse_unit(unit, how.kind, field)
     return _number(text, field) * scale + offset
 
@@ -83,4 +85,6 @@ def _number(text: str, field: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(field, "is not a number", value=text, remedy="write a number; the unit goes into the header") from None
+        raise InputError(
+            field, "is not a number", value=text, remedy="write a number; the unit goes into the header"
+        ) from None
