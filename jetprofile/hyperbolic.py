@@ -78,4 +78,4 @@ def time(s: FloatArray, p: ArrayLike) -> FloatArray:
 def inverse(ratio: FloatArray, p: ArrayLike) -> FloatArray:
     """First s where V is reached, NaN below V = 1."""
     # sqrt(V) - 1 without the difference of near numbers
-    return np.where(ratio >= 1, p * (ratio - 1) / (np.sqrt(ratio) + 1), np.nan)
+    return np.where(ratio >= 1, np.asarray(p) * (ratio - 1) / (np.sqrt(ratio) + 1), np.nan)

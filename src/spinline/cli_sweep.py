@@ -233,7 +233,7 @@ def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
         return numbers
     if not numbers[0] < numbers[1]:
         raise InputError(field, "does not rise", value=text, remedy="swap its ends")
-    return [float(x) for x in np.linspace(*numbers, steps)]
+    return [float(x) for x in np.linspace(numbers[0], numbers[1], steps)]
 
 
 def _reasons(result: "xr.Dataset", most: int = 5) -> list[tuple[str, int]]:

@@ -230,7 +230,8 @@ def _on(grid: FloatArray, place: FloatArray, values: Any) -> FloatArray:
     with np.errstate(invalid="ignore", divide="ignore"):
         share = np.where(step > 0, (grid - place[i]) / step, 0.0)
         between = left + share * (right - left)
-    return np.where(grid == place[i], left, np.where(grid == place[i + 1], right, between))
+    value: FloatArray = np.where(grid == place[i], left, np.where(grid == place[i + 1], right, between))
+    return value
 
 
 def _difference(name: str, grid: FloatArray, x: FloatArray, y: FloatArray) -> ProfileDifference:

@@ -46,8 +46,8 @@ def sobol(
     Returns
     -------
     xarray.Dataset
-        ``first_order``, ``total_order`` and their ``_low`` and ``_high`` along `output` and `parameter`; `mean` and `std` of each
-        output. NaN where an output does not vary: its variance has no shares.
+        ``first_order``, ``total_order`` and their ``_low`` and ``_high`` along `output` and `parameter`; `mean` and `std` of
+        each output. NaN where an output does not vary: its variance has no shares.
 
     Raises
     ------

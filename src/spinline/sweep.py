@@ -86,8 +86,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        For an output that cannot be used, workers that cannot be reached or die. A scene that cannot be computed raises nothing:
-        its row says why.
+        For an output that cannot be used, workers that cannot be reached or die. A scene that cannot be computed raises
+        nothing: its row says why.
 
     Warns
     -----

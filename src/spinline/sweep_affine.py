@@ -97,7 +97,7 @@ def closed_forms(task: Task, columns: Mapping[str, Column]) -> Block:
 
 def _groups(columns: Mapping[str, Column]) -> Iterator[tuple[Any, dict[str, FloatArray], dict[str, Any]]]:
     """Rows that share all their words: (rows, columns of numbers, words)."""
-    numeric = {key: values for key, values in columns.items() if values.dtype != object}
+    numeric: dict[str, Any] = {key: values for key, values in columns.items() if values.dtype != object}
     worded = {key: values for key, values in columns.items() if values.dtype == object}
     if not worded:
         yield slice(None), numeric, {}

@@ -1,6 +1,6 @@
 """Where in the space of its parameters a sweep computes: grids, samples, tables, and the design of Sobol' indices.
 
-Row i of a design follows from its definition and its seed alone, so that any part can be computed anywhere, in any order, again.
+Row i of a design follows from its definition and its seed alone: any part can be computed anywhere, in any order, again.
 
 ==================  ============================================================  =======================================
 kind                rows                                                          use
@@ -17,7 +17,7 @@ import hashlib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,8 @@ class Axis:
     def at(self, u: FloatArray) -> Column:
         """Values at u in [0, 1)."""
         if self.scale == "list":
-            return self.values[np.minimum((u * len(self.values)).astype(int), len(self.values) - 1)]
+            chosen: Column = self.values[np.minimum((u * len(self.values)).astype(int), len(self.values) - 1)]
+            return chosen
         low, high = (float(end) for end in self.values)
         if self.scale == "linear":
             return low + (high - low) * u

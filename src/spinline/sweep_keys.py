@@ -48,7 +48,8 @@ def full_key(key: str, field: str) -> str:
 
 def reader(key: str) -> Read | type | None:
     """How a key's numbers are read: a quantity, a bare number, or None for words, switches and tables."""
-    return _known()[key]
+    how: Read | type | None = _known()[key]
+    return how
 
 
 def unit_of(key: str) -> str:

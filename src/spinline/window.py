@@ -45,6 +45,10 @@ _OUT = {
     "viscosity": ("Pa s", "zero-shear viscosity of the solution"),
     "crossover_position": ("m", "where the network is fully stretched, Eq. (38); NaN beyond the end of the jet"),
     "crossover_radius": ("m", "jet radius there"),
+    "full_stretch": (
+        "1",
+        "stretch at the end of the jet over that of full stretch, V / V_S; the crossover is where it is 1",
+    ),
     "orientation": ("1", "Hermans orientation at the end of the jet"),
     "core_polymer_fraction": ("1", "polymer volume fraction of the core at the end of the jet, no drying"),
     "dryness": ("1", "share of the solvent lost at the end of the jet; 1 is dry"),
@@ -138,6 +142,7 @@ def operating_window(
         "k": k,
         "viscosity": mu,
         **{name: rows[name].values for name in ("crossover_position", "crossover_radius")},
+        "full_stretch": rows["end_velocity_ratio"].values / rows["crossover_velocity_ratio"].values,
         "orientation": rows["end_orientation"].values,
         "core_polymer_fraction": rows["end_core_polymer_fraction"].values,
         "dryness": dry,
@@ -232,7 +237,7 @@ def _dryness(
     wet = given.value if humidity is None and given is not None else humidity
     if name == "water" and wet is None:
         return np.full(k.shape, np.nan), "dryness is not estimated: the relative humidity is not given"
-    ambient = float(real("relative_humidity", wet, least=0.0, below=1.0)) if name == "water" else 0.0
+    ambient = 0.0 if wet is None or name != "water" else float(real("relative_humidity", wet, least=0.0, below=1.0))
     try:
         volatile = Volatile.build(name, solution.temperature, ambient=ambient, density=solution.solvent_density)
     except InputError as error:

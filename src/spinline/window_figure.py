@@ -68,7 +68,9 @@ def window_figure(window: xr.Dataset) -> Figure:
     )
     low, _, high = window["k_factor"].values
     sheet.suptitle(
-        f"{window.attrs['title']}\n{fixed}; k from the process to a factor of {low:g} to {high:g}", fontsize=10.5
+        f"{window.attrs['title']}\n{fixed}; full stretch at the end of the jet for k as estimated (line), "
+        f"{low:g} k (dotted) and {high:g} k (dashed)",
+        fontsize=10,
     )
     return sheet
 
@@ -128,9 +130,11 @@ def _map(sheet: Figure, axis: "Axes", cut: xr.Dataset, name: str, shown: list[st
     unsure = reached.any(axis=0) & ~reached.all(axis=0)
     if unsure.any() and name.startswith("crossover"):
         axis.contourf(x, y, unsure.astype(float), levels=[0.5, 1.5], colors="none", hatches=["///"])
-    for flags, style in zip(reached, (":", "-", "--"), strict=True):
-        if flags.any() and not flags.all():
-            axis.contour(x, y, flags.astype(float), levels=[0.5], colors="black", linewidths=1.0, linestyles=style)
+    if name != "dryness":
+        full = np.nan_to_num(cut["full_stretch"].transpose("k_factor", *shown[::-1]).values)
+        for flags, stretch, style in zip(reached, full, (":", "-", "--"), strict=True):
+            if flags.any() and not flags.all():
+                axis.contour(x, y, stretch, levels=[1.0], colors="black", linewidths=1.0, linestyles=style)
     if name.startswith("crossover") and unsure.any():
         axis.text(0.02, 0.02, "hatched: reached for some k of the band", transform=axis.transAxes, fontsize=7.5,
                   bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none"})  # fmt: skip
