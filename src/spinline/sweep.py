@@ -31,7 +31,7 @@ from spinline.errors import InputError, SpinlineWarning
 from spinline.sweep_affine import closed_forms, why_not
 from spinline.sweep_design import Column
 from spinline.sweep_file import Sweep, bundled_sweeps, load_sweep, sweep_from_dict
-from spinline.sweep_rows import PENDING, SCALARS, Block, Task, evaluate_rows, numbers
+from spinline.sweep_rows import PENDING, SCALARS, Block, Task, evaluate_rows, numbers, solve_row
 from spinline.sweep_store import Memory, Store, as_grid, open_sweep
 
 if TYPE_CHECKING:
@@ -254,16 +254,14 @@ def _probe(sweep: Sweep, vectorise: bool) -> tuple[Task, float]:
     affine = vectorise and _has_closed_forms(sweep, trial)
     extra: list[str] = []
     cost = 0.0
+    if affine:
+        return _checked(sweep, replace(task, vectorise=True), trial)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)
-        if affine:
-            return _checked(sweep, replace(task, vectorise=True), trial)
-        from spinline.solve import evaluate
-
         for i in (trial[len(trial) // 2], *trial):
             start = time.perf_counter()
             try:
-                solved = evaluate(task.scene(_values(sweep, i)))
+                solved = solve_row(task.scene(_values(sweep, i)), task)
             except Exception:  # the row itself will say it
                 continue
             extra += [name for name in numbers(solved) if name not in SCALARS and name not in extra]

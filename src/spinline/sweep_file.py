@@ -30,7 +30,7 @@ import numpy as np
 from spinline.errors import InputError
 from spinline.scene import Scene, _override, bundled_scenes, scene_from_dict
 from spinline.sweep_design import KINDS, Axis, Column, Design
-from spinline.sweep_keys import full_key, placed, read_value, reader
+from spinline.sweep_keys import full_key, is_section, placed, read_value, reader
 from spinline.sweep_table import read_table
 
 __all__ = ["Sweep", "bundled_sweeps", "load_sweep", "scene_tables", "sweep_from_dict"]
@@ -299,16 +299,15 @@ def _flat(vary: Mapping[str, Any], before: str = "") -> list[tuple[str, dict[str
     found = []
     for key, value in vary.items():
         name = f"{before}{key}"
-        if not isinstance(value, dict):
-            if isinstance(value, list):
-                value = {"values": value}
-            else:
-                raise InputError(f"vary.{name}", "is one value: nothing varies", value=value, allowed=", ".join(_FORMS),
-                                 remedy=f"set it in the scene, or with --set {name}=VALUE")  # fmt: skip
-        if value and not set(value) & set(_FORMS) and all(isinstance(inner, dict | list) for inner in value.values()):
+        if isinstance(value, dict) and is_section(name):
             found += _flat(value, f"{name}.")
-        else:
+        elif isinstance(value, dict):
             found.append((name, value))
+        elif isinstance(value, list):
+            found.append((name, {"values": value}))
+        else:
+            raise InputError(f"vary.{name}", "is one value: nothing varies", value=value, allowed=", ".join(_FORMS),
+                             remedy=f"set it in the scene, or with --set {name}=VALUE")  # fmt: skip
     return found
 
 
@@ -334,11 +333,17 @@ def _profiles(names: Any) -> tuple[str, ...]:
 
 def _sound(sweep: Sweep) -> None:
     """Refuse a sweep of which no scene can be right for a reason outside the keys that vary."""
+    from spinline.build import build_solution
+    from spinline.solve import examine
+    from spinline.sweep_rows import jet_of
+
     errors = []
     for i in sorted({0, sweep.design.size // 2, sweep.design.size - 1}):
-        values = {key: values[0] for key, values in sweep.design.rows(i, i + 1).items()}
+        values = {key: values.tolist()[0] for key, values in sweep.design.rows(i, i + 1).items()}
         try:
             scene = sweep.scene(values)
+            solution = build_solution(scene)
+            examine(scene, solution, jet_of(scene, str(sweep.folder)))
         except InputError as error:
             errors.append(error)
             continue
@@ -349,10 +354,12 @@ def _sound(sweep: Sweep) -> None:
                              remedy="give a time, or vary it")  # fmt: skip
         return
     first = errors[0]
-    varied = any(first.field.startswith(key) for key in sweep.design.keys)
-    if not varied and all(str(error) == str(first) for error in errors):
-        raise InputError(f"scene.{first.field}" if first.field != "scene" else "scene", first.problem, value=first.value,
-                         allowed=first.allowed, remedy=first.remedy.replace("the scene, or", "the base scene, or"))  # fmt: skip
+    same = all(str(error) == str(first) for error in errors)
+    varied = any(key in first.field or first.field in key for key in sweep.design.keys)
+    if same and (not varied or first.problem == "is not a known key"):
+        field = first.field if varied or first.field == "scene" else f"scene.{first.field}"
+        raise InputError(field, first.problem, value=first.value, allowed=first.allowed,
+                         remedy=first.remedy.replace("in the scene", "in the base scene"))  # fmt: skip
 
 
 def _files(base: Mapping[str, Any], folder: Path) -> list[Any]:

@@ -16,7 +16,7 @@ from spinline.errors import InputError
 from spinline.scene import Read, Scene
 from spinline.units import QUANTITIES, Measured
 
-__all__ = ["full_key", "placed", "read_value", "reader", "unit_of"]
+__all__ = ["full_key", "is_section", "placed", "read_value", "reader", "unit_of"]
 
 _SHORT = {"model": "network.model", "rtol": "accuracy.rtol"}
 _DISPLACED = {  # a varied key takes the place of these
@@ -44,6 +44,11 @@ def full_key(key: str, field: str) -> str:
     hint = (by_name or near or ["jet.k"])[0]
     raise InputError(field, "is not a key of a scene", value=key, allowed="section.key of the scene file",
                      remedy=f'did you mean "{hint}"?')  # fmt: skip
+
+
+def is_section(name: str) -> bool:
+    """Whether a name is that of a table of the scene file."""
+    return name not in _known() and any(key.startswith(f"{name}.") for key in _known())
 
 
 def reader(key: str) -> Read | type | None:
@@ -80,7 +85,13 @@ def read_value(key: str, value: Any, field: str, *, ranged: bool = True) -> Any:
         For a quantity that cannot be read, or is out of range.
     """
     how = _known()[key]
-    if how is None or (isinstance(value, str) and value in _words(key)):
+    words = _words(key)
+    if isinstance(value, str) and value in words:
+        return value
+    if how is None:
+        if words and not isinstance(value, bool):
+            allowed = ", ".join(f'"{word}"' for word in words)
+            raise InputError(field, "is not known", value=value, allowed=allowed, remedy="take one of those")
         return value
     if isinstance(how, Read):
         try:
@@ -92,7 +103,7 @@ def read_value(key: str, value: Any, field: str, *, ranged: bool = True) -> Any:
 
                 return parse(value, how.kind, field).value
             raise InputError(field, error.message(), value=value, allowed=context.get("allowed", ""),
-                             remedy=context.get("remedy", "")) from None  # fmt: skip
+                             remedy=context.get("remedy") or "change it in the sweep") from None  # fmt: skip
         return measured.value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(field, "is not a number", value=value, remedy="write it bare, without quotes")

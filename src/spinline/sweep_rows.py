@@ -158,7 +158,7 @@ def evaluate_rows(
     for i in range(size) if rows is None else rows:
         try:
             scene = task.scene({key: values[i] for key, values in lists.items()})
-            solved = _solve(scene, task)
+            solved = solve_row(scene, task)
             for name, value in numbers(solved).items():
                 if name in block.numbers:
                     block.numbers[name][i] = value
@@ -197,14 +197,15 @@ def profile_grid(span: FloatArray, points: int) -> FloatArray:
     return grid
 
 
-def _solve(scene: Scene, task: Task) -> Solved:
+def solve_row(scene: Scene, task: Task) -> Solved:
+    """`spinline.solve.evaluate` with no more points than needed, and a jet from files read once a process."""
     if task.profiles or scene.network.model in _LEAN:
         points = task.points if task.profiles else 2
         scene = scene.model_copy(update={"accuracy": scene.accuracy.model_copy(update={"points": points})})
         scene._folder = Path(task.folder)
     if isinstance(scene.jet, PowerLawJet | HyperbolicJet):
         return evaluate(scene)
-    return evaluate(scene, _jet(scene.jet, task.folder, scene))
+    return evaluate(scene, jet_of(scene, task.folder))
 
 
 def _profiles(solved: Solved, task: Task) -> dict[str, FloatArray]:
@@ -234,13 +235,15 @@ class _Key:
         return isinstance(other, _Key) and self.identity == other.identity
 
 
-def _jet(section: Any, folder: str, scene: Scene) -> Any:
-    return _built(_Key(section, folder, scene))
+def jet_of(scene: Scene, folder: str) -> Any:
+    """The jet of a scene; one that is read from files is kept, since it does not depend on the solution."""
+    if isinstance(scene.jet, PowerLawJet | HyperbolicJet):
+        return build_jet(scene, build_solution(scene))
+    return _built(_Key(scene.jet, folder, scene))
 
 
 @lru_cache(maxsize=16)
 def _built(key: _Key) -> Any:
-    """A jet from files: it does not depend on the solution."""
     return build_jet(key.scene, build_solution(key.scene))
 
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Memory", "Store", "open_sweep"]
 
 _MARK = "spinline_sweep"
+_UNREADABLE = (OSError, ValueError, RuntimeError)  # a chunk that was cut off while it was written
 _STATUS = "0 ok, 1 incomplete, 2 refused, 3 failed, 255 not computed"
 _REASON = "why a row has no numbers, or not all"
 
@@ -128,12 +129,16 @@ class Store:
     def pending(self) -> list[int]:
         """Numbers of the chunks that are not done."""
         count = -(-self.sweep.design.size // self.chunk)
-        return [i for i in range(count) if not self._done(i)]
+        try:
+            done = self._group["status"][:] != PENDING
+        except _UNREADABLE:
+            return [i for i in range(count) if not self._done(i)]
+        return [i for i in range(count) if not done[self._rows(i)].all()]
 
     def _done(self, index: int) -> bool:
         try:
             return bool((self._group["status"][self._rows(index)] != PENDING).all())
-        except (OSError, ValueError, RuntimeError):  # cut off while it was written
+        except _UNREADABLE:
             return False
 
     def _rows(self, index: int) -> slice:

@@ -63,10 +63,12 @@ def _cell(row: list[str], j: int, key: str, unit: str | None, field: str) -> Any
         raise InputError(field, "is empty", remedy="give a value in every cell")
     how = reader(key)
     if how is None:
-        return text
+        return read_value(key, text, field)
     if not unit:
         bare = not isinstance(how, Read) or not QUANTITIES[how.kind].unit
-        return read_value(key, _number(text, field) if bare and _plain(text) else text, field, ranged=False)
+        if bare and _plain(text):
+            return _number(text, field)
+        return read_value(key, text, field, ranged=False)
     if not isinstance(how, Read) or not QUANTITIES[how.kind].unit:
         if isinstance(how, Read):
             return read_value(key, f"{text} {unit}", field, ranged=False)
@@ -78,7 +80,7 @@ def _cell(row: list[str], j: int, key: str, unit: str | None, field: str) -> Any
 
 
 def _plain(text: str) -> bool:
-    return re.fullmatch(r"[-+0-9.eE]+", text) is not None
+    return re.fullmatch(r"[-+0-9.eE]+|[-+]?(nan|inf)", text, re.IGNORECASE) is not None
 
 
 def _number(text: str, field: str) -> float:

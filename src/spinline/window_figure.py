@@ -67,11 +67,9 @@ def window_figure(window: xr.Dataset) -> Figure:
         for name in held
     )
     low, _, high = window["k_factor"].values
-    sheet.suptitle(
-        f"{window.attrs['title']}\n{fixed}; full stretch at the end of the jet for k as estimated (line), "
-        f"{low:g} k (dotted) and {high:g} k (dashed)",
-        fontsize=10,
-    )
+    lines = f"k as estimated (line), {low:g} k (dotted), {high:g} k (dashed)"
+    meaning = lines if len(shown) == 1 else f"full stretch at the end of the jet for {lines}"
+    sheet.suptitle(f"{window.attrs['title']}; {fixed}\n{meaning}", fontsize=9.5)
     return sheet
 
 
@@ -101,6 +99,10 @@ def _scaled(cut: xr.Dataset, name: str, *dims: str) -> Any:
 def _curve(axis: "Axes", cut: xr.Dataset, name: str, along: str) -> None:
     x, y = cut[along].values * _LABELS[along][1], _scaled(cut, name, along)
     low, high = np.fmin(y[0], y[2]), np.fmax(y[0], y[2])
+    if name == "crossover_position":  # beyond the end of the jet for one end of the band: up to that end at least
+        end = float(cut.attrs["jet_length"]) * _LABELS[name][1]
+        high = np.where(np.isnan(y).any(axis=0) & np.isfinite(low), end, high)
+        axis.axhline(end, color=GREY, linewidth=1, label="end of the jet")
     axis.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0, label="k within its factor")
     axis.plot(x, y[1], color=BLUE, linewidth=2, label="k as estimated")
     axis.plot(x, y[0], color=GREY, linestyle=":", linewidth=1)
