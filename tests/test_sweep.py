@@ -357,7 +357,7 @@ def kill_when(process, path, chunks, limit=90.0):
 
 
 def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
-    path, data = tmp_path / "s.zarr", spec(samples=600, chunk=10)
+    path, data = tmp_path / "s.zarr", spec(samples=400, chunk=20)
     code = f"""
         from spinline.sweep import run_sweep, sweep_from_dict
         run_sweep(sweep_from_dict({data!r}), {str(path)!r}, workers=1, vectorise=False)
@@ -372,7 +372,7 @@ def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
     resumed = run_sweep(
         sweep_from_dict(data), path, workers=1, vectorise=False, progress=lambda done, total: seen.append(done)
     )
-    assert seen[0] >= 10 * (kept - 1)
+    assert seen[0] >= 20 * (kept - 1)
     done = sorted(times, key=int)[:3]
     assert all((path / "end_radius" / "c" / name).stat().st_mtime_ns == times[name] for name in done)
     same(resumed, run_sweep(sweep_from_dict(data), workers=1, vectorise=False))
@@ -381,7 +381,7 @@ def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
 def test_processes_give_the_same_and_survive_the_death_of_one():
     import multiprocessing
 
-    sweep = sweep_from_dict(spec(samples=240, chunk=12))
+    sweep = sweep_from_dict(spec(samples=200, chunk=10))
     alone = run_sweep(sweep, workers=1, vectorise=False)
     killed = []
 
@@ -398,7 +398,7 @@ def test_processes_give_the_same_and_survive_the_death_of_one():
 @pytest.mark.slow
 def test_a_cluster_whose_worker_and_client_are_killed_gives_the_same(tmp_path):
     distributed = pytest.importorskip("distributed")
-    path, data = tmp_path / "s.zarr", spec(samples=1200, chunk=10)
+    path, data = tmp_path / "s.zarr", spec(samples=500, chunk=10)
     sweep = sweep_from_dict(data)
     undisturbed = run_sweep(sweep, workers=1, vectorise=False)
     with distributed.LocalCluster(
@@ -422,7 +422,7 @@ def test_a_cluster_whose_worker_and_client_are_killed_gives_the_same(tmp_path):
         resumed = run_sweep(sweep, path, scheduler=cluster.scheduler_address, vectorise=False, progress=watch)
     assert killed
     assert seen[0] >= 10 * (kept - 1)
-    assert seen[-1] == 1200
+    assert seen[-1] == 500
     same(resumed, undisturbed)
 
 

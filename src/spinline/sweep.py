@@ -206,7 +206,7 @@ def _distributed(
         from distributed.scheduler import KilledWorker
     except ImportError:
         raise InputError("--scheduler", "needs dask.distributed, which is not installed",
-                         remedy='pip install "spinline[sweep]"') from None  # fmt: skip
+                         remedy='pip install "spinline[parallel]", or ".[parallel]" from the source') from None  # fmt: skip
     try:
         client = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError, TimeoutError) as error:
@@ -228,7 +228,8 @@ def _distributed(
             return future
 
         slots = max(1, sum(client.nthreads().values()))
-        queue = as_completed([future for future in (submit() for _ in range(4 * slots)) if future is not None])
+        queue = as_completed([future for future in (submit() for _ in range(4 * slots)) if future is not None],
+                             loop=client.loop)  # fmt: skip
         for future in queue:
             i = running.pop(future.key)
             try:

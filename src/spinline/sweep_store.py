@@ -89,7 +89,8 @@ class Store:
     def __init__(
         self, path: Path, sweep: Sweep, task: Task, chunk: int, attributes: Mapping[str, Any], *, force: bool = False
     ) -> None:
-        zarr = _zarr()
+        import zarr
+
         self.path, self.sweep, self.task = path, sweep, task
         present = peek(path)
         if force and present is not None:
@@ -184,7 +185,6 @@ def open_sweep(path: str | Path, *, grid: bool = False) -> "xr.Dataset":
     """
     import xarray as xr
 
-    _zarr()
     if peek(Path(path)) is None:
         raise InputError(str(path), "is not a sweep", remedy="make one with `spinline sweep`")
     data = xr.open_zarr(str(path), consolidated=False, chunks=None, mask_and_scale=False)
@@ -224,8 +224,10 @@ def peek(path: Path) -> Mapping[str, Any] | None:
     """Attributes of a sweep's store; None where there is none."""
     if not (path / "zarr.json").is_file():
         return None
+    import zarr
+
     try:
-        attributes = dict(_zarr().open_group(str(path), mode="r").attrs)
+        attributes = dict(zarr.open_group(str(path), mode="r").attrs)
     except (OSError, ValueError, KeyError):
         return None
     return attributes if _MARK in attributes else None
@@ -259,13 +261,3 @@ def _piece(name: str, columns: Mapping[str, Column], block: Block) -> NDArray[An
     if name == "reason":
         return block.reason
     return block.numbers[name] if name in block.numbers else block.profiles[name.removeprefix("profile_")]
-
-
-def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError:
-        raise InputError(
-            "--out", "needs zarr, which is not installed", remedy='pip install "spinline[sweep]"'
-        ) from None
-    return zarr
