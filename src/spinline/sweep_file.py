@@ -3,6 +3,7 @@
 ::
 
     scene = "peo5-water"                       # bundled name, or path from this file; or a whole [scene]
+    set = { "jet.length" = "3 cm" }            # optional: keys of it that are otherwise
     profiles = ["core_polymer_fraction"]       # optional: along the jet, not only numbers
     points = 101                               # of a profile
 
@@ -35,7 +36,7 @@ from spinline.sweep_table import read_table
 
 __all__ = ["Sweep", "bundled_sweeps", "load_sweep", "scene_tables", "sweep_from_dict"]
 
-_TOP = ("title", "scene", "profiles", "points", "chunk", "design", "vary")
+_TOP = ("title", "scene", "set", "profiles", "points", "chunk", "design", "vary")
 _DESIGN = ("kind", "samples", "seed", "path")
 _FORMS = ("values", "linspace", "logspace", "uniform", "loguniform")
 _MOST_STEPS = 10**7
@@ -160,7 +161,10 @@ def sweep_from_dict(
     """
     home = folder or Path()
     _known(data, _TOP, "")
-    base, at = _base(data.get("scene"), overrides, home)
+    base, at = _base(data.get("scene"), home)
+    _set(base, _table(data, "set"))
+    for override in overrides:
+        _override(base, override)
     design = _table(data, "design")
     _known(design, _DESIGN, "design.")
     kind = design.get("kind", "grid")
@@ -202,7 +206,7 @@ def sweep_from_dict(
     return sweep
 
 
-def _base(scene: Any, overrides: Sequence[str], home: Path) -> tuple[dict[str, Any], Path]:
+def _base(scene: Any, home: Path) -> tuple[dict[str, Any], Path]:
     """Tables of the base scene and the folder of its paths."""
     if isinstance(scene, Mapping):
         data: dict[str, Any] = json.loads(json.dumps(scene, default=str))
@@ -221,9 +225,19 @@ def _base(scene: Any, overrides: Sequence[str], home: Path) -> tuple[dict[str, A
     else:
         problem = "is missing" if scene is None else "is neither a name nor a scene"
         raise InputError("scene", problem, value=scene, remedy='add scene = "peo5-water", a path, or a table [scene]')
-    for override in overrides:
-        _override(data, override)
     return data, at
+
+
+def _set(data: dict[str, Any], changes: Mapping[str, Any], before: str = "") -> None:
+    """Put fixed values into the base scene; ``jet.length`` with and without quotes is one key."""
+    for key, value in changes.items():
+        name = f"{before}{key}"
+        if isinstance(value, Mapping) and is_section(name):
+            _set(data, value, f"{name}.")
+            continue
+        known = full_key(name, f"set.{name}")
+        read_value(known, value, f"set.{name}")
+        data.update(placed(data, {known: value}))
 
 
 def _axes(vary: Mapping[str, Any]) -> list[Axis]:
