@@ -54,25 +54,18 @@ def main() -> None:
         store = Path(scratch) / "s.zarr"
         _, wall, cpu = best(lambda: run_sweep(sweep(million), store, force=True))
         size = sum(file.stat().st_size for file in store.rglob("*") if file.is_file()) / 1e6
-        print(
-            f"{million} affine scenes into a store: {wall:.1f} s wall, {cpu:.1f} s processor, peak {peak():.2f} GB, {size:.0f} MB"
-        )
-    result, wall, cpu = best(lambda: run_sweep(sweep_from_dict(
-        {"scene": "peo5-water", "design": {"kind": "sensitivity", "samples": 4096}, "vary": VARY}, ["jet.length=100 m"])))  # fmt: skip
-    _, wall_2, cpu_2 = best(lambda: sobol(result, ["crossover_radius", "crossover_position"]), 1)
-    print(
-        f"{result.sizes['scene']} scenes for Sobol' indices: {cpu:.2f} s; indices and intervals {cpu_2:.1f} s processor"
-    )
+    print(f"the same into a store of {size:.0f} MB: {wall:.1f} s wall, {cpu:.1f} s processor, peak {peak():.2f} GB")
+    design = {"kind": "sensitivity", "samples": 4096}
+    many = sweep_from_dict({"scene": "peo5-water", "design": design, "vary": VARY}, ["jet.length=100 m"])
+    result, _, cpu = best(lambda: run_sweep(many))
+    _, _, used = best(lambda: sobol(result, ["crossover_radius", "crossover_position"]), 1)
+    print(f"{result.sizes['scene']} scenes for indices: {cpu:.2f} s; indices and intervals: {used:.1f} s processor")
     for model, count in (("affine", 5 * rows), ("manifold", rows // 5)):
         task = sweep(count, model=model)
         _, wall, cpu = best(lambda t=task: run_sweep(t, workers=1, vectorise=False), 1)
-        print(
-            f"{model}, one by one in one process: {1e3 * wall / count:.2f} ms wall, {1e3 * cpu / count:.2f} ms processor a scene"
-        )
+        print(f"{model}, one by one: {1e3 * wall / count:.2f} ms wall, {1e3 * cpu / count:.2f} ms processor a scene")
         _, wall, _ = best(lambda t=task: run_sweep(t, workers=2, vectorise=False), 1)
-        print(
-            f"{model}, one by one in two processes: {1e3 * wall / count:.2f} ms wall a scene (starting them included)"
-        )
+        print(f"{model}, in two processes: {1e3 * wall / count:.2f} ms wall a scene (starting them included)")
 
 
 if __name__ == "__main__":

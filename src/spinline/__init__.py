@@ -51,7 +51,7 @@ _MODULES = frozenset(
         "units",
         "window",
         "xray",
-    ]  # fmt: skip
+    ]
 )
 _NAMES = {
     "InputError": "errors",

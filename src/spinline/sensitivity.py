@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["OUTPUTS", "indices", "sobol"]
 
-OUTPUTS = ("crossover_radius", "crossover_position", "crossover_core_polymer_fraction", "end_core_polymer_fraction")
+OUTPUTS = ("crossover_radius", "crossover_position", "crossover_core_polymer_fraction")
 _CONSTANT = 1e-12  # relative spread below which an output does not vary
 
 
@@ -138,5 +138,7 @@ def _estimate(at_a: FloatArray, at_b: FloatArray, at_ab: FloatArray) -> tuple[Fl
     from scipy.stats import sobol_indices
 
     d, outputs = at_ab.shape[0], at_a.shape[0]
-    found = sobol_indices(func={"f_A": at_a, "f_B": at_b, "f_AB": at_ab}, n=at_a.shape[1])
+    # copies: older versions of scipy take the mean out of what they are given
+    func = {"f_A": at_a.copy(), "f_B": at_b.copy(), "f_AB": at_ab.copy()}
+    found = sobol_indices(func=func, n=at_a.shape[1])
     return np.reshape(found.first_order, (outputs, d)), np.reshape(found.total_order, (outputs, d))
