@@ -67,8 +67,11 @@ def why_not(scene: Scene, keys: tuple[str, ...]) -> str:
         return f'profile "{scene.jet.profile}" is not a formula'
     if scene.network.force_law != "lattice":
         return "the force law is not the affine network's"
-    if any(switch is True for _, switch in scene.effects):
-        return "an effect is asked for"
+    off = all(switch is False for _, switch in scene.effects)
+    idle = scene.ambient is None and scene.solution.relaxation_time is None
+    idle &= not any(switch is True for _, switch in scene.effects) and "solution.relaxation_time" not in keys
+    if not (off or idle):
+        return "relaxation or evaporation may matter"
     other = [key for key in keys if key not in _PLAIN]
     if other:
         return f"{other[0]} is more than a number"
