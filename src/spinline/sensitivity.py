@@ -11,7 +11,7 @@ Saltelli, Annoni, Azzini, Campolongo, Ratto, Tarantola, Comput. Phys. Commun. 18
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -139,6 +139,6 @@ def _estimate(at_a: FloatArray, at_b: FloatArray, at_ab: FloatArray) -> tuple[Fl
 
     d, outputs = at_ab.shape[0], at_a.shape[0]
     # copies: older versions of scipy take the mean out of what they are given
-    func = {"f_A": at_a.copy(), "f_B": at_b.copy(), "f_AB": at_ab.copy()}
+    func: Any = {"f_A": at_a.copy(), "f_B": at_b.copy(), "f_AB": at_ab.copy()}
     found = sobol_indices(func=func, n=at_a.shape[1])
     return np.reshape(found.first_order, (outputs, d)), np.reshape(found.total_order, (outputs, d))

@@ -32,7 +32,7 @@ from spinline.sweep_affine import closed_forms, why_not
 from spinline.sweep_design import Column
 from spinline.sweep_file import Sweep, bundled_sweeps, load_sweep, sweep_from_dict
 from spinline.sweep_rows import PENDING, SCALARS, Block, Task, evaluate_rows, numbers, solve_row
-from spinline.sweep_store import Memory, Store, as_grid, open_sweep
+from spinline.sweep_store import Memory, Store, as_grid, open_sweep, peek
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,6 +98,9 @@ def run_sweep(
         raise InputError("workers", "is out of range", value=workers, allowed="1 to 4096", remedy="leave it out")
     path = None if out is None else Path(out)
     task, cost = _probe(sweep, vectorise)
+    begun = None if path is None or force else peek(path)
+    if begun is not None:  # numbers of the store, whatever was found this time
+        task = replace(task, extra=tuple(str(begun.get("extra", "")).split()))
     chunk = sweep.chunk or _chunk(sweep, task, cost)
     attributes = _attributes(sweep, task)
     sink = (
@@ -338,6 +341,7 @@ def _attributes(sweep: Sweep, task: Task) -> dict[str, Any]:
         "samples": design.samples,
         "seed": design.seed,
         "points": task.points,
+        "extra": " ".join(task.extra),
         "computed_by": "closed forms on arrays" if task.vectorise else "one scene at a time",
         "fingerprint": sweep.fingerprint(),
     }

@@ -24,7 +24,8 @@ from spinline.network.state import NetworkState, network_state
 from spinline.rheology.materials import solvent_density
 from spinline.rheology.solution import Solution
 from spinline.rheology.solution import volume_fraction as fraction_by_volume
-from spinline.scene import HyperbolicJet, PowerLawJet, Read, Scene, SolventData
+from spinline.scene import HyperbolicJet, PowerLawJet, Scene, SolventData
+from spinline.scene_fields import Read
 from spinline.sweep_design import Column
 from spinline.sweep_keys import reader
 from spinline.sweep_rows import AT_CROSSOVER, AT_END, BEYOND, BOTH, INCOMPLETE, OK, Block, Task, profile_grid

@@ -13,7 +13,8 @@ from pydantic import BaseModel
 from pydantic_core import PydanticCustomError
 
 from spinline.errors import InputError
-from spinline.scene import Read, Scene
+from spinline.scene import Scene
+from spinline.scene_fields import Read
 from spinline.units import QUANTITIES, Measured
 
 __all__ = ["full_key", "is_section", "placed", "read_value", "reader", "unit_of"]

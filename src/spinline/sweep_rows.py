@@ -68,7 +68,7 @@ BEYOND = {  # reasons of status 1
     "crossover_extension_position": "the extension of the criterion is not reached within the jet",
 }
 BOTH = "; ".join(BEYOND.values())
-_LEAN = ("auto", "affine", "manifold")  # their numbers do not depend on how many points are written
+_LEAN = ("auto", "affine", "manifold", "conformation")  # their numbers do not depend on how many points are written
 _LONGEST = 400  # characters of a reason
 
 
@@ -164,9 +164,9 @@ def evaluate_rows(
                     block.numbers[name][i] = value
             for name, along in _profiles(solved, task).items():
                 block.profiles[name][i] = along
-            missing = [name for name in BEYOND if np.isnan(block.numbers[name][i])]
+            missing = _missing(block, i)
             block.status[i] = INCOMPLETE if missing else OK
-            block.reason[i] = "; ".join(BEYOND[name] for name in missing)
+            block.reason[i] = missing
         except InputError as error:
             _strike(block, i, REFUSED, str(error))
         except Exception as error:
@@ -245,6 +245,14 @@ def jet_of(scene: Scene, folder: str) -> Any:
 @lru_cache(maxsize=16)
 def _built(key: _Key) -> Any:
     return build_jet(key.scene, build_solution(key.scene))
+
+
+def _missing(block: Block, i: int) -> str:
+    """Why numbers of a computed row are NaN; empty where none is."""
+    absent = [name for name, values in block.numbers.items() if np.isnan(values[i])]
+    words = [text for name, text in BEYOND.items() if name in absent]
+    others = [name for name in absent if not (name.startswith("crossover") and words)]
+    return "; ".join([*words, *([f"does not happen in this jet: {', '.join(others)}"] if others else [])])
 
 
 def _strike(block: Block, i: int, status: int, reason: str) -> None:

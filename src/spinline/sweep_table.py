@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from spinline.errors import InputError
-from spinline.scene import Read
+from spinline.scene_fields import Read
 from spinline.sweep_keys import full_key, read_value, reader
 from spinline.units import QUANTITIES, parse_unit
 

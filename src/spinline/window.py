@@ -2,8 +2,8 @@
 
 The prefactor k of Eq. (31) is estimated from the process (`estimate_k`, with ``E = voltage / gap``), to a factor of order one:
 every point is computed at k and at k times the two ends of `k_factor`, and what that moves is shown as a band. The viscosity
-follows the concentration: by Eq. (45a) where the scene's [rheology] gives B and m, by the scaling law of an entangled solution
-otherwise, through the viscosity of the base scene.
+follows the concentration by the law of the scene's [rheology], by the scaling law of an entangled solution where there is none,
+through the viscosity of the scene.
 
 Dryness is the share of the solvent that the jet has lost at its end, by the closed form of Eqs. (43a), (44) for a power-law jet
 in still air (`power_law_loss`), activity 1: an upper estimate, good while little is lost. The network is that of the scene's
@@ -20,10 +20,10 @@ from spinline.build import build_solution
 from spinline.checks import FloatArray, real
 from spinline.errors import InputError
 from spinline.jetprofile.k_estimate import estimate_k
-from spinline.rheology.concentration_laws import scaled_viscosity, scaling_exponents, viscosity
-from spinline.rheology.materials import solvent_viscosity
+from spinline.material import build_material
 from spinline.rheology.solution import Solution, volume_fraction
-from spinline.scene import PowerLawJet, Scene, SolventData
+from spinline.scene import PowerLawJet, Scene
+from spinline.scene_rheology import RheologySection
 from spinline.sweep import run_sweep
 from spinline.sweep_design import Axis, Design
 from spinline.sweep_file import Sweep, scene_tables
@@ -188,25 +188,13 @@ def _axis(name: str, values: ArrayLike, low: float, high: float) -> FloatArray:
 def _viscosity(scene: Scene, solution: Solution, mass: FloatArray) -> tuple[FloatArray, str]:
     """Zero-shear viscosity at other concentrations, and the law in words."""
     assert solution.viscosity is not None
-    r = scene.rheology
-    if r is not None and r.B is not None and r.m is not None:
-        mu = viscosity(mass, solution.mass_fraction, solution.viscosity, r.B.value, r.m.value)
-        return mu, f"Eq. (45a), B = {r.B.value:g}, m = {r.m.value:g}"
     if np.all(mass == solution.mass_fraction):
         return np.full(mass.shape, solution.viscosity), "that of the scene"
-    given = scene.solution.solvent_viscosity
-    if given is not None:
-        thin = given.value
-    elif isinstance(scene.solution.solvent, SolventData):
-        raise InputError("solution.solvent_viscosity", "is missing: the scaling law of the viscosity needs it",
-                         remedy="give it, or B and m in [rheology]")  # fmt: skip
-    else:
-        logs = [s * np.log(solvent_viscosity(n, solution.temperature)) for n, s in solution.solvent.items()]
-        thin = float(np.exp(np.sum(logs)))
-    power = scaling_exponents(scene.network.solvent_quality).viscosity
+    if scene.rheology is None:
+        scene = scene.model_copy(update={"rheology": RheologySection(law="scaling")})
+    material = build_material(scene, solution)
     phi = volume_fraction(mass, solution.polymer.density, solution.solvent_density)
-    mu = scaled_viscosity(phi, solution.volume_fraction, solution.viscosity, thin, power)
-    return mu, f"scaling law, entangled, {scene.network.solvent_quality} solvent: exponent {power:.4g}"
+    return material.viscosity(phi), material.words
 
 
 def _rows(scene: Scene, columns: Mapping[str, FloatArray], workers: int | None) -> "xr.Dataset":
