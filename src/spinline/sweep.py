@@ -183,6 +183,10 @@ def _pooled(
                     "workers", f"died {deaths} times (out of memory, or started from a script without "
                     'if __name__ == "__main__")', value=workers, remedy="take fewer, or workers = 1; what is done is kept",
                 ) from None  # fmt: skip
+        except BaseException:  # Ctrl-C, a full disk: the chunks under way are not waited for
+            for process in list((getattr(pool, "_processes", None) or {}).values()):
+                process.terminate()
+            raise
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
 
