@@ -48,15 +48,16 @@ def peak() -> float:
 def main() -> None:
     rows = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     million = 1_000_000
-    _, wall, cpu = best(lambda: run_sweep(sweep(million)))
+    _, wall, cpu = best(lambda: run_sweep(sweep(million, model="affine")))
     print(f"{million} affine scenes in memory: {wall:.1f} s wall, {cpu:.1f} s processor, peak {peak():.2f} GB")
     with tempfile.TemporaryDirectory() as scratch:
         store = Path(scratch) / "s.zarr"
-        _, wall, cpu = best(lambda: run_sweep(sweep(million), store, force=True))
+        _, wall, cpu = best(lambda: run_sweep(sweep(million, model="affine"), store, force=True))
         size = sum(file.stat().st_size for file in store.rglob("*") if file.is_file()) / 1e6
     print(f"the same into a store of {size:.0f} MB: {wall:.1f} s wall, {cpu:.1f} s processor, peak {peak():.2f} GB")
     design = {"kind": "sensitivity", "samples": 4096}
-    many = sweep_from_dict({"scene": "peo5-water", "design": design, "vary": VARY}, ["jet.length=100 m"])
+    overrides = ["jet.length=100 m", "network.model=affine"]
+    many = sweep_from_dict({"scene": "peo5-water", "design": design, "vary": VARY}, overrides)
     result, _, cpu = best(lambda: run_sweep(many))
     _, _, used = best(lambda: sobol(result, ["crossover_radius", "crossover_position"]), 1)
     print(f"{result.sizes['scene']} scenes for indices: {cpu:.2f} s; indices and intervals: {used:.1f} s processor")

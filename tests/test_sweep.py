@@ -16,11 +16,13 @@ from scipy.stats import qmc
 
 import spinline as sl
 from spinline.errors import InputError
+from spinline.plan import plan_scene
 from spinline.scene import scene_from_dict
 from spinline.sweep import as_grid, load_sweep, open_sweep, run_sweep, sweep_from_dict
+from spinline.sweep_affine import closed_forms
 from spinline.sweep_design import Axis, Design
 from spinline.sweep_keys import placed
-from spinline.sweep_rows import PROFILES, SCALARS
+from spinline.sweep_rows import PROFILES, SCALARS, Task
 
 ROOT = Path(__file__).parents[1]
 SCRIPT_ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
@@ -33,7 +35,12 @@ def spec(kind="latin-hypercube", samples=64, **more):
         "solution.mass_fraction": {"uniform": ["1 wt%", "30 wt%"]},
         "jet.length": {"loguniform": ["1 mm", "30 mm"]},
     }
-    base = {"scene": "peo5-water", "design": {"kind": kind, "samples": samples, "seed": 3}, "vary": vary}
+    base = {
+        "scene": "peo5-water",
+        "set": {"network.model": "affine"},
+        "design": {"kind": kind, "samples": samples, "seed": 3},
+        "vary": vary,
+    }
     return {**base, **more}
 
 
@@ -129,8 +136,8 @@ def test_closed_forms_are_those_of_a_run(variant):
         "jet": {"profile": "power-law", "radius": "125 um", "flow_rate": "3.2 mL/hour"},
     }
     extra = VARIANTS[variant]
-    base |= {"network": extra.get("network", {}), "jet": extra.get("jet", {}) if variant == "hyperbola" else
-             base["jet"] | extra.get("jet", {})}  # fmt: skip
+    base["network"] = {"model": "affine", **extra.get("network", {})}
+    base["jet"] = extra["jet"] if variant == "hyperbola" else base["jet"] | extra.get("jet", {})
     if variant == "hyperbola":
         del data["vary"]["jet.k"], data["vary"]["jet.beta"]
         data["vary"]["jet.p"] = {"loguniform": [2.0, 60.0]}
@@ -158,7 +165,7 @@ def test_closed_forms_are_those_of_a_run(variant):
 
 def test_rows_are_what_spinline_run_says():
     result = run_sweep(sweep_from_dict(spec(samples=12)))
-    base = load_base("peo5-water")
+    base = load_base("peo5-water") | {"network": {"model": "affine"}}
     for i in range(12):
         with pytest.warns(sl.SpinlineWarning):
             run = sl.run(scene_from_dict(placed(base, values_of(result, i)) | {"accuracy": {"rtol": 1e-9}}))
@@ -177,6 +184,27 @@ def load_base(name):
     return tomllib.loads(sl.scene.bundled_scenes()[name].read_text())
 
 
+def test_auto_takes_closed_forms_where_the_plan_is_certain_to_take_them():
+    data = spec(samples=60, set={})
+    data["vary"]["network.coupling"] = {"loguniform": [1e3, 1e7]}
+    sweep = sweep_from_dict(data, ["accuracy.rtol=0.05"])
+    fast, slow = run_sweep(sweep, workers=1), run_sweep(sweep, workers=1, vectorise=False)
+    assert fast.attrs["computed_by"].startswith("closed forms")
+    for name in SCALARS:
+        np.testing.assert_allclose(fast[name], slow[name], rtol=1e-12, err_msg=name)
+    task = Task(sweep.base, ".", vectorise=True)
+    columns = sweep.design.rows(0, 60)
+    taken = closed_forms(task, columns).status != 255
+    assert 0.3 < taken.mean() < 0.95
+    models = []
+    for i in range(60):
+        scene = sweep.scene({key: values.tolist()[i] for key, values in columns.items()})
+        solution = sl.solve.build_solution(scene)
+        models.append(plan_scene(scene, solution, sl.solve.build_jet(scene, solution)).model)
+    assert {model for model, is_taken in zip(models, taken, strict=True) if is_taken} == {"affine"}
+    assert "manifold" in models
+
+
 def test_words_divide_a_sweep_into_groups_of_closed_forms():
     data = {
         "scene": "peo5-water",
@@ -185,6 +213,7 @@ def test_words_divide_a_sweep_into_groups_of_closed_forms():
             "network.closure": ["force", "stretch"],
             "jet.k": {"linspace": [0.5, 2, 4]},
         },
+        "set": {"network.model": "affine"},
     }
     fast = run_sweep(sweep_from_dict(data))
     slow = run_sweep(sweep_from_dict(data), vectorise=False, workers=1)

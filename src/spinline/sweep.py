@@ -47,6 +47,8 @@ _SERIAL_SECONDS = 4.0  # starting processes takes about that
 _MOST_CHUNK = 1024
 _DEATHS = 3  # of worker processes, before giving up
 _AGREE = 1e-9
+_SAMPLE = 512  # rows that are tried for closed forms
+_CHEAP = 5e-5  # s a scene: hardly any is run by itself
 
 
 def run_sweep(
@@ -301,12 +303,25 @@ def _checked(sweep: Sweep, task: Task, trial: Sequence[int]) -> tuple[Task, floa
                 warnings.warn(f"closed forms and single runs differ in {name}: every scene is run by itself",
                               SpinlineWarning, stacklevel=4)  # fmt: skip
                 return replace(task, vectorise=False), 2e-3
-    return task, 3e-6
+    return task, _mixed_cost(sweep, task)
+
+
+def _mixed_cost(sweep: Sweep, task: Task) -> float:
+    """Seconds a scene, of which some have closed forms and the others do not."""
+    columns = sweep.design.rows(0, min(_SAMPLE, sweep.design.size))
+    rest = np.flatnonzero(closed_forms(task, columns).status == PENDING)
+    if not rest.size:
+        return 3e-6
+    start = time.perf_counter()
+    some = rest[:: max(1, rest.size // 3)][:3]
+    evaluate_rows(task, columns, some.tolist())
+    share = rest.size / len(next(iter(columns.values())))
+    return 3e-6 + share * (time.perf_counter() - start) / some.size
 
 
 def _chunk(sweep: Sweep, task: Task, cost: float) -> int:
     """Rows of a chunk: a few seconds of work, and enough chunks for all workers."""
-    if task.vectorise:
+    if task.vectorise and cost < _CHEAP:
         return max(1, min(_VECTOR_ROWS, _VECTOR_PLACES // task.points if task.profiles else _VECTOR_ROWS))
     share = -(-sweep.design.size // (4 * len(os.sched_getaffinity(0))))
     return int(np.clip(_CHUNK_SECONDS / cost, 1, min(_MOST_CHUNK, max(1, share))))

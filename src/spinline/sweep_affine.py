@@ -1,7 +1,8 @@
 """Affine scenes by the array: the closed forms of `network` on whole columns, no scene object a row.
 
-Rows of straight power-law and hyperbolic jets with the affine network, whose varied keys are numbers, are computed here;
-everything else, and every row near the edge of a range or beyond it, is left to `sweep_rows`, which also words the reasons.
+Rows of straight power-law and hyperbolic jets with the affine network, whose varied keys are numbers, are computed here: where
+the scene names it, and where "auto" is certain to take it (`spinline.plan`, by a bound on its estimate). Everything else, and
+every row near the edge of a range or beyond it, is left to `sweep_rows`, which also words the reasons.
 Results are those of ``spinline run`` to 1e-12: the same formulas in the same order, on arrays.
 
 Cost: about 2 us a scene for the numbers alone.
@@ -13,14 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.build import build_solution
+from spinline.build import build_solution, drag_of_solvent
 from spinline.checks import BoolArray, FloatArray
 from spinline.errors import InputError
 from spinline.jetprofile import hyperbolic, power_law
 from spinline.jetprofile.k_estimate import estimate_k
-from spinline.network.coupling import strand_force
+from spinline.network.concentration import compaction_velocity_ratio
+from spinline.network.coupling import elastic_coupling, strand_force
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
+from spinline.network.mesh import network_at_rest, rest_force
 from spinline.network.state import NetworkState, network_state
+from spinline.plan import MARGIN
 from spinline.rheology.materials import solvent_density
 from spinline.rheology.solution import Solution
 from spinline.rheology.solution import volume_fraction as fraction_by_volume
@@ -57,6 +61,8 @@ _PLAIN = {  # keys that only move numbers, with what is far from every edge of t
     "accuracy.rtol": (1e-12, 0.999),
 }
 _MOST_STRETCH = 1e100
+_MOST_SLIP = 0.05
+_NEAR_REST = 1.5  # V of a crossover, below which its place is too sensitive for the bound
 _EXACT_DENSITIES = 2048  # temperatures for which the density is looked up one by one
 
 
@@ -66,8 +72,10 @@ def why_not(scene: Scene, keys: tuple[str, ...]) -> str:
         return f'model "{scene.network.model}" has no closed form'
     if not isinstance(scene.jet, PowerLawJet | HyperbolicJet):
         return f'profile "{scene.jet.profile}" is not a formula'
-    if scene.network.force_law != "lattice":
-        return "the force law is not the affine network's"
+    if "force_law" in scene.network.model_fields_set:
+        return "a force law is named"
+    if scene.network.model == "auto" and (scene.network.closure != "force" or "solution.temperature" in keys):
+        return 'model "auto" chooses the rung scene by scene here'
     off = all(switch is False for _, switch in scene.effects)
     idle = scene.ambient is None and scene.solution.relaxation_time is None
     idle &= not any(switch is True for _, switch in scene.effects) and "solution.relaxation_time" not in keys
@@ -161,11 +169,22 @@ class _Jets:
             if k is None:
                 k = estimate_k(radius=self.radius, flow_rate=self.flow_rate, conductivity=of("jet.conductivity"),
                                viscosity=viscosity, electric_field=of("jet.electric_field"))  # fmt: skip
-            self._law, self._parameters = power_law, (k ** (-1 / beta), beta)
+            onset = k ** (-1 / beta)
+            self._law, self._parameters = power_law, (onset, beta)
+            self.scale = np.minimum(onset, 1.0)
             self.usable = (k > 1e-9) & (k < 1e9)
         else:
             self._law, self._parameters = hyperbolic, (of("jet.p"),)
+            self.scale = np.asarray(1.0)
             self.usable = np.asarray(True)
+
+    def steepest(self) -> FloatArray:
+        """Largest dV/ds along the jet: the slope of both laws is largest at an end of where they thin."""
+        at_end = self.call("slope", np.atleast_1d(self.length / self.radius))
+        if self._law is hyperbolic:
+            return at_end
+        onset = np.atleast_1d(self._parameters[0])
+        return np.where(onset <= self.length / self.radius, np.maximum(at_end, self.call("slope", onset)), 0.0)
 
     def call(self, name: str, x: FloatArray) -> FloatArray:
         """``ratio``, ``slope``, ``time`` or ``inverse`` of the law."""
@@ -184,7 +203,7 @@ def _fill(
             return values[key]
         section, _, name = key.partition(".")
         measured = getattr(getattr(scene, section), name)
-        return None if measured is None else np.asarray(measured.value)
+        return None if measured is None else np.asarray(getattr(measured, "value", measured))
 
     viscosity = of("solution.viscosity")
     if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and viscosity is None:
@@ -198,9 +217,11 @@ def _fill(
     usable = np.broadcast_to(usable, rows.shape)
     phi = np.where(usable, phi, 0.5)
     stretch = np.where(usable, np.broadcast_to(stretch, rows.shape), 1.0)
-    found: dict[str, FloatArray] = {"volume_fraction": phi}
     full = crossover_velocity_ratio(phi, quality)
     target = extension_velocity_ratio(of("network.crossover_extension"), phi, closure=closure, solvent_quality=quality)
+    if scene.network.model == "auto":
+        usable = usable & _surely_affine(scene, solution, jets, phi, (full, target), of)
+    found: dict[str, FloatArray] = {"volume_fraction": phi}
     found |= _crossover("crossover", full, jets)
     found |= _crossover("crossover_extension", np.broadcast_to(target, rows.shape), jets)
     place = found["crossover_position"]
@@ -220,6 +241,41 @@ def _fill(
     late = [np.isnan(np.broadcast_to(found[name], rows.shape)[usable]) for name in BEYOND]
     block.status[chosen] = np.where(late[0] | late[1], INCOMPLETE, OK)
     block.reason[chosen] = np.select([late[0] & late[1], *late], [BOTH, *BEYOND.values()], "").astype(object)
+
+
+def _surely_affine(
+    scene: Scene, solution: Solution, jets: _Jets, phi: FloatArray, targets: tuple[FloatArray, FloatArray], of: Any
+) -> BoolArray:
+    """Rows for which `spinline.plan` takes the affine rung, by a bound on its estimate of the elastic slip.
+
+    With ``d = eps V'`` at its largest the stretch changes by ``1.1 d`` at most, the core's fraction by ``2 f`` times that with
+    f up to that of compaction, the orientation by 1.3 times, the place of a crossover by ``1/(2 beta)`` times. A crossover near
+    the end of what the plan looks at, 0.9 of the jet, could come or go: such rows are left to the plan itself.
+    """
+    quality, network = scene.network.solvent_quality, scene.network
+    alpha = of("network.coupling")
+    if alpha is None:
+        try:
+            drag = network.drag_viscosity
+            if drag == "solution":
+                mu = of("solution.viscosity")
+            else:
+                given = of("solution.solvent_viscosity") if drag == "solvent" else np.asarray(drag.value)  # type: ignore[union-attr]
+                mu = drag_of_solvent(scene, solution, "alpha_v")[0] if given is None else given
+            if mu is None:
+                return np.zeros(phi.shape, dtype=bool)
+        except InputError:
+            return np.zeros(phi.shape, dtype=bool)
+        xi = network_at_rest(phi, quality).size * of("solution.kuhn_length")
+        alpha = elastic_coupling(xi, jets.velocity, mu, jets.radius, of("solution.temperature"))
+    slip = of("network.spring") / alpha * jets.steepest()
+    compact = compaction_velocity_ratio(phi, quality) * rest_force(phi, quality)[0]
+    sure = (slip < _MOST_SLIP) & (MARGIN * (3.5 * compact + 5) * slip < of("accuracy.rtol"))
+    end = jets.call("ratio", np.atleast_1d(0.9 * jets.length / jets.radius))
+    for target in targets:
+        v = np.maximum(target, 1e-300)
+        sure = sure & (v > _NEAR_REST) & (np.abs(np.log(v / end)) > 3 * slip + 1e-6)
+    return np.broadcast_to(sure, phi.shape)
 
 
 def _volume_fraction(scene: Scene, solution: Solution, values: Mapping[str, FloatArray], of: Any) -> FloatArray:
@@ -271,7 +327,7 @@ def _interpolated(shares: Mapping[str, float], temperature: FloatArray) -> Float
 
 def _crossover(name: str, target: FloatArray, jets: _Jets) -> dict[str, FloatArray]:
     """`spinline.solve.crossover` for every row."""
-    place = np.where(target > 0, jets.radius * jets.call("inverse", np.where(target > 0, target, 1.0)), np.nan)
+    place = np.where(target > 0, jets.radius * jets.call("inverse", np.maximum(target, 1.0)), np.nan)  # at rest: 0
     reached = place <= jets.length * (1 + 1e-12)
     place = np.where(reached, place, np.nan)
     radius = jets.radius / np.sqrt(jets.call("ratio", place / jets.radius))
@@ -314,7 +370,8 @@ def _along(task: Task, jets: _Jets, phi: FloatArray, usable: BoolArray, scene: S
         return np.broadcast_to(x, usable.shape)[usable, np.newaxis]
 
     r0, v0 = tall(jets.radius), tall(jets.velocity)
-    s = np.broadcast_to(profile_grid(np.asarray(jets.length / jets.radius), task.points), (usable.size, task.points))
+    span, scale = np.broadcast_arrays(jets.length / jets.radius, jets.scale)
+    s = np.broadcast_to(profile_grid(span, scale, task.points), (usable.size, task.points))
     ratio = jets.call("ratio", s)[usable]
     state = _state(ratio, tall(phi), scene)
     radius = r0 / np.sqrt(ratio)

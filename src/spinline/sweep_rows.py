@@ -189,10 +189,11 @@ def numbers(solved: Solved) -> dict[str, float]:
     return result
 
 
-def profile_grid(span: FloatArray, points: int) -> FloatArray:
-    """Places of a profile in initial radii from the start, (..., points): fine at the nozzle, as in a run."""
+def profile_grid(span: FloatArray, scale: FloatArray, points: int) -> FloatArray:
+    """Places of a profile in initial radii from the start, (..., points): `spinline.build.jet_grid` without kinks."""
     share = np.linspace(0.0, 1.0, points)
-    grid = np.expm1(share * np.log1p(np.asarray(span))[..., np.newaxis])
+    length = np.asarray(scale)[..., np.newaxis]
+    grid = length * np.expm1(share * np.log1p(np.asarray(span)[..., np.newaxis] / length))
     grid[..., -1] = span
     return grid
 
@@ -214,9 +215,9 @@ def _profiles(solved: Solved, task: Task) -> dict[str, FloatArray]:
     jet, z = solved.jet, solved.fields["z"]
     if not isinstance(jet, StraightJet):
         raise InputError("profiles", "needs a straight jet", remedy="take them out of the sweep")
-    grid = jet.start + jet.initial_radius * profile_grid(
-        np.asarray((z[-1] - jet.start) / jet.initial_radius), task.points
-    )
+    r0 = jet.initial_radius
+    scale = np.asarray(min([1.0, *(kink for kink in jet.kinks() if kink > 0)]))
+    grid = jet.start + r0 * profile_grid(np.asarray((z[-1] - jet.start) / r0), scale, task.points)
     nearest = np.clip(np.searchsorted(z, grid), 1, z.size - 1)
     nearest -= grid - z[nearest - 1] < z[nearest] - grid
     return {name: np.asarray(solved.fields[name], dtype=np.float64)[nearest] for name in task.profiles}
