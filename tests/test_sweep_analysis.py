@@ -52,7 +52,8 @@ def test_indices_of_the_crossover_radius_are_those_of_a_product():
                 "jet.radius": {"uniform": ["100 um", "150 um"]},
                 "jet.length": {"uniform": ["30 cm", "40 cm"]},
             },
-        }
+        },
+        ["network.model=affine"],
     )
     result = run_sweep(sweep)
     found = sobol(result, ["crossover_radius", "crossover_core_polymer_fraction"], resamples=100)
@@ -193,7 +194,17 @@ def test_a_window_refuses_what_it_cannot_estimate():
 
 
 def test_the_window_command_and_its_figures(spinline, tmp_path):
-    common = ("peo5-water", "--gap", "15 cm", "--conductivity", "0.01 S/m", "--steps", "7")
+    common = (
+        "peo5-water",
+        "--set",
+        "network.model=affine",
+        "--gap",
+        "15 cm",
+        "--conductivity",
+        "0.01 S/m",
+        "--steps",
+        "7",
+    )
     ran = spinline(
         "window", *common, "--voltage", "5 kV .. 25 kV", "--concentration", "3 wt% .. 10 wt%", "--humidity", "40 %"
     )

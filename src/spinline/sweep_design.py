@@ -2,15 +2,15 @@
 
 Row i of a design follows from its definition and its seed alone: any part can be computed anywhere, in any order, again.
 
-==================  ============================================================  =======================================
-kind                rows                                                          use
-==================  ============================================================  =======================================
-``grid``            every combination, last key fastest                           maps, few parameters
-``latin-hypercube`` `samples`, each parameter in as many equal strata             many parameters, any number of rows
-``sobol``           `samples`, scrambled Sobol' points; best for powers of two    many parameters; smoothest coverage
-``table``           those of a CSV file                                           measured or chosen conditions
-``sensitivity``     `samples` (d + 2): A, B, and A with a column of B (Saltelli)  `spinline.sensitivity`
-==================  ============================================================  =======================================
+===================  ============================================================  ====================================
+kind                 rows                                                          use
+===================  ============================================================  ====================================
+``grid``             every combination, last key fastest                           maps, few parameters
+``latin-hypercube``  `samples`, each parameter in as many equal strata             many parameters, any number of rows
+``sobol``            `samples`, scrambled Sobol' points; best for powers of two    many parameters, smoothest coverage
+``table``            those of a CSV file                                           measured or chosen conditions
+``sensitivity``      `samples` (d + 2): A, B, and A with a column of B (Saltelli)  `spinline.sensitivity`
+===================  ============================================================  ====================================
 """
 
 import hashlib
