@@ -29,7 +29,7 @@ from spinline.sweep_rows import PENDING, SCALARS, Block, Task
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Memory", "Store", "open_sweep"]
+__all__ = ["Memory", "Store", "as_grid", "open_sweep"]
 
 _MARK = "spinline_sweep"
 _UNREADABLE = (OSError, ValueError, RuntimeError)  # a chunk that was cut off while it was written
