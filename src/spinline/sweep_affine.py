@@ -260,7 +260,7 @@ def _surely_affine(
             if drag == "solution":
                 mu = of("solution.viscosity")
             else:
-                given = of("solution.solvent_viscosity") if drag == "solvent" else np.asarray(drag.value)  # type: ignore[union-attr]
+                given = of("solution.solvent_viscosity") if drag == "solvent" else np.asarray(drag.value)
                 mu = drag_of_solvent(scene, solution, "alpha_v")[0] if given is None else given
             if mu is None:
                 return np.zeros(phi.shape, dtype=bool)
