@@ -293,10 +293,10 @@ def test_bad_points_are_rows_with_a_reason(tmp_path):
 def test_an_unforeseen_error_is_a_row_too(monkeypatch):
     from spinline import sweep_rows
 
-    def broken(scene, jet=None):
+    def broken(scene, jet=None, **more):
         if scene.jet.k.value > 1.5:
             raise ZeroDivisionError("a bug")
-        return real(scene, jet)
+        return real(scene, jet, **more)
 
     real = sweep_rows.evaluate
     monkeypatch.setattr(sweep_rows, "evaluate", broken)

@@ -117,7 +117,7 @@ class Solved(NamedTuple):
     jet: "StraightJet | LagrangianJet"
 
 
-def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None) -> Solved:
+def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None, *, attributes: bool = True) -> Solved:
     """`run` without Dataset and warnings, for many scenes in a row: half the cost for closed forms.
 
     Parameters
@@ -126,6 +126,8 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None) -> 
         From `load_scene`.
     jet : StraightJet or LagrangianJet, optional
         Its jet, where it has been built before: saves reading files.
+    attributes : bool
+        False leaves the attributes empty, and the plan unmade where the scene names its model.
 
     Returns
     -------
@@ -138,9 +140,9 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None) -> 
     """
     solution = build_solution(scene)
     jet = build_jet(scene, solution) if jet is None else jet
-    plan = plan_scene(scene, solution, jet)
-    scene = resolved(scene, plan)
-    effects = choose_effects(scene, solution, jet, plan.numbers)
+    plan = plan_scene(scene, solution, jet) if attributes or scene.network.model == "auto" else None
+    scene = scene if plan is None else resolved(scene, plan)
+    effects = choose_effects(scene, solution, jet, None if plan is None else plan.numbers)
     remarks = examine(scene, solution, jet, effects)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     targets = {
@@ -162,7 +164,7 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None) -> 
         try:
             network = solve(scene, solution, jet)
         except InputError as error:
-            if plan.forced:
+            if plan is None or plan.forced:
                 raise
             remedy = f"{error.remedy}; or" if error.remedy else "take"
             raise InputError(error.field, f"{error.problem} (the rung that rtol = {plan.rtol:g} needs)", value=error.value,
@@ -207,10 +209,11 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None) -> 
         if len(places) == 1 and np.isnan(places[0].position):
             remarks.append(f"{name.replace('_', ' by ')} is not reached: {elsewhere(places[0])}")
     scalars |= _crossover_scalars(found, single=not _has_times(jet))
-    attributes = attributes_of(scene, solution, jet, found, remarks, network, effects, plan)
-    if extra is not None:
-        attributes |= extra.attributes
-    return Solved(fields, scalars, attributes, remarks, jet)
+    described: dict[str, Any] = {}
+    if attributes and plan is not None:
+        described = attributes_of(scene, solution, jet, found, remarks, network, effects, plan)
+        described |= {} if extra is None else extra.attributes
+    return Solved(fields, scalars, described, remarks, jet)
 
 
 def _has_times(jet: "StraightJet | LagrangianJet") -> bool:

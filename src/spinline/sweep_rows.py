@@ -205,8 +205,8 @@ def solve_row(scene: Scene, task: Task) -> Solved:
         scene = scene.model_copy(update={"accuracy": scene.accuracy.model_copy(update={"points": points})})
         scene._folder = Path(task.folder)
     if isinstance(scene.jet, PowerLawJet | HyperbolicJet):
-        return evaluate(scene)
-    return evaluate(scene, jet_of(scene, task.folder))
+        return evaluate(scene, attributes=False)
+    return evaluate(scene, jet_of(scene, task.folder), attributes=False)
 
 
 def _profiles(solved: Solved, task: Task) -> dict[str, FloatArray]:
