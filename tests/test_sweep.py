@@ -225,14 +225,14 @@ def test_words_divide_a_sweep_into_groups_of_closed_forms():
 
 def test_many_temperatures_are_interpolated_to_rounding():
     from spinline.rheology import solvent_density
-    from spinline.sweep_affine import _densities
+    from spinline.sweep_densities import densities
 
     t = np.linspace(280.0, 340.0, 5000)
     for name in ("water", "ethanol"):
-        found = _densities({name: 1.0}, t)
+        found = densities({name: 1.0}, t)
         exact = [solvent_density(name, x) for x in t[::331]]
         np.testing.assert_allclose(found[::331], exact, rtol=2e-13)
-    assert np.isnan(_densities({"water": 1.0}, np.array([250.0, 300.0]))).tolist() == [True, False]
+    assert np.isnan(densities({"water": 1.0}, np.array([250.0, 300.0]))).tolist() == [True, False]
 
 
 def test_a_manifold_goes_one_by_one_and_equals_its_run():

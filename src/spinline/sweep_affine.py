@@ -25,11 +25,11 @@ from spinline.network.crossover import crossover_velocity_ratio, extension_veloc
 from spinline.network.mesh import network_at_rest, rest_force
 from spinline.network.state import NetworkState, network_state
 from spinline.plan import MARGIN
-from spinline.rheology.materials import solvent_density
 from spinline.rheology.solution import Solution
 from spinline.rheology.solution import volume_fraction as fraction_by_volume
 from spinline.scene import HyperbolicJet, PowerLawJet, Scene, SolventData
 from spinline.scene_fields import Read
+from spinline.sweep_densities import densities
 from spinline.sweep_design import Column
 from spinline.sweep_keys import reader
 from spinline.sweep_rows import AT_CROSSOVER, AT_END, BEYOND, BOTH, INCOMPLETE, OK, Block, Task, profile_grid
@@ -63,7 +63,6 @@ _PLAIN = {  # keys that only move numbers, with what is far from every edge of t
 _MOST_STRETCH = 1e100
 _MOST_SLIP = 0.05
 _NEAR_REST = 1.5  # V of a crossover, below which its place is too sensitive for the bound
-_EXACT_DENSITIES = 2048  # temperatures for which the density is looked up one by one
 
 
 def why_not(scene: Scene, keys: tuple[str, ...]) -> str:
@@ -287,42 +286,10 @@ def _volume_fraction(scene: Scene, solution: Solution, values: Mapping[str, Floa
     if solvent is None:
         solvent = np.asarray(solution.solvent_density)
         if "solution.temperature" in values and not isinstance(scene.solution.solvent, SolventData):
-            solvent = _densities(solution.solvent, values["solution.temperature"])
+            solvent = densities(solution.solvent, values["solution.temperature"])
     known = np.isfinite(solvent)
     phi = fraction_by_volume(of("solution.mass_fraction"), polymer, np.where(known, solvent, 1.0))
     return np.where(known, phi, np.nan)
-
-
-def _densities(shares: Mapping[str, float], temperature: FloatArray) -> FloatArray:
-    """Density of a solvent at many temperatures, NaN where it is no liquid."""
-    distinct, back = np.unique(temperature, return_inverse=True)
-    if distinct.size > _EXACT_DENSITIES:
-        smooth = _interpolated(shares, distinct)
-        if smooth is not None:
-            return smooth[back]
-    return np.array([_density(shares, float(t)) for t in distinct])[back]
-
-
-def _density(shares: Mapping[str, float], temperature: float) -> float:
-    try:
-        volumes = [share / solvent_density(name, temperature) for name, share in shares.items()]
-    except InputError:
-        return float("nan")
-    return float(1 / np.sum(volumes))
-
-
-def _interpolated(shares: Mapping[str, float], temperature: FloatArray) -> FloatArray | None:
-    """The same by Chebyshev interpolation, where that is exact to 1e-13; None where it is not."""
-    low, high = float(temperature[0]), float(temperature[-1])
-    series = np.polynomial.Chebyshev.interpolate(
-        lambda t: np.array([_density(shares, float(x)) for x in t]), 48, domain=[low, high]
-    )
-    tests = temperature[:: max(1, temperature.size // 97)]
-    exact = np.array([_density(shares, float(t)) for t in tests])
-    if not np.all(np.abs(series(tests) / exact - 1) < 1e-13):
-        return None
-    value: FloatArray = series(temperature)
-    return value
 
 
 def _crossover(name: str, target: FloatArray, jets: _Jets) -> dict[str, FloatArray]:
