@@ -1,121 +1,76 @@
-"""Compiled look-ups in the tables of `flow`, for beads in order: each search goes on from the last.
+"""Compiled look-ups in a flow table, for beads in order: each search goes on from the last.
 
-Tables hold the age and the slowness 1/V at the nodes; where they have two rows, the second is the reference in which
-ages are counted and the first the profile from which the flow is changing.
+`pack` turns the cubics of a span into one row of coefficients a cell, in powers of the distance from its anchor:
+
+    0 anchor s, 1 its age, 2-4 reference slowness and half, third of its rise, 5-7 the same of the first profile,
+    8-10 speed and the same of the inverse cubic, position by age (a first guess)
+
+with a straight cell before and after the table.
 """
 
+import numpy as np
 from numba import njit
 
 from spinline.checks import FloatArray
 
-__all__ = ["ages_of", "cell", "lookup_now", "positions_of", "stage_rates"]
+__all__ = ["pack", "place", "reference", "search", "speed_now"]
+
+
+def pack(nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Edges of the cells in position and in reference age, and their coefficients, shape (cells, 11)."""
+    cells = np.zeros((nodes.size + 1, 11))
+    anchors = np.concatenate((nodes[:1], nodes))
+    cells[:, 0] = anchors
+    cells[:, 1] = np.concatenate((age[1, :1], age[1]))
+    width, passed = np.diff(nodes), np.diff(age[1])
+    for column, row in ((2, 1), (5, 0)):
+        cells[:, column] = np.concatenate((slowness[row, :1], slowness[row]))
+        cells[1:-1, column + 1 : column + 3] = _cubic(width, np.diff(age[row]), slowness[row])
+    cells[:, 8] = 1 / cells[:, 2]
+    cells[1:-1, 9:] = _cubic(passed, width, 1 / slowness[1])
+    ends = np.array([np.inf])
+    return np.concatenate((-ends, nodes, ends)), np.concatenate((-ends, age[1], ends)), cells
+
+
+def _cubic(width: FloatArray, rise: FloatArray, slope: FloatArray) -> FloatArray:
+    """Second and third coefficient of the cubic with these slopes at the nodes."""
+    mean, first, last = rise / width, slope[:-1], slope[1:]
+    return np.stack([(3 * mean - 2 * first - last) / width, (first + last - 2 * mean) / width**2], axis=1)
 
 
 @njit(cache=True, error_model="numpy")
-def cell(nodes: FloatArray, x: float, j: int) -> int:
-    """Cell of the table that holds x, walking from cell j: beads come in order."""
-    last = nodes.size - 2
-    while j < last and x >= nodes[j + 1]:
+def search(edges: FloatArray, x: float, j: int) -> int:
+    """Cell that holds x, walking from cell j: beads come in order."""
+    while x >= edges[j + 1]:
         j += 1
-    while j > 0 and x < nodes[j]:
+    while x < edges[j]:
         j -= 1
     return j
 
 
 @njit(cache=True, error_model="numpy")
-def lookup(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: float, j: int) -> tuple[float, float, float]:
-    """Age a(x), V = 1/a' and V'; straight outside the table."""
-    last = nodes.size - 1
-    if x <= nodes[0]:
-        return age[0] + (x - nodes[0]) * slow[0], 1 / slow[0], 0.0
-    if x >= nodes[last]:
-        return age[last] + (x - nodes[last]) * slow[last], 1 / slow[last], 0.0
-    width = nodes[j + 1] - nodes[j]
-    t = (x - nodes[j]) / width
-    p = slow[j]
-    q = slow[j + 1]
-    mean = (age[j + 1] - age[j]) / width
-    b = 3 * mean - 2 * p - q
-    c = p + q - 2 * mean
-    slope = p + t * (2 * b + 3 * t * c)
-    curve = (2 * b + 6 * t * c) / width
-    return age[j] + width * t * (p + t * (b + t * c)), 1 / slope, -curve / (slope * slope)
+def reference(cells: FloatArray, x: float, j: int) -> tuple[float, float, float]:
+    """Age, slowness and its slope by the reference."""
+    d = x - cells[j, 0]
+    p, b, c = cells[j, 2], cells[j, 3], cells[j, 4]
+    return cells[j, 1] + d * (p + d * (b + d * c)), p + d * (2 * b + 3 * d * c), 2 * b + 6 * d * c
 
 
 @njit(cache=True, error_model="numpy")
-def lookup_now(
-    nodes: FloatArray, age: FloatArray, slow: FloatArray, share: float, x: float, j: int
-) -> tuple[float, float, float, float, float]:
-    """Age, reference V and V', and V and V' now; tables of shape (2, nodes), the second is the reference."""
-    a, v, dv = lookup(nodes, age[1], slow[1], x, j)
+def speed_now(cells: FloatArray, share: float, x: float, j: int, speed: float, slope: float) -> tuple[float, float]:
+    """V and V' now, from those of the reference and of the first profile."""
     if share >= 1.0:
-        return a, v, dv, v, dv
-    _, u, du = lookup(nodes, age[0], slow[0], x, j)
-    return a, v, dv, share * v + (1 - share) * u, share * dv + (1 - share) * du
+        return speed, slope
+    d = x - cells[j, 0]
+    b, c = cells[j, 6], cells[j, 7]
+    v = 1 / (cells[j, 5] + d * (2 * b + 3 * d * c))
+    dv = -(2 * b + 6 * d * c) * v * v
+    return share * speed + (1 - share) * v, share * slope + (1 - share) * dv
 
 
 @njit(cache=True, error_model="numpy")
-def ages_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, x: FloatArray, out: FloatArray) -> None:
-    """Reference age of each bead."""
-    j = nodes.size - 2
-    for i in range(x.size):
-        j = cell(nodes, x[i], j)
-        out[i] = lookup(nodes, age[1], slow[1], x[i], j)[0]
-
-
-@njit(cache=True, error_model="numpy")
-def stage_rates(
-    nodes: FloatArray,
-    age: FloatArray,
-    slow: FloatArray,
-    x: FloatArray,
-    known_age: FloatArray,
-    push: FloatArray,
-    free: int,
-    g: float,
-    inertia: float,
-    now: FloatArray,
-    rate: FloatArray,
-    velocity: FloatArray,
-    surplus: FloatArray,
-    speed: FloatArray,
-) -> None:
-    """Age, rate of age, velocity, ``I x''`` and reference V of each bead, read off the equation of a solved stage."""
-    j = nodes.size - 2
-    for i in range(x.size):
-        j = cell(nodes, x[i], j)
-        a, v, _ = lookup(nodes, age[1], slow[1], x[i], j)
-        now[i] = a
-        speed[i] = v
-        if i < free:
-            rate[i] = (a - known_age[i]) / g
-            velocity[i] = rate[i] * v
-            surplus[i] = (inertia * velocity[i] - push[i]) / g
-        else:
-            rate[i] = 1 / v
-            velocity[i] = 1.0
-            surplus[i] = 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def positions_of(nodes: FloatArray, age: FloatArray, slow: FloatArray, a: FloatArray, out: FloatArray) -> None:
-    """Position of each reference age, to rounding of a first guess: the inverse of `ages_of`."""
-    table = age[1]
-    last = nodes.size - 1
-    j = last - 1
-    for i in range(a.size):
-        if a[i] <= table[0]:
-            out[i] = nodes[0] + (a[i] - table[0]) / slow[1, 0]
-        elif a[i] >= table[last]:
-            out[i] = nodes[last] + (a[i] - table[last]) / slow[1, last]
-        else:
-            j = cell(table, a[i], j)
-            x = nodes[j] + (nodes[j + 1] - nodes[j]) * (a[i] - table[j]) / (table[j + 1] - table[j])
-            width = nodes[j + 1] - nodes[j]
-            for _ in range(4):
-                now, v, _ = lookup(nodes, table, slow[1], x, j)
-                step = (a[i] - now) * v
-                x = min(max(x + step, nodes[j]), nodes[j + 1])
-                if abs(step) < 1e-6 * width:
-                    break
-            out[i] = x
+def place(cells: FloatArray, age: float, j: int) -> float:
+    """Position of a reference age in cell j, as good as the table."""
+    d = age - cells[j, 1]
+    x: float = cells[j, 0] + d * (cells[j, 8] + d * (cells[j, 9] + d * cells[j, 10]))
+    return x

@@ -8,9 +8,9 @@
 Beads leave the nozzle (x = 0) with V = 1, one every h; the far end is free: tension T(1). The bead just
 beyond ``x = length`` keeps that share of its drag which its strand has still inside, so leaving takes no event.
 
-How it is solved: unknowns are the ages ``a(x) = int dx / V`` of the beads (an affine bead ages at exactly one,
-whatever the jet) and the tensions of the strands; implicit, second order (`chain_step`), one tridiagonal system a
-Newton iteration, O(N) a step.
+How it is solved: unknowns are the tensions of the strands and the ages ``b(x) = int dx / U`` of the beads, U the speed
+of the steady network where there is one, else V (`chain_reference`): a settled bead ages at exactly one, whatever the
+jet. Implicit, second order (`chain_step`), one tridiagonal system a Newton iteration, O(N) a step.
 The step follows the accuracy of the slip alone, not the entries: a step may pass thousands of beads.
 
 The stretch of a strand belongs to its midpoint; given to a bead it errs by ``h w w' / 2``.
@@ -33,12 +33,15 @@ from time import monotonic
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
+from spinline.network._objects import instance
 from spinline.network.chain_model import Chain, ChainError
 from spinline.network.chain_profile import ChainProfile, profile
+from spinline.network.chain_reference import steady_reference
 from spinline.network.chain_state import ChainState, affine_start, empty_start, load_states, save_states
-from spinline.network.chain_step import advance, with_rates
+from spinline.network.chain_step import Room, advance, with_rates
+from spinline.network.flow import Segment
 
 __all__ = ["ChainResult", "Progress", "run_chain"]
 
@@ -46,7 +49,7 @@ Progress = Callable[[ChainState], None]
 
 _SAFETY, _LEAST_FACTOR, _MOST_FACTOR = 0.85, 0.2, 4.0
 _SMALLEST = 1e-9  # of one spacing: no step below
-_SHARE = 0.5  # of the tolerance, for one step: what beads see at a kink of V adds up
+_SHARE = 0.1  # of the tolerance, for one step: what beads see at a locking front adds up
 _MOST_STEP = 0.01  # of the residence time: the estimate of the error needs to see the flow
 
 
@@ -101,8 +104,8 @@ def run_chain(
     start : ChainState or {"empty", "affine"}
         "empty": the first bead at the nozzle; "affine": beads along the whole jet, as the flow alone would put them.
     rtol : float
-        Error of the stretch, roughly: what is controlled is the local error of the velocity of each bead relative to
-        the jet's, to half of `rtol`; in [1e-10, 0.1].
+        Error of the stretch, roughly: what is controlled is the local error of the velocities of the beads relative to
+        the jet's, root mean square, to a tenth of `rtol` (calibrated on fronts of locking); in [1e-10, 0.1].
     time_step : float, optional
         A fixed step in place of the adaptive one (no error control).
     accurate_to : float, optional
@@ -131,19 +134,24 @@ def run_chain(
 
     Notes
     -----
-    About 0.2 us per bead and step with linear springs, 0.3 to 1.5 us with bounded laws; 500 bytes per bead. Bounded
+    About 0.1 to 0.4 us per bead and step with linear springs, 0.3 to 0.6 us with bounded laws; 300 bytes per bead. Bounded
     laws with inertia can end in `ChainError` where a slack part locks at speed: the impact has no width in time.
     """
-    tolerance = float(real("rtol", rtol, least=1e-10, most=0.1))
+    instance("chain", chain, Chain, remedy="make one with spinline.network.Chain")
+    tolerance = number("rtol", rtol, least=1e-10, most=0.1)
+    most = number("most_steps", most_steps, least=1)
+    seconds = number("checkpoint_seconds", checkpoint_seconds, least=0.0)
     fixed = None if time_step is None else positive("time_step", time_step)
     watch = 0.95 * chain.flow.length if accurate_to is None else positive("accurate_to", accurate_to, "r_0")
     state = _start(chain, start)
-    end = float(real("until", until, above=state.time))
+    end = number("until", until, above=state.time)
     outputs = real("output_times", output_times, least=state.time, most=end).ravel()
     if np.any(np.diff(outputs) <= 0):
         raise InputError("output_times", "must increase", value=outputs.tolist())
     key = f"{chain.fingerprint()} {end!r} {tolerance!r} {fixed!r} {watch!r} {outputs.tolist()!r}"
     snapshots: list[ChainState] = []
+    spans: dict[int, Segment] = {}
+    room = Room()
     if checkpoint is not None and Path(checkpoint).exists():
         *snapshots, state = load_states(checkpoint, key)
     # Newton's error stays small against the local error, above the rounding of positions
@@ -158,11 +166,11 @@ def run_chain(
                 report(state)
             if state.time >= end:
                 break
-            if state.steps >= most_steps:
+            if state.steps >= most:
                 raise ChainError(f"chain: {most_steps} steps at time {state.time:g}; raise most_steps or rtol")
             barrier = min([end, *outputs[outputs > state.time][:1].tolist()])
-            state = _next(chain, state, barrier, fixed, watch, _SHARE * tolerance, fine)
-            if checkpoint is not None and monotonic() - last_write >= checkpoint_seconds:
+            state = _next(chain, spans, room, state, barrier, fixed, watch, _SHARE * tolerance, fine)
+            if checkpoint is not None and monotonic() - last_write >= seconds:
                 save_states(checkpoint, [*snapshots, state], key)
                 last_write = monotonic()
     if checkpoint is not None:
@@ -173,6 +181,8 @@ def run_chain(
 def _start(chain: Chain, start: ChainState | str) -> ChainState:
     if isinstance(start, ChainState):
         return start
+    if not isinstance(start, str):
+        start = type(start).__name__
     if start == "empty":
         if not chain.entry:
             raise InputError("start", "must hold beads where none enter", value=start, remedy='use "affine"')
@@ -183,11 +193,21 @@ def _start(chain: Chain, start: ChainState | str) -> ChainState:
 
 
 def _next(
-    chain: Chain, state: ChainState, barrier: float, fixed: float | None, watch: float, rtol: float, fine: float
+    chain: Chain,
+    spans: dict[int, Segment],
+    room: Room,
+    state: ChainState,
+    barrier: float,
+    fixed: float | None,
+    watch: float,
+    rtol: float,
+    fine: float,
 ) -> ChainState:
-    """One accepted step."""
+    """One accepted step; `spans` keeps the references found."""
     number = int(np.searchsorted(chain.flow.times, state.time, side="right"))
-    span = chain.flow.segment(state.time)
+    if number not in spans:
+        spans[number] = steady_reference(chain, chain.flow.segment(state.time))
+    span = spans[number]
     if state.span != number:
         state = with_rates(chain, span, number, state)
     dt = fixed or state.next_step or chain.step
@@ -195,7 +215,11 @@ def _next(
     rejected, iterations = 0, 0
     while True:
         time = _landing(chain, state.time, dt, barrier, aligned=fixed is None)
-        after, error, count = advance(chain, span, state, time, watch, fine)
+        if not time > state.time:
+            raise ChainError(
+                f"chain: step of {dt:.1e} at time {state.time:g} is lost in rounding; raise rtol or spacing"
+            )
+        after, error, count = advance(chain, span, state, time, watch, fine, room)
         iterations += count
         taken = time - state.time
         # an error of position far below a spacing is no error of stretch: a bead may be kicked as it enters
@@ -206,7 +230,7 @@ def _next(
             proposal = max(taken * max(factor, _LEAST_FACTOR), dt if taken < dt and factor >= 1 else 0.0)
             return replace(
                 after,
-                next_step=min(proposal, _MOST_STEP * float(chain.flow.age[-1, -1])),
+                next_step=min(proposal, _MOST_STEP * float(-chain.flow.age[-1, 0])),
                 steps=state.steps + 1,
                 rejected=state.rejected + rejected,
                 iterations=state.iterations + iterations,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.checks import FloatArray, real
+from spinline.network._objects import instance
 from spinline.network.chain import run_chain
 from spinline.network.chain_model import Chain
 
@@ -43,6 +44,7 @@ def coarse_graining_error(
     Costs one and a half runs. Asymptotic: good to some 10 % once ``m h w`` is small against both ``w / V'`` and, near
     a kink of V, ``eps w``.
     """
+    instance("chain", chain, Chain)
     s = real("position", position)
     m = chain.coarse_grain
     fine = run_chain(chain, until, rtol=rtol).stretch_at(s)

@@ -8,7 +8,7 @@ import numpy as np
 from spinline.checks import positive, real
 from spinline.errors import InputError
 from spinline.network.flow import Flow
-from spinline.network.force_laws import ForceLaw, force, law_code
+from spinline.network.force_laws import ForceLaw, force, law_code, stiffness
 
 __all__ = ["Chain", "ChainError"]
 
@@ -99,6 +99,13 @@ class Chain:
         if self.contour is None or self.law == "linear":
             return 1.0
         return float(force(1 / self.contour, self.law, self.rest_force)) / self.rest_force
+
+    @property
+    def rest_stiffness(self) -> float:
+        """T'(1)."""
+        if self.contour is None or self.law == "linear":
+            return 1.0
+        return float(stiffness(1 / self.contour, self.law, self.rest_force)) / 3
 
     def fingerprint(self) -> str:
         """Digest of every parameter and of the flow, to refuse a checkpoint of another chain."""

@@ -13,6 +13,7 @@ from spinline.network.force_laws import extension
 __all__ = ["ChainProfile", "profile"]
 
 _POINTS = 6
+_FARTHEST = 1e12  # initial radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +52,7 @@ class ChainProfile:
         Derivative of the polynomial through six beads: of fifth order in the spacing of the beads, where a spacing
         given to its midpoint is of second (4e-5 at h = 0.01 on the published jet).
         """
-        s = real("position", position)
+        s = real("position", position, least=-_FARTHEST, most=_FARTHEST)
         x = self.beads
         if x.size < _POINTS:
             return np.full(s.shape, np.nan)

@@ -14,6 +14,7 @@ import numpy as np
 
 from spinline.checks import FloatArray, real
 from spinline.errors import InputError
+from spinline.network._objects import instance
 from spinline.network.chain_model import Chain
 
 __all__ = ["ChainState", "affine_start", "empty_start", "load_states", "save_states", "start_from"]
@@ -64,6 +65,7 @@ class ChainState:
 
 def empty_start(chain: Chain) -> ChainState:
     """Time 0: the first bead is at the nozzle and is the free far end."""
+    instance("chain", chain, Chain)
     x = np.array([0.0, -chain.step])
     return _fresh(chain, x, np.full(1, chain.rest_tension), np.ones(2), newest=1)
 
@@ -76,6 +78,7 @@ def affine_start(chain: Chain) -> ChainState:
     InputError
         Where that stretch is beyond the contour of the strands.
     """
+    instance("chain", chain, Chain)
     flow, h = chain.flow, chain.step
     number = int(np.floor(float(flow.residence_time(flow.length)) / h))
     age = h * np.arange(number, -1, -1)
@@ -101,6 +104,7 @@ def start_from(chain: Chain, positions: FloatArray) -> ChainState:
     InputError
         For positions out of order, or strands beyond their contour.
     """
+    instance("chain", chain, Chain)
     x = real("positions", positions, most=chain.flow.length, unit="r_0")
     if x.ndim != 1 or x.size < 2 or np.any(np.diff(x) >= 0):
         raise InputError("positions", "needs two beads or more, strictly decreasing", value=f"shape {x.shape}")

@@ -14,28 +14,39 @@ import numpy as np
 
 from spinline.checks import FloatArray
 from spinline.network import _chain_kernels as kernels
-from spinline.network import _flow_kernels as look
 from spinline.network.chain_model import Chain
 from spinline.network.chain_state import ChainState
 from spinline.network.flow import Segment
 from spinline.network.force_laws import law_code
 
-__all__ = ["advance", "with_rates"]
+__all__ = ["Room", "advance", "with_rates"]
 
 _GAMMA = 2 - math.sqrt(2)
-_D = _GAMMA / 2
-_W = math.sqrt(2) / 4
-_ERROR = ((4 * _W - 1) / 3, -1 / 3, 2 * _D / 3)  # second-order weights less third-order ones
 _SLACK = 1e-9  # of one spacing: entries this near to a time count as at that time
 _MOST_ITERATIONS = 30
+
+
+class Room:
+    """Scratch arrays that grow with the chain."""
+
+    def __init__(self) -> None:
+        self._rows = np.empty((kernels.ROWS, 0))
+
+    def of(self, size: int) -> FloatArray:
+        """Scratch for that many beads."""
+        if self._rows.shape[1] < size:
+            self._rows = np.empty((kernels.ROWS, size + size // 8))
+        return self._rows[:, :size]
 
 
 def with_rates(chain: Chain, span: Segment, number: int, state: ChainState) -> ChainState:
     """Rates of a state from the equation of motion itself: at a start, and where the flow has a corner in time."""
     velocities = state.velocities.copy()
     rates, surplus = np.empty_like(velocities), np.empty_like(velocities)
+    edges, _, cells = span.packed
     kernels.rates(
-        *_tables(chain, span),
+        edges,
+        cells,
         span.share(state.time),
         state.positions,
         state.tensions,
@@ -52,7 +63,7 @@ def with_rates(chain: Chain, span: Segment, number: int, state: ChainState) -> C
 
 
 def advance(
-    chain: Chain, span: Segment, state: ChainState, time: float, watch: float, tolerance: float
+    chain: Chain, span: Segment, state: ChainState, time: float, watch: float, tolerance: float, room: Room
 ) -> tuple[ChainState | None, float, int]:
     """Step to a new time within one span of the flow.
 
@@ -66,72 +77,46 @@ def advance(
         Beads in (0, watch] count in the error.
     tolerance : float
         Of Newton's method, in units of the spacing.
+    room : Room
+        Scratch arrays.
 
     Returns
     -------
     tuple
-        The new state (None where Newton's method fails), the local error in position over the local velocity per
-        unit of time, and the Newton iterations.
+        The new state (None where Newton's method fails), the local error (root mean square over the beads of the error
+        in position over the local velocity, per unit of time), and the Newton iterations.
     """
-    dt = time - state.time
     begin = _with_entries(chain, span, state, time)
-    tables, n, h = _tables(chain, span), begin.positions.size, chain.step
-    age = np.empty(n)
-    look.ages_of(*tables, begin.positions, age)
-    inertia, pull = float(chain.inertia), chain.elasticity / h
-    work = np.empty((7, n))
-    left = np.zeros(1, dtype=np.int64)  # beads that have left at the far end: for good
-    g = _D * dt
-
-    def stage(
-        at: float, known: FloatArray, push: FloatArray, guess: FloatArray, tension: FloatArray
-    ) -> tuple[int, int, FloatArray]:
-        x = np.empty(n)
-        look.positions_of(*tables, guess, x)
-        free = _released(chain, begin.newest, n, at)
-        x[free:] = at - h * (begin.newest - n + 1 + np.arange(free, n))
-        count = kernels.solve_stage(
-            *tables, span.share(at), x, tension, known, push, free, g, pull, inertia, h, chain.flow.length,
-            law_code(chain.law), chain.contour or 1.0, chain.rest_force, chain.rest_tension,
-            tolerance, _MOST_ITERATIONS, left, work,
-        )  # fmt: skip
-        return count, free, x
-
-    def found(known: FloatArray, push: FloatArray, x: FloatArray, free: int) -> FloatArray:
-        out = np.empty((5, n))  # age, rate, velocity, surplus, reference V
-        look.stage_rates(*tables, x, known, push, free, g, inertia, out[0], out[1], out[2], out[3], out[4])
-        return out
-
+    n = begin.positions.size
+    middle = state.time + _GAMMA * (time - state.time)
     tension = begin.tensions.copy()
-    known, push = age + g * begin.rates, inertia * begin.velocities + g * begin.surplus
-    first, free, x = stage(state.time + _GAMMA * dt, known, push, age + 2 * g * begin.rates, tension)
-    if first < 0:
+    x, velocity, rate, surplus = (np.empty(n) for _ in range(4))
+    count, left, error = kernels.step(
+        *span.packed,
+        (span.share(middle), span.share(time)),
+        (state.time, middle, time),
+        begin.newest,
+        (_released(chain, begin.newest, n, middle), _released(chain, begin.newest, n, time)),
+        (begin.positions, begin.velocities, begin.rates, begin.surplus),
+        chain.elasticity / chain.step,
+        float(chain.inertia),
+        chain.step,
+        chain.flow.length,
+        (law_code(chain.law), chain.contour or 1.0, chain.rest_force, chain.rest_tension),
+        tolerance,
+        _MOST_ITERATIONS,
+        watch,
+        x,
+        tension,
+        velocity,
+        rate,
+        surplus,
+        room.of(n),
+    )
+    if count < 0:
         return None, math.inf, _MOST_ITERATIONS
-    age2, rate2, _, surplus2, _ = found(known, push, x, free)
-
-    known = age + dt * _W * (begin.rates + rate2)
-    push = inertia * begin.velocities + dt * _W * (begin.surplus + surplus2)
-    rest = 1 - _GAMMA
-    guess = age2 + dt * rest * (rate2 + (rate2 - begin.rates) * (rest / (2 * _GAMMA)))
-    second, free, x = stage(time, known, push, guess, tension)
-    if second < 0:
-        return None, math.inf, first + _MOST_ITERATIONS
-    _, rate3, velocity, surplus3, speed = found(known, push, x, free)
-
-    defect = dt * (_ERROR[0] * begin.rates + _ERROR[1] * rate2 + _ERROR[2] * rate3) * speed
-    defect[free:] = 0.0
-    error = kernels.error_norm(x, defect, speed, int(left[0]), watch, work) / dt
-    if inertia > 0:
-        wrong = dt * (_ERROR[0] * begin.surplus + _ERROR[1] * surplus2 + _ERROR[2] * surplus3) / (inertia + g)
-        seen = (x > 0) & (x <= watch)
-        if seen.any():
-            error = max(error, float(np.max(np.abs(wrong[seen] / speed[seen]))))
-    end = replace(begin, time=time, positions=x, tensions=tension, velocities=velocity, rates=rate3, surplus=surplus3)
-    return _without(end, int(left[0])), error, first + second
-
-
-def _tables(chain: Chain, span: Segment) -> tuple[FloatArray, FloatArray, FloatArray]:
-    return chain.flow.nodes, span.age, span.slowness
+    end = replace(begin, time=time, positions=x, tensions=tension, velocities=velocity, rates=rate, surplus=surplus)
+    return _without(end, left), error, count
 
 
 def _released(chain: Chain, newest: int, size: int, time: float, *, inclusive: bool = False) -> int:

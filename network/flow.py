@@ -1,6 +1,6 @@
 """The jet as the bead chain feels it: V(s, t) in initial radii, tabulated once, cheap to look up.
 
-The chain works with the age ``a(s) = int_0^s ds' / V(s')``, in which an affine bead moves at exactly one: the
+The chain works with the age ``a(s) = int ds / V(s)``, in which an affine bead moves at exactly one: the
 whole error of a time step is then that of the slip, not of the flow. In each cell of the table a(s) is the cubic through
 the ages and slownesses 1/V at both ends, and V is *defined* as 1 / a'(s) there: age and velocity agree exactly. Cells
 are halved until V so defined is within `error` of the jet's own; kinks (the onset of a power-law jet) need no care.
@@ -13,12 +13,13 @@ Upstream of s = 0 and beyond `length` the velocity is held.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
 
 __all__ = ["Flow", "Segment"]
@@ -26,6 +27,7 @@ __all__ = ["Flow", "Segment"]
 Profile = Callable[[FloatArray], FloatArray]  # V(s), s in initial radii
 
 _MOST_CELLS = 200_000
+_LONGEST = 1e12  # initial radii
 _PROBES = np.array([0.2113, 0.5, 0.7887])  # where the slope of a Hermite cubic errs most
 
 
@@ -37,17 +39,32 @@ class Segment:
     ----------
     begin, end : float
         Times, units of r_0 / v_0; either may be infinite.
+    nodes : ndarray, shape (nodes,)
+        Positions, in initial radii.
     age, slowness : ndarray, shape (2, nodes)
         Tables of both ends; the second is the reference in which ages are counted.
+    weight : float, optional
+        Share of the second profile in the flow, where it does not change: 0 where it is a reference only.
     """
 
     begin: float
     end: float
+    nodes: FloatArray
     age: FloatArray
     slowness: FloatArray
+    weight: float | None = None
+
+    @cached_property
+    def packed(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The tables as the compiled loops read them."""
+        from spinline.network._flow_kernels import pack
+
+        return pack(self.nodes, self.age, self.slowness)
 
     def share(self, time: float) -> float:
         """Weight of the second profile at a time, in [0, 1]."""
+        if self.weight is not None:
+            return self.weight
         if not np.isfinite(self.begin) or not np.isfinite(self.end):
             return 1.0
         return min(max((time - self.begin) / (self.end - self.begin), 0.0), 1.0)
@@ -64,9 +81,11 @@ class Flow:
     times : ndarray, shape (m,)
         Times of the profiles, units of r_0 / v_0, never decreasing.
     age, slowness : ndarray, shape (m, n)
-        ``int ds / V`` and 1/V of each profile at the nodes.
+        ``int ds / V`` from the far end (so <= 0) and 1/V of each profile at the nodes.
     error : float
         Largest relative error of V seen between nodes.
+    kinks : tuple of float
+        Places where V' may jump, initial radii: the chain resolves the slip there once, not in every step.
     """
 
     nodes: FloatArray
@@ -74,6 +93,7 @@ class Flow:
     age: FloatArray
     slowness: FloatArray
     error: float
+    kinks: tuple[float, ...] = ()
 
     @classmethod
     def from_jet(cls, jet: Any, length: float, *, rtol: float = 1e-8) -> Self:
@@ -84,7 +104,7 @@ class Flow:
         jet : StraightJet, or any object with ``velocity_ratio(z)`` and ``initial_radius``
             z in m from the nozzle.
         length : float
-            In initial radii, > 0.
+            In initial radii, in (0, 1e12].
         rtol : float, optional
             Relative error of V between nodes, in [1e-11, 1e-2].
 
@@ -93,7 +113,7 @@ class Flow:
         InputError
             For a jet that does not cover the length, or is too rough for a table.
         """
-        return cls.from_profiles([profile_of(jet, length)], [0.0], length, rtol=rtol)
+        return cls.from_profiles([profile_of(jet, length)], [0.0], length, rtol=rtol, kinks=_kinks_of(jet))
 
     @classmethod
     def switching(
@@ -111,13 +131,22 @@ class Flow:
         rtol : float, optional
             As for `from_jet`.
         """
-        start = float(real("at", at))
-        stop = start + float(real("over", over, least=0.0))
+        start = number("at", at)
+        stop = start + number("over", over, least=0.0)
         profiles = [profile_of(before, length), profile_of(after, length)]
-        return cls.from_profiles(profiles, [start, stop], length, rtol=rtol)
+        kinks = (*_kinks_of(before), *_kinks_of(after))
+        return cls.from_profiles(profiles, [start, stop], length, rtol=rtol, kinks=kinks)
 
     @classmethod
-    def from_profiles(cls, profiles: Sequence[Profile], times: ArrayLike, length: float, *, rtol: float = 1e-8) -> Self:
+    def from_profiles(
+        cls,
+        profiles: Sequence[Profile],
+        times: ArrayLike,
+        length: float,
+        *,
+        rtol: float = 1e-8,
+        kinks: Sequence[float] = (),
+    ) -> Self:
         """Tabulate functions V(s), s in initial radii, valid at the given times.
 
         Parameters
@@ -130,10 +159,15 @@ class Flow:
             In initial radii, > 0.
         rtol : float, optional
             As for `from_jet`.
+        kinks : sequence of float, optional
+            Where V' jumps, initial radii; not naming them costs time steps, not accuracy.
         """
-        far = positive("length", length, "r_0")
-        tolerance = float(real("rtol", rtol, least=1e-11, most=1e-2))
+        corners = tuple(sorted(set(real("kinks", kinks).ravel().tolist())))
+        far = number("length", length, above=0.0, most=_LONGEST, unit="r_0")
+        tolerance = number("rtol", rtol, least=1e-11, most=1e-2)
         when = real("times", times)
+        if isinstance(profiles, str) or not isinstance(profiles, Sequence) or not all(map(callable, profiles)):
+            raise InputError("profiles", "is not a sequence of functions V(s)", value=type(profiles).__name__)
         if when.ndim != 1 or when.size != len(profiles) or not when.size:
             raise InputError("times", "needs one time for each profile", value=f"{when.shape} for {len(profiles)}")
         if np.any(np.diff(when) < 0):
@@ -143,7 +177,7 @@ class Flow:
             tables = [_table(profile, nodes) for profile in profiles]
             error = np.max([_cell_error(p, nodes, *t) for p, t in zip(profiles, tables, strict=True)], axis=0)
             # a kink is not chased into cells so small that rounding of the age spoils its slope
-            least = np.finfo(float).eps * max(float(t[0][-1]) for t in tables) / tolerance
+            least = np.finfo(float).eps * np.max([-age[:-1] / slow[:-1] for age, slow in tables], axis=0) / tolerance
             rough = (error > tolerance) & (np.diff(nodes) > least)
             if not rough.any():
                 break
@@ -155,7 +189,7 @@ class Flow:
             nodes = np.sort(np.concatenate((nodes, middle)))
         age = np.stack([t[0] for t in tables])
         slowness = np.stack([t[1] for t in tables])
-        return cls(nodes, when, age, slowness, float(error.max()))
+        return cls(nodes, when, age, slowness, float(error.max()), corners)
 
     @property
     def length(self) -> float:
@@ -169,23 +203,24 @@ class Flow:
         begin = float(self.times[first]) if after > 0 else -np.inf
         end = float(self.times[last]) if after < self.times.size else np.inf
         rows = [0, 0] if after == 0 else [first, last]
-        return Segment(begin, end, self.age[rows], self.slowness[rows])
+        return Segment(begin, end, self.nodes, self.age[rows], self.slowness[rows])
 
     def velocity_ratio(self, position: ArrayLike, time: float = 0.0) -> FloatArray:
         """V at positions s (initial radii) and one time (r_0 / v_0)."""
         s = real("position", position)
-        part = self.segment(float(real("time", time)))
+        part = self.segment(number("time", time))
         share = part.share(time)
         return (1 - share) * self._velocity(s, part, 0) + share * self._velocity(s, part, 1)
 
     def residence_time(self, position: ArrayLike, time: float = 0.0) -> FloatArray:
         """Age a(s), units of r_0 / v_0, in the profile that holds at a time (the later one while it changes)."""
         s = real("position", position)
-        part = self.segment(float(real("time", time)))
-        return _hermite(s, self.nodes, part.age[1], part.slowness[1])[0]
+        part = self.segment(number("time", time))
+        value: FloatArray = hermite(s, self.nodes, part.age[1], part.slowness[1])[0] - part.age[1, 0]
+        return value
 
     def _velocity(self, s: FloatArray, part: Segment, row: int) -> FloatArray:
-        value: FloatArray = 1 / _hermite(s, self.nodes, part.age[row], part.slowness[row])[1]
+        value: FloatArray = 1 / hermite(s, self.nodes, part.age[row], part.slowness[row])[1]
         return value
 
 
@@ -209,13 +244,20 @@ def profile_of(jet: Any, length: float) -> Profile:
     return profile
 
 
+def _kinks_of(jet: Any) -> tuple[float, ...]:
+    """Places named by a jet, initial radii."""
+    kinks = getattr(jet, "kinks", None)
+    return tuple(kinks()) if callable(kinks) else ()
+
+
 def _table(profile: Profile, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Age and slowness at the nodes; 5-point Gauss-Legendre in each cell."""
     points, weights = np.polynomial.legendre.leggauss(5)
     width = np.diff(nodes)
     inside = nodes[:-1, np.newaxis] + 0.5 * width[:, np.newaxis] * (1 + points)
     passed = 0.5 * width * np.sum(weights / _checked(profile, inside), axis=1)
-    return np.concatenate(([0.0], np.cumsum(passed))), 1 / _checked(profile, nodes)
+    # counted from the far end: where beads are fast and close in age, ages are small and their differences exact
+    return np.append(-np.cumsum(passed[::-1])[::-1], 0.0), 1 / _checked(profile, nodes)
 
 
 def _checked(profile: Profile, s: FloatArray) -> FloatArray:
@@ -224,12 +266,12 @@ def _checked(profile: Profile, s: FloatArray) -> FloatArray:
 
 def _cell_error(profile: Profile, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> FloatArray:
     inside = nodes[:-1, np.newaxis] + np.diff(nodes)[:, np.newaxis] * _PROBES
-    slope = _hermite(inside, nodes, age, slowness)[1]
+    slope = hermite(inside, nodes, age, slowness)[1]
     value: FloatArray = np.max(np.abs(slope * _checked(profile, inside) - 1), axis=1)
     return value
 
 
-def _hermite(s: FloatArray, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> tuple[FloatArray, FloatArray]:
+def hermite(s: FloatArray, nodes: FloatArray, age: FloatArray, slowness: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Age and its slope; straight outside the table."""
     i = np.clip(np.searchsorted(nodes, s, side="right") - 1, 0, nodes.size - 2)
     width = nodes[i + 1] - nodes[i]

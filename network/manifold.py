@@ -32,13 +32,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
+from spinline.network._objects import instance
 from spinline.network.tension import Tension
 
 __all__ = ["Manifold", "eq33", "steady_network"]
 
 _STAGES = 12
+_LONGEST = 1e100
 _MOST_TRIALS = 5000  # panels tried between two breaks; a jet that is smooth between them takes some hundred
 _FRONT = 0.25  # eps V' beyond which no steady state is independent of the far end
 _LOCKED = 0.95  # extension from which the network counts as locked
@@ -90,6 +92,7 @@ class Manifold:
 
     def first_passage(self, stretch: float) -> float:
         """First s where w passes a value; NaN where it never does. To 1e-12 of the panel."""
+        stretch = number("stretch", stretch)
         for low, high in pairwise(self.edges.tolist()):
             s = np.linspace(low, high, 33)
             above = np.flatnonzero(self.stretch(s) >= stretch)
@@ -149,7 +152,7 @@ def steady_network(
     velocity_ratio : callable
         V(s) > 0 for arrays of s in [0, length], in initial radii; smooth but for `breaks`.
     length : float
-        Free far end L, in initial radii, > 0.
+        Free far end L, in initial radii, in (0, 1e100].
     coupling : float
         alpha_v > 0.
     spring : float, optional
@@ -179,12 +182,16 @@ def steady_network(
     >>> round(float(network.stretch(20.0)), 6)
     3.030928
     """
-    end, alpha = positive("length", length), positive("coupling", coupling)
+    if not callable(velocity_ratio):
+        raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
+    end, alpha = number("length", length, above=0.0, most=_LONGEST), positive("coupling", coupling)
     eps = positive("spring", spring) / alpha
-    mass = float(real("inertia", inertia, least=0.0))
-    tol = float(real("rtol", rtol, least=1e-13, most=1e-2))
+    mass = number("inertia", inertia, least=0.0)
+    tol = number("rtol", rtol, least=1e-13, most=1e-2)
     chosen = Tension.linear() if law is None else law
-    edges = [0.0, *sorted(float(b) for b in breaks if 0 < b < end), end]
+    instance("law", chosen, Tension, remedy="make one with Tension.of")
+    named = set(real("breaks", breaks).ravel().tolist())
+    edges = [0.0, *sorted(b for b in named if 0 < b < end), end]
     _refuse_lost(velocity_ratio, edges, eps, chosen)
     upstream = eps > mass
     if not upstream and (chosen.bounded or eps == mass):

@@ -21,12 +21,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
-from spinline.checks import FloatArray, number, positive, real
+from spinline.checks import FloatArray, number, real
 from spinline.errors import InputError
 
 __all__ = ["RadialMesh", "radial_mesh", "solve_radial_mesh"]
 
 _MOST_BEADS = 10_000_000
+_LARGEST_MESH = 1e100
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +111,8 @@ def solve_radial_mesh(beads: int, kappa: FloatArray | float, mesh: FloatArray | 
     ``r_{n+1} - xi_{n+1} - (2 + kappa_n) r_n + r_{n-1} + xi_n = 0``; O(N), about 0.1 us a bead.
     """
     count = _count(beads)
-    k = np.broadcast_to(real("kappa", kappa, least=0.0, most=1e300), (count,))
-    free = np.broadcast_to(real("mesh", mesh, above=0.0), (count,))
+    k = _each("kappa", real("kappa", kappa, least=0.0, most=1e300), count)
+    free = _each("mesh", real("mesh", mesh, above=0.0, most=_LARGEST_MESH), count)
     bands = np.zeros((3, count))
     bands[0, 1:] = -1.0
     bands[1] = 2 + k
@@ -136,6 +137,13 @@ def _count(beads: int) -> int:
     return int(beads)
 
 
+def _each(field: str, value: FloatArray, count: int) -> FloatArray:
+    """One value a bead."""
+    if value.shape not in ((), (1,), (count,)):
+        raise InputError(field, "needs one value, or one for each bead", value=f"array of shape {value.shape}")
+    return np.broadcast_to(value, (count,))
+
+
 def _arguments(beads: int, kappa: float, mesh: float) -> tuple[int, float, float]:
     k = number("kappa", kappa, least=0.0, most=1e300)
-    return _count(beads), k, positive("mesh", mesh)
+    return _count(beads), k, number("mesh", mesh, above=0.0, most=_LARGEST_MESH)

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
-from spinline.network.force_laws import ForceLaw, extension, force, stiffness
+from spinline.checks import FloatArray, number, real
+from spinline.errors import InputError
+from spinline.network.force_laws import ForceLaw, extension, force, law_code, stiffness
 
 __all__ = ["Tension"]
 
@@ -31,6 +32,14 @@ class Tension:
     law: ForceLaw
     full_stretch: float
 
+    def __post_init__(self) -> None:
+        if law_code(self.law):
+            number("full_stretch", self.full_stretch, above=1.0)
+        elif not (isinstance(self.full_stretch, float) and self.full_stretch == np.inf):
+            raise InputError(
+                "full_stretch", "is no property of the linear spring", value=self.full_stretch, allowed="inf"
+            )
+
     @classmethod
     def linear(cls) -> "Tension":
         """The spring of Eq. (32a): ``T = w``, no contour."""
@@ -39,10 +48,9 @@ class Tension:
     @classmethod
     def of(cls, law: ForceLaw, full_stretch: float) -> "Tension":
         """Law by name, with the contour of the network at rest (ignored by the linear spring)."""
-        if law == "linear":
+        if isinstance(law, str) and law == "linear":
             return cls.linear()
-        positive("full_stretch", full_stretch)
-        return cls(law, float(real("full_stretch", full_stretch, above=1.0)))
+        return cls(law, number("full_stretch", full_stretch, above=1.0))
 
     @property
     def bounded(self) -> bool:

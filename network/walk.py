@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from spinline.checks import FloatArray
 from spinline.errors import InputError
 from spinline.network import _multinomial, _step_kernels
+from spinline.network._objects import instance
 from spinline.network.walk_strand import MOST_VARYING, Strand, step_probabilities, whole
 
 __all__ = ["StrandSample", "WalkMethod", "sample_paths", "sample_strands"]
@@ -119,6 +120,7 @@ def sample_strands(
     >>> sample_strands(affine_strand(20.0, 0.05), 3, seed=1).end_to_end[:, 2].mean() > 250
     np.True_
     """
+    instance("strand", strand, Strand)
     count = whole("strands", strands, most=MOST_STRANDS)
     key = _seed(seed)
     begin = whole("first", first, least=0, most=_MOST_INDEX - MOST_STRANDS)
@@ -155,6 +157,7 @@ def sample_paths(strand: Strand, strands: int, seed: int, *, first: int = 0) -> 
     ndarray of int64, shape (strands, N_s + 1, 3)
         In b, from the origin; the ends are those of ``sample_strands(..., method="steps")``.
     """
+    instance("strand", strand, Strand)
     count = whole("strands", strands, most=MOST_STRANDS)
     key = _seed(seed)
     begin = whole("first", first, least=0, most=_MOST_INDEX - MOST_STRANDS)
@@ -230,7 +233,7 @@ def _table(strand: Strand) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
 
 
 def _method(strand: Strand, method: str) -> str:
-    if method not in get_args(WalkMethod):
+    if not isinstance(method, str) or method not in get_args(WalkMethod):
         raise InputError("method", "is not known", value=method, allowed='"auto", "multinomial", "steps"')
     if method == "multinomial" and not strand.uniform:
         raise InputError("method", "needs a uniform force", value=method, remedy='take "steps" or "auto"')

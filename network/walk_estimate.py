@@ -21,6 +21,7 @@ import numpy as np
 
 from spinline.checks import FloatArray, real
 from spinline.errors import InputError
+from spinline.network._objects import instance
 from spinline.network.walk import StrandSample
 from spinline.network.walk_exact import WalkMoments, walk_moments
 from spinline.network.walk_strand import whole
@@ -166,6 +167,8 @@ def sample_average(
     True
     """
     count = _enough(sample, _LEAST_STRANDS if control else 2)
+    if not callable(function):
+        raise InputError("function", "is not a function of the end-to-end vectors", value=type(function).__name__)
     values = real("function", function(sample.end_to_end.astype(np.float64)))
     if values.shape != (count,):
         raise InputError("function", "must return one number per strand", value=f"shape {values.shape}")
@@ -201,7 +204,8 @@ def sample_histogram(sample: StrandSample, quantity: Quantity, bins: int | None 
     -------
     Histogram
     """
-    if quantity not in get_args(Quantity):
+    instance("sample", sample, StrandSample, remedy="make one with sample_strands")
+    if not isinstance(quantity, str) or quantity not in get_args(Quantity):
         allowed = ", ".join(f'"{name}"' for name in get_args(Quantity))
         raise InputError("quantity", "is not known", value=quantity, allowed=allowed)
     if quantity in ("x", "y", "z"):
@@ -241,6 +245,7 @@ def _controls(sample: StrandSample, moments: WalkMoments) -> list[FloatArray]:
 
 
 def _enough(sample: StrandSample, least: int) -> int:
+    instance("sample", sample, StrandSample, remedy="make one with sample_strands")
     count = sample.axial_steps.size
     if count < least:
         raise InputError("strands", "are too few for an error", value=count, allowed=f">= {least}")

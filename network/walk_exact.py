@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spinline.checks import FloatArray
+from spinline.network._objects import instance
 from spinline.network.walk_strand import Strand, step_probabilities
 
 __all__ = ["WalkMoments", "walk_moments"]
@@ -86,6 +87,7 @@ def walk_moments(strand: Strand) -> WalkMoments:
     >>> round(float(moments.relative_extension[2]), 8), round(moments.orientation, 8)
     (0.82859435, 0.74906848)
     """
+    instance("strand", strand, Strand)
     p = step_probabilities(strand.forces)
     plus, minus = p[:, 0::2], p[:, 1::2]
     moved = plus + minus

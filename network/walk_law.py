@@ -26,6 +26,7 @@ from scipy.fft import irfftn, next_fast_len
 
 from spinline.checks import FloatArray
 from spinline.errors import InputError
+from spinline.network._objects import instance
 from spinline.network.walk_exact import walk_moments
 from spinline.network.walk_strand import Strand, step_probabilities
 
@@ -104,7 +105,8 @@ def exact_law(strand: Strand, axes: Sequence[str] = ("z",)) -> ExactLaw:
     >>> round(float(law.mean()[0]), 6)
     331.437741
     """
-    chosen = tuple(axes)
+    instance("strand", strand, Strand)
+    chosen = tuple(axes) if isinstance(axes, Sequence) else ()
     if not chosen or len(set(chosen)) != len(chosen) or any(axis not in AXES for axis in chosen):
         raise InputError("axes", "are not known or repeat", value=axes, allowed='"x", "y", "z", each at most once')
     columns = [AXES[axis] for axis in chosen]

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from scipy.integrate import solve_ivp
 from spinline import network as net
 from spinline.errors import InputError
 from spinline.jetprofile import Hyperbolic, PowerLaw, Table
+from spinline.network.chain_reference import steady_reference
+from spinline.network.flow import hermite
 
 PEO = {"radius": 125e-6, "flow_rate": 3.2e-6 / 3600}
 JET = PowerLaw(**PEO, k=1.0, beta=0.47)
@@ -410,3 +413,49 @@ def test_other_refusals(flow, tmp_path):
 def test_importing_the_package_compiles_nothing():
     code = "import sys, spinline.network; assert 'numba' not in sys.modules; import spinline.network as n; n.Chain"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+# --- the reference in which ages are counted --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("alpha", [100.0, 500.0, 2e3, 2e4])
+def test_the_reference_is_the_speed_of_a_settled_chain(flow, alpha):
+    """From layers longer than a spacing (eps = 0.01) to much shorter (5e-5), bead by bead through the kink."""
+    chain = net.Chain(flow=flow, spacing=2e-3, coupling=alpha)
+    state = net.run_chain(chain, 3.0, start="affine", rtol=1e-6).state
+    span = steady_reference(chain, flow.segment(0.0))
+    assert span.weight == 0.0
+    inside = (state.positions > 0.02) & (state.positions < 2)
+    x = state.positions[inside]
+    moving = state.velocities[inside] * hermite(x, span.nodes, span.age[1], span.slowness[1])[1] - 1
+    slip = state.velocities[inside] / flow.velocity_ratio(x) - 1
+    assert np.abs(slip).max() > 0.5 / alpha  # of the jet: eps V'
+    assert np.abs(moving).max() < 0.03 * np.abs(slip).max()
+    # and the physics is that of the jet still
+    np.testing.assert_allclose(1 / hermite(x, span.nodes, span.age[0], span.slowness[0])[1], flow.velocity_ratio(x), rtol=1e-12)  # fmt: skip
+
+
+def test_naming_the_kink_saves_steps_and_changes_nothing_else(flow):
+    unnamed = replace(flow, kinks=())
+    runs = []
+    for jet, rtol in ((flow, 1e-4), (unnamed, 1e-6)):
+        runs.append(net.run_chain(net.Chain(flow=jet, spacing=0.005, coupling=200), 3.0, rtol=rtol))
+    s = np.linspace(0.9, 4, 300)
+    np.testing.assert_allclose(runs[0].stretch_at(s), runs[1].stretch_at(s), rtol=2e-5)
+    assert runs[0].state.steps < 0.2 * runs[1].state.steps
+
+
+def test_no_reference_where_there_is_no_steady_network():
+    steep = net.Flow.from_profiles([lambda s: 1 + 0.5 * s], [0.0], 10.0)
+    changing = net.Flow.switching(JET, JET, 10.0, at=1.0, over=1.0)
+    for flow, coupling, time in ((steep, 1.0, 0.0), (changing, 100.0, 1.5), (steep, 1e12, 0.0)):
+        chain = net.Chain(flow=flow, spacing=0.05, coupling=coupling)
+        assert steady_reference(chain, flow.segment(time)).weight is None
+
+
+def test_a_jet_that_stretches_by_twelve_decades_fits_a_table():
+    flow = net.Flow.from_profiles([lambda s: np.exp(np.log(1e12) * s / 9)], [0.0], 9.0)
+    s = np.linspace(0, 9, 1001)
+    np.testing.assert_allclose(flow.velocity_ratio(s), 1e12 ** (s / 9), rtol=1e-7)
+    exact = -np.expm1(-np.log(1e12) * s / 9) * 9 / np.log(1e12)
+    np.testing.assert_allclose(flow.residence_time(s), exact, rtol=1e-9, atol=1e-15)

@@ -287,7 +287,7 @@ def test_report_opens_offline_and_answers_first() -> None:
 
 def test_scalars_are_numbers() -> None:
     values = scalars(sl.run(load_scene("peo5-water")))
-    assert len(values) == 9
+    assert len(values) == 20
     assert all(isinstance(value, float) for value in values.values())
 
 
@@ -301,7 +301,9 @@ def test_manifold_rung_meets_the_affine_one_and_locks() -> None:
     assert float(linear["crossover_extension_position"]) == pytest.approx(
         float(affine["crossover_extension_position"]), rel=1e-5
     )
-    locked = quiet("peo5-water", "network.model=manifold", "network.closure=stretch")
+    locked = quiet("peo5-water", "network.model=manifold")  # no warning: "auto" takes the stretch of the law solved for
+    assert locked.attrs["closure"] == "stretch"
+    assert linear.attrs["closure"] == "force"
     w, full = locked["network_velocity_ratio"].values, float(locked["crossover_velocity_ratio"])
     assert w.max() <= full
     assert locked.attrs["locked_from"] < float(locked["crossover_position"])

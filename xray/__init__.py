@@ -13,6 +13,7 @@ module          law
 `row`           shells, radius, axis and beam from one row of counts, by likelihood
 `start`         where the jet is in a noisy row
 `scoring`       the largest Poisson likelihood
+`map_fit`       phi(r, z), radius, axis and beam of all rows at once; its parts are `map_*`
 `absorption`    Eqs. (41)-(42): what a change of attenuation says
 `chord`         the same on every chord of a row: the quick look, and its price
 ==============  ==========================================================================
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
     from spinline.xray.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
     from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
+    from spinline.xray.map_fit import fit_map
+    from spinline.xray.map_result import MapDraws, MapFit
     from spinline.xray.row import RowFit, fit_row
     from spinline.xray.solution import solution_absorber
 
@@ -47,6 +50,8 @@ _NAMES = {
     "ChordFractions": "chord",
     "Detector": "forward",
     "Limit": "limit",
+    "MapDraws": "map_result",
+    "MapFit": "map_result",
     "Material": "attenuation",
     "RoundJet": "forward",
     "RowFit": "row",
@@ -58,6 +63,7 @@ _NAMES = {
     "equal_shells": "chords",
     "error_limit": "limit",
     "expected_counts": "forward",
+    "fit_map": "map_fit",
     "fit_row": "row",
     "fraction_change": "absorption",
     "linear_attenuation": "absorption",
@@ -81,6 +87,8 @@ __all__ = [
     "ChordFractions",
     "Detector",
     "Limit",
+    "MapDraws",
+    "MapFit",
     "Material",
     "RoundJet",
     "RowFit",
@@ -91,6 +99,7 @@ __all__ = [
     "equal_shells",
     "error_limit",
     "expected_counts",
+    "fit_map",
     "fit_row",
     "fraction_change",
     "linear_attenuation",

@@ -68,7 +68,7 @@ def attributes_of(
         "model": model,
         "model_requested": model if plan.forced else "auto",
         "plan": plan.json(),
-        "closure": scene.network.closure,
+        "closure": scene.network.closure_used,
         "force_law": scene.network.force_law,
         "solvent_quality": scene.network.solvent_quality,
         "rtol": scene.accuracy.rtol,

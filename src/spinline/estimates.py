@@ -152,7 +152,7 @@ def saturation_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Eff
     from spinline.network.concentration import log_fraction_walk
 
     n, v = scene.network, jet.velocity_ratio(_grid(scene, jet, 1.0))
-    state = affine_network(v, solution.volume_fraction, closure=n.closure, solvent_quality=n.solvent_quality)
+    state = affine_network(v, solution.volume_fraction, closure=n.closure_used, solvent_quality=n.solvent_quality)
     passed = float(np.max(log_fraction_walk(state.conformation, solution.volume_fraction)))
     number = float(np.exp(min(passed, 700.0)))
     words = "the core is compact polymer before the end" if number > 1 else "the core is not compact anywhere"
@@ -178,7 +178,7 @@ def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tup
 def _moved(scene: Scene, solution: Solution, z: FloatArray, v: FloatArray, w: FloatArray) -> float:
     """What a stretch w in place of V changes: the network's state, and where it passes both criteria."""
     n, phi = scene.network, solution.volume_fraction
-    rules = {"closure": n.closure, "solvent_quality": n.solvent_quality}
+    rules = {"closure": n.closure_used, "solvent_quality": n.solvent_quality}
     shift = change(network_state(w, v, phi, **rules), affine_network(v, phi, **rules))  # type: ignore[arg-type]
     full = float(network_at_rest(phi, n.solvent_quality).full_stretch)
     for target in (full, float(extension_velocity_ratio(n.crossover_extension.value, phi, **rules))):  # type: ignore[arg-type]

@@ -40,8 +40,8 @@ def examine(
     effects = choose_effects(scene, solution, jet) if effects is None else effects
     if n.model in SLIPPING and not isinstance(jet, StraightJet):
         raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
-    if n.model == "walk" and n.closure != "force":
-        raise InputError("network.closure", "has no walk: strands are walked under a force", value=n.closure,
+    if n.model == "walk" and n.closure_used != "force":
+        raise InputError("network.closure", "has no walk: strands are walked under a force", value=n.closure_used,
                          allowed='"force"', remedy="take one of those")  # fmt: skip
     if n.model not in SLIPPING and n.force_law != "lattice":
         raise InputError(
@@ -53,8 +53,8 @@ def examine(
     remarks = []
     if n.model in SLIPPING and n.force_law != "linear" and n.closure == "force":
         remarks.append(
-            'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; closure '
-            '"stretch" gives the extension that the force law itself has'
+            'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; "auto" '
+            'takes "stretch" here, the extension that the force law itself has'
         )
     strands = solution.strands_per_chain(float(rest.segments))
     if strands < 2:

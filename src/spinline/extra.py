@@ -86,7 +86,7 @@ class Extra:
         assert moment.air is not None
         radial, at, phi = moment.dried.radial, moment.at, self.solution.volume_fraction
         n = self.scene.network
-        rest = network_state(1.0, 1.0, phi, closure=n.closure, solvent_quality=n.solvent_quality)
+        rest = network_state(1.0, 1.0, phi, closure=n.closure_used, solvent_quality=n.solvent_quality)
         here = replace(
             radial,
             position=radial.position[at],

@@ -288,7 +288,11 @@ def _frozen(
 
     def conformation(w: float) -> tuple[float, float]:
         walk = network_state(
-            w, w, solution.volume_fraction, closure=scene.network.closure, solvent_quality=scene.network.solvent_quality
+            w,
+            w,
+            solution.volume_fraction,
+            closure=scene.network.closure_used,
+            solvent_quality=scene.network.solvent_quality,
         ).conformation
         return float(walk.relative_extension), float(walk.orientation)
 

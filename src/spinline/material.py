@@ -136,7 +136,7 @@ def constitutive_model(scene: Scene, material: Material) -> "Model":
     laws = material.laws
     name = laws.constitutive
     if name == "auto":
-        name = "UCM" if scene.network.closure == "force" and laws.extensibility is None else "FENE-P"
+        name = "UCM" if scene.network.closure_used == "force" and laws.extensibility is None else "FENE-P"
     if name == "UCM":
         return Maxwell()
     if name == "Oldroyd-B":

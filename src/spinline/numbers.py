@@ -106,7 +106,7 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     missing: dict[str, str] = {}
     stretch = _largest_stretch(scene, jet)
-    state = network_state(stretch, stretch, phi, closure=scene.network.closure, solvent_quality=quality)
+    state = network_state(stretch, stretch, phi, closure=scene.network.closure_used, solvent_quality=quality)
     walk = state.conformation
     de = _NAN
     if solution.relaxation_time is None:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from spinline.figures import headline, png
 from spinline.outputs import replacing
-from spinline.results import VARIABLES, scalars
+from spinline.results import described, scalars
 
 __all__ = ["html", "save_report", "words"]
 
@@ -60,7 +60,22 @@ def words(result: xr.Dataset) -> list[str]:
     where = "At the free end" if result.attrs["model"] in ("manifold", "chain") else "At the end"
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
     sentences += _frozen(result)
+    sentences += _uncertain(result)
     return sentences
+
+
+def _uncertain(result: xr.Dataset) -> list[str]:
+    """What the uncertain inputs leave of the answer."""
+    if "uncertain_inputs" not in result.attrs:
+        return []
+    parts = []
+    for name, scale, unit in (("crossover_position", 1e3, "mm"), ("crossover_radius", 1e6, "µm"),
+                              ("end_orientation", 1, ""), ("fibre_radius", 1e6, "µm")):  # fmt: skip
+        value, std = scale * float(result[name]), scale * float(result[f"{name}_std"])
+        if np.isfinite(value) and np.isfinite(std):
+            parts.append(f"{name.replace('_', ' ')} {value:.4g} ± {std:.2g}{' ' + unit if unit else ''}")
+    inputs = result.attrs["uncertain_inputs"]
+    return [f"With {inputs}: {'; '.join(parts)}." if parts else f"With {inputs} nothing can be said of the errors."]
 
 
 def html(result: xr.Dataset) -> str:
@@ -72,7 +87,7 @@ def html(result: xr.Dataset) -> str:
     warned = "".join(f"<p class='warning'>{escape(remark)}</p>" for remark in remarks)
     numbers = "".join(
         f"<tr><td><code>{name}</code></td><td class='number'>{_number(value)}</td><td>{_unit(name)}</td>"
-        f"<td>{escape(VARIABLES[name][1])}</td></tr>"
+        f"<td>{escape(described(name)[1])}</td></tr>"
         for name, value in scalars(result).items()
     )
     used = "".join(
@@ -225,7 +240,7 @@ def _number(value: float) -> str:
 
 
 def _unit(name: str) -> str:
-    unit = VARIABLES[name][0]
+    unit = described(name)[0]
     return "" if unit == "1" else unit
 
 

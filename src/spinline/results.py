@@ -10,6 +10,7 @@ import xarray as xr
 
 from spinline.errors import InputError
 from spinline.outputs import replacing
+from spinline.summary import SUMMARISED
 
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "VARIABLES",
     "assemble",
+    "described",
     "open_dataset",
     "open_result",
     "plain",
@@ -25,6 +27,7 @@ __all__ = [
     "scalars",
     "to_csv",
     "to_json",
+    "with_numbers",
 ]
 
 # name: (unit, what it is)
@@ -113,10 +116,25 @@ VARIABLES: dict[str, tuple[str, str]] = {
             ("relaxed", "1", "part of the affine stretch that has relaxed"),
         )
     },
+    "fibre_radius": ("m", "radius of the polymer of the last cross-section, were it stretched no more"),
     "x": ("m", "position along the spinning axis"),
     "y": ("m", "position across the spinning axis"),
     "time": ("s", "time"),
 }
+
+
+for _where, _words in (("crossover", "where full stretch is reached"), ("end", "at the end of the jet")):
+    VARIABLES |= {
+        f"{_where}_{_name}": (VARIABLES[_name][0], f"{VARIABLES[_name][1]}, {_words}") for _name in SUMMARISED
+    }
+
+
+def described(name: str) -> tuple[str, str]:
+    """Unit of a variable of a result, and what it is; of ``<name>_std`` too."""
+    if name not in VARIABLES and name.endswith("_std"):
+        unit, words = VARIABLES[name.removesuffix("_std")]
+        return unit, f"standard uncertainty, from the inputs': {words}"
+    return VARIABLES[name]
 
 
 _ACROSS = ("r", "layer")  # dimensions across the jet
@@ -162,6 +180,14 @@ def assemble(
     data |= {name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
              for name, value in numbers.items()}  # fmt: skip
     return xr.Dataset(data, coordinates, {key: _storable(value) for key, value in attributes.items()})
+
+
+def with_numbers(result: xr.Dataset, numbers: dict[str, Any]) -> xr.Dataset:
+    """The result with further numbers (or arrays along time)."""
+    return result.assign({
+        name: ((), value, _units(name)) if np.ndim(value) == 0 else ("time", value, _units(name))
+        for name, value in numbers.items()
+    })  # fmt: skip
 
 
 def scalars(result: xr.Dataset) -> dict[str, float]:
@@ -247,7 +273,7 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
 
 
 def _units(name: str, beads: bool = False) -> dict[str, str]:
-    unit, words = VARIABLES[name]
+    unit, words = described(name)
     if name == "z" and beads:
         words = "position across the spinning axis"
     return {"units": unit, "long_name": words} if unit else {"long_name": words}

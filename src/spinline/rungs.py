@@ -181,8 +181,15 @@ def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> Settled
         inertia=n.inertia.value,
         locked_from=float(profile.position[locked[0]]) if locked.size else float("nan"),
         coarse_grain=joined,
-        drift=float(np.nanmax(np.abs(profile.stretch_at(inner) / earlier - 1))),
+        drift=_drift(profile.stretch_at(inner), earlier),
     )
+
+
+def _drift(now: FloatArray, earlier: FloatArray) -> float:
+    """Largest relative change where both are known; infinite where nothing is."""
+    change = np.abs(now / earlier - 1)
+    known = np.isfinite(change)
+    return float(change[known].max()) if known.any() else float("inf")
 
 
 def slipping_crossover(network: "Manifold | SettledChain", jet: StraightJet, target: float) -> Crossover:
@@ -304,7 +311,7 @@ def network_fields(
         moved,
         flow,
         solution.volume_fraction,
-        closure=scene.network.closure,
+        closure=scene.network.closure_used,
         solvent_quality=scene.network.solvent_quality,
     )
     if extra is not None and extra.dries:

@@ -174,7 +174,7 @@ class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
     model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
-    closure: Literal["force", "stretch"] = "force"
+    closure: Literal["auto", "force", "stretch"] = "auto"
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
     coupling: Number | None = None
@@ -184,6 +184,16 @@ class NetworkSection(Section):
     force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
+
+    @property
+    def closure_used(self) -> Literal["force", "stretch"]:
+        """What "auto" stands for: "stretch" where a slipping network has a law with a contour, else "force".
+
+        Such a network is solved for its stretch under that very law: ``f_z = f_0 T(w)``, not ``f_0 w``.
+        """
+        if self.closure != "auto":
+            return self.closure
+        return "stretch" if self.model in ("manifold", "chain") and self.force_law != "linear" else "force"
 
 
 class AccuracySection(Section):

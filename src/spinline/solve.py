@@ -87,11 +87,35 @@ def run(scene: Scene) -> "xr.Dataset":
     itself are estimated in the attribute ``model_reason``.
     """
     from spinline import results
+    from spinline.uncertainty import propagated, uncertain_inputs
+
+    result, taken = _solved(scene)
+    remarks = str(result.attrs["warnings"]).splitlines()
+    uncertain = uncertain_inputs(scene)
+    if uncertain and taken.network.model in _SAMPLED:
+        remarks.append(f'uncertain inputs are not followed through model = "{taken.network.model}": take another')
+    elif uncertain:
+        numbers, said = propagated(taken, result, lambda moved: _solved(moved)[0])
+        result = results.with_numbers(result, numbers)
+        result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
+        remarks += said
+    result.attrs["warnings"] = "\n".join(remarks)
+    for remark in remarks:
+        warnings.warn(remark, SpinlineWarning, stacklevel=2)
+    return result
+
+
+_SAMPLED = ("chain", "walk")  # rungs that are too slow, or too noisy, to run for every uncertain input
+
+
+def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":
+    """Result of a scene, its remarks in its attribute, and the scene with the rung and the effects that were taken."""
+    from spinline import results
+    from spinline.summary import structure_summary
 
     solved = evaluate(scene)
-    for remark in solved.remarks:
-        warnings.warn(remark, SpinlineWarning, stacklevel=2)
-    return results.assemble(solved.fields, solved.scalars, solved.attributes, solved.jet)
+    result = results.assemble(solved.fields, solved.scalars, solved.attributes, solved.jet)
+    return results.with_numbers(result, structure_summary(result)), solved.scene
 
 
 class Solved(NamedTuple):
@@ -108,6 +132,8 @@ class Solved(NamedTuple):
     remarks : list of str
         What is odd about the scene.
     jet : StraightJet or LagrangianJet
+    scene : Scene
+        With the rung and the effects that were taken.
     """
 
     fields: dict[str, FloatArray]
@@ -115,6 +141,7 @@ class Solved(NamedTuple):
     attributes: dict[str, Any]
     remarks: list[str]
     jet: "StraightJet | LagrangianJet"
+    scene: Scene
 
 
 def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None, *, attributes: bool = True) -> Solved:
@@ -151,7 +178,7 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None, *, 
             extension_velocity_ratio(
                 scene.network.crossover_extension.value,
                 phi,
-                closure=scene.network.closure,
+                closure=scene.network.closure_used,
                 solvent_quality=quality,
             )
         ),
@@ -213,7 +240,9 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None, *, 
     if attributes and plan is not None:
         described = attributes_of(scene, solution, jet, found, remarks, network, effects, plan)
         described |= {} if extra is None else extra.attributes
-    return Solved(fields, scalars, described, remarks, jet)
+    switches = {"evaporation": effects.evaporation, "relaxation": effects.relaxation, "radial": effects.radial}
+    taken = scene.model_copy(update={"effects": scene.effects.model_copy(update=switches)})
+    return Solved(fields, scalars, described, remarks, jet, taken)
 
 
 def _has_times(jet: "StraightJet | LagrangianJet") -> bool:

@@ -73,7 +73,7 @@ def why_not(scene: Scene, keys: tuple[str, ...]) -> str:
         return f'profile "{scene.jet.profile}" is not a formula'
     if "force_law" in scene.network.model_fields_set:
         return "a force law is named"
-    if scene.network.model == "auto" and (scene.network.closure != "force" or "solution.temperature" in keys):
+    if scene.network.model == "auto" and (scene.network.closure_used != "force" or "solution.temperature" in keys):
         return 'model "auto" chooses the rung scene by scene here'
     off = all(switch is False for _, switch in scene.effects)
     idle = scene.ambient is None and scene.solution.relaxation_time is None
@@ -207,7 +207,7 @@ def _fill(
     viscosity = of("solution.viscosity")
     if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and viscosity is None:
         return
-    quality, closure = scene.network.solvent_quality, scene.network.closure
+    quality, closure = scene.network.solvent_quality, scene.network.closure_used
     phi = _volume_fraction(scene, solution, values, of)
     jets = _Jets(scene, viscosity, of)
     reduced = jets.length / jets.radius
@@ -309,7 +309,7 @@ def _crossover(name: str, target: FloatArray, jets: _Jets) -> dict[str, FloatArr
 
 def _state(stretch: FloatArray, phi: FloatArray, scene: Scene) -> dict[str, FloatArray]:
     net: NetworkState = network_state(
-        stretch, stretch, phi, closure=scene.network.closure, solvent_quality=scene.network.solvent_quality
+        stretch, stretch, phi, closure=scene.network.closure_used, solvent_quality=scene.network.solvent_quality
     )
     walk = net.conformation
     return {
