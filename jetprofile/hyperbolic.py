@@ -5,6 +5,7 @@ figure (V = 7.46 against 32.1 at s = 40): the two published fits meet near s = 2
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from spinline.checks import FloatArray, positive
 from spinline.jetprofile.straight import StraightJet
@@ -41,14 +42,40 @@ class Hyperbolic(StraightJet):
         return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "p": self.p}
 
     def _ratio(self, s: FloatArray) -> FloatArray:
-        return (1 + s / self.p) ** 2
+        return ratio(s, self.p)
 
     def _slope(self, s: FloatArray) -> FloatArray:
-        return 2 / self.p * (1 + s / self.p)
+        return slope(s, self.p)
 
     def _time(self, s: FloatArray) -> FloatArray:
-        return s / (1 + s / self.p)
+        return time(s, self.p)
 
     def _inverse(self, ratio: FloatArray) -> FloatArray:
-        # sqrt(V) - 1 without the difference of near numbers
-        return np.where(ratio >= 1, self.p * (ratio - 1) / (np.sqrt(ratio) + 1), np.nan)
+        return inverse(ratio, self.p)
+
+
+# The law itself, for arrays of jets too: s and p broadcast. Ranges are checked by the callers.
+
+
+def ratio(s: FloatArray, p: ArrayLike) -> FloatArray:
+    """``V(s)``."""
+    value: FloatArray = (1 + s / np.asarray(p)) ** 2
+    return value
+
+
+def slope(s: FloatArray, p: ArrayLike) -> FloatArray:
+    """``dV/ds``."""
+    value: FloatArray = 2 / np.asarray(p) * (1 + s / np.asarray(p))
+    return value
+
+
+def time(s: FloatArray, p: ArrayLike) -> FloatArray:
+    """``int ds/V`` from the nozzle."""
+    value: FloatArray = s / (1 + s / np.asarray(p))
+    return value
+
+
+def inverse(ratio: FloatArray, p: ArrayLike) -> FloatArray:
+    """First s where V is reached, NaN below V = 1."""
+    # sqrt(V) - 1 without the difference of near numbers
+    return np.where(ratio >= 1, np.asarray(p) * (ratio - 1) / (np.sqrt(ratio) + 1), np.nan)

@@ -12,6 +12,7 @@ Review Eq. (31); Reznik and Zussman, Phys. Rev. E 81, 026313 (2010), and measure
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from spinline.checks import FloatArray, positive, real
 from spinline.jetprofile.straight import StraightJet
@@ -61,19 +62,45 @@ class PowerLaw(StraightJet):
         return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "k": self.k, "beta": self.beta}
 
     def _ratio(self, s: FloatArray) -> FloatArray:
-        return np.maximum(s / self.onset, 1.0) ** (2 * self.beta)
+        return ratio(s, self.onset, self.beta)
 
     def _slope(self, s: FloatArray) -> FloatArray:
-        ratio = np.maximum(s / self.onset, 1.0)
-        rise = 2 * self.beta / self.onset * ratio ** (2 * self.beta - 1)
-        return np.where(s >= self.onset, rise, 0.0)
+        return slope(s, self.onset, self.beta)
 
     def _time(self, s: FloatArray) -> FloatArray:
-        exponent = 1 - 2 * self.beta
-        log_ratio = np.log(np.maximum(s / self.onset, 1.0))
-        growth = np.expm1(exponent * log_ratio) / exponent if exponent else log_ratio
-        return np.minimum(s, self.onset) + self.onset * growth
+        return time(s, self.onset, self.beta)
 
     def _inverse(self, ratio: FloatArray) -> FloatArray:
-        beyond = self.onset * np.maximum(ratio, 1.0) ** (1 / (2 * self.beta))
-        return np.where(ratio > 1, beyond, np.where(ratio == 1, 0.0, np.nan))
+        return inverse(ratio, self.onset, self.beta)
+
+
+# The law itself, for arrays of jets too: s, the onset s_0 and beta broadcast. Ranges are checked by the callers.
+
+
+def ratio(s: FloatArray, onset: ArrayLike, beta: ArrayLike) -> FloatArray:
+    """``V(s)``."""
+    value: FloatArray = np.maximum(s / np.asarray(onset), 1.0) ** (2 * np.asarray(beta))
+    return value
+
+
+def slope(s: FloatArray, onset: ArrayLike, beta: ArrayLike) -> FloatArray:
+    """``dV/ds``; the downstream value at s_0."""
+    start, power = np.asarray(onset), 2 * np.asarray(beta)
+    rise = power / start * np.maximum(s / start, 1.0) ** (power - 1)
+    return np.where(s >= start, rise, 0.0)
+
+
+def time(s: FloatArray, onset: ArrayLike, beta: ArrayLike) -> FloatArray:
+    """``int ds/V`` from the nozzle."""
+    start, exponent = np.asarray(onset), 1 - 2 * np.asarray(beta)
+    log_ratio = np.log(np.maximum(s / start, 1.0))
+    even = exponent == 0
+    growth = np.where(even, log_ratio, np.expm1(exponent * log_ratio) / np.where(even, 1.0, exponent))
+    value: FloatArray = np.minimum(s, start) + start * growth
+    return value
+
+
+def inverse(ratio: FloatArray, onset: ArrayLike, beta: ArrayLike) -> FloatArray:
+    """First s where V is reached: 0 for V = 1, NaN below."""
+    beyond = np.asarray(onset) * np.maximum(ratio, 1.0) ** (1 / (2 * np.asarray(beta)))
+    return np.where(ratio > 1, beyond, np.where(ratio == 1, 0.0, np.nan))

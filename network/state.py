@@ -73,7 +73,7 @@ class NetworkState:
 
 def affine_network(
     velocity_ratio: ArrayLike,
-    volume_fraction: float,
+    volume_fraction: ArrayLike,
     *,
     closure: Closure = "force",
     affinity: float = 1.0,
@@ -111,7 +111,7 @@ def affine_network(
 def network_state(
     network_velocity_ratio: ArrayLike,
     velocity_ratio: ArrayLike,
-    volume_fraction: float,
+    volume_fraction: ArrayLike,
     *,
     closure: Closure = "force",
     affinity: float = 1.0,
@@ -125,8 +125,8 @@ def network_state(
         ``w = u / v_0`` > 0, from any rung.
     velocity_ratio : array_like
         V > 0 of the solution at the same places.
-    volume_fraction : float
-        phi of the solution, in (0, 1).
+    volume_fraction : array_like
+        phi of the solution, in (0, 1); broadcast with the others.
     closure : {"force", "stretch"}
         How w becomes a conformation.
     affinity : float, optional
@@ -145,7 +145,7 @@ def network_state(
     """
     w = real("network_velocity_ratio", network_velocity_ratio, least=1e-100)
     v = real("velocity_ratio", velocity_ratio, least=1e-100)
-    phi = number("volume_fraction", volume_fraction, least=1e-100, below=1.0)
+    phi = real("volume_fraction", volume_fraction, least=1e-100, below=1.0)
     if check_closure(closure) == "force":
         walk = random_walk(w, phi, affinity=affinity, solvent_quality=solvent_quality)
     else:

@@ -33,7 +33,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
+from spinline.checks import FloatArray, number, real
 from spinline.errors import InputError, SpinlineWarning
 from spinline.rheology._evaporation_balance import Activity, Balance
 from spinline.rheology.element_path import ElementPath, Given
@@ -87,7 +87,11 @@ def sherwood(reynolds: ArrayLike, schmidt: ArrayLike, floor: float = 0.0) -> Flo
 
 
 def power_law_loss(
-    distance: ArrayLike, k: float, beta: float, rate: float, given: Literal["velocity", "radius"] = "velocity"
+    distance: ArrayLike,
+    k: ArrayLike,
+    beta: ArrayLike,
+    rate: ArrayLike,
+    given: Literal["velocity", "radius"] = "velocity",
 ) -> FloatArray:
     """Closed form: part of the volume lost on a power-law jet in still air, constant properties and C.
 
@@ -95,21 +99,21 @@ def power_law_loss(
     ----------
     distance : array_like
         s = z/r_0, >= 0.
-    k, beta : float
+    k, beta : array_like
         ``V = k^2 s^(2 beta)`` beyond ``s_0 = k^(-1/beta)``, V = 1 before; k > 0, beta in [1e-6, 1e6].
-    rate : float
+    rate : array_like
         ``a = pi D_a Sh_0 dC r_0 / Q``.
     given : {"velocity", "radius"}
         ``1 - (1 - 5 a J/6)^(6/5)``, or ``1 - (1 - 2 a J/3)^(3/2)`` where the radius is kept; ``J = int V^(1/6) ds``.
 
     Returns
     -------
-    ndarray; NaN where nothing is left.
+    ndarray, broadcast shape; NaN where nothing is left.
     """
     s = real("distance", distance, least=0.0)
-    log_k = np.log(positive("k", k))
-    exponent = number("beta", beta, least=1e-6, most=1e6)
-    log_rate = np.log(positive("rate", rate))
+    log_k = np.log(real("k", k, above=0.0))
+    exponent = real("beta", beta, least=1e-6, most=1e6)
+    log_rate = np.log(real("rate", rate, above=0.0))
     if not isinstance(given, str) or given not in get_args(Given):
         raise InputError("given", "is not known", value=given, allowed='"velocity", "radius"')
     q = 6 / 5 if given == "velocity" else 3 / 2

@@ -17,7 +17,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
-COMMANDS = {"run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet"}
+COMMANDS = {
+    "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "sweep", "window", "compare",
+}  # fmt: skip
 
 
 def blocks(path, language):

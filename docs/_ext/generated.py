@@ -25,7 +25,8 @@ os.environ.update(COLUMNS="96", TERM="dumb", NO_COLOR="1")
 PACKAGES = [
     "spinline", "spinline.network", "spinline.jetprofile", "spinline.jetprofile.jetspin", "spinline.rheology",
     "spinline.xray", "spinline.scene", "spinline.solve", "spinline.results", "spinline.figures", "spinline.report",
-    "spinline.units", "spinline.errors",
+    "spinline.units", "spinline.errors", "spinline.sweep", "spinline.sensitivity", "spinline.window",
+    "spinline.window_figure", "spinline.compare",
 ]  # fmt: skip
 
 

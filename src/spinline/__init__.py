@@ -12,7 +12,22 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spinline import figures, jetprofile, network, report, results, rheology, scene, solve, units, xray
+    from spinline import (
+        compare,
+        figures,
+        jetprofile,
+        network,
+        report,
+        results,
+        rheology,
+        scene,
+        sensitivity,
+        solve,
+        sweep,
+        units,
+        window,
+        xray,
+    )
     from spinline.errors import InputError, SpinlineWarning
     from spinline.results import open_result
     from spinline.scene import Scene, load_scene
@@ -21,7 +36,22 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MODULES = frozenset(
-    ["figures", "jetprofile", "network", "report", "results", "rheology", "scene", "solve", "units", "xray"]
+    [
+        "compare",
+        "figures",
+        "jetprofile",
+        "network",
+        "report",
+        "results",
+        "rheology",
+        "scene",
+        "sensitivity",
+        "solve",
+        "sweep",
+        "units",
+        "window",
+        "xray",
+    ]
 )
 _NAMES = {
     "InputError": "errors",
@@ -37,6 +67,7 @@ __all__ = [
     "Scene",
     "SpinlineWarning",
     "__version__",
+    "compare",
     "figures",
     "jetprofile",
     "load_scene",
@@ -47,8 +78,11 @@ __all__ = [
     "rheology",
     "run",
     "scene",
+    "sensitivity",
     "solve",
+    "sweep",
     "units",
+    "window",
     "xray",
 ]
 

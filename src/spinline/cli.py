@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli_sweep import register
 from spinline.cli_trade import plan, trade
 from spinline.errors import InputError, SpinlineWarning
 
@@ -273,6 +274,9 @@ def import_jet(
         write_jet(run_dir, part, source=source, unit=unit)
     jet = results.open_dataset(target)
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
+
+
+register(app)
 
 
 def main() -> None:

@@ -369,6 +369,8 @@ def _key(detail: ErrorDetails) -> str:
 def _problem(detail: ErrorDetails, data: Mapping[str, Any]) -> InputError:
     key, kind, context = _key(detail), detail["type"], detail.get("ctx") or {}
     value = detail["input"]
+    if isinstance(value, Measured):
+        value = value.value
     if kind in ("quantity", "range", "refusal"):
         shown = None if kind == "refusal" else value
         remedy = context["remedy"] or ("" if kind == "refusal" else _change(key))
