@@ -37,7 +37,7 @@ __all__ = [
 BOND_STRENGTH = 5e-9  # N, covalent bond
 _FRONT_RTOL = 0.03
 _MOST_BEADS = 3000  # of a chain that is free to join strands
-_MOST_STEPS = 8000  # of it in time: some ten seconds
+_MOST_STEPS = 5000  # of it in time: some seconds
 
 
 @dataclass(frozen=True)
