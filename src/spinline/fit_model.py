@@ -36,7 +36,7 @@ from spinline.network.mesh import SolventQuality
 from spinline.observations import Observation
 from spinline.scene import HyperbolicJet, PowerLawJet, Scene
 
-__all__ = ["PARAMETERS", "Drying", "ForwardModel", "Parameter", "Prediction", "forward_model"]
+__all__ = ["PARAMETERS", "Drying", "ForwardModel", "Parameter", "Prediction", "forward_model", "typical_relaxation_time"]
 
 _NODES = 96  # along the jet, for relaxation, beside the places asked for
 
@@ -300,8 +300,8 @@ def forward_model(
         own["relaxation_time"] = solution.relaxation_time
     own |= dict(values or {})
     if relaxation and "relaxation_time" not in own:
-        # where De = edot theta is 1 at the jet's middle: a start, not a guess at the answer
-        own["relaxation_time"] = 1.0 / float(_typical_rate(jet, scene.jet.length.value))
+        raise InputError("solution.relaxation_time", "is missing: relaxation needs it",
+                         remedy='give it, or relaxation_time = "free" in the fit')  # fmt: skip
     rheology = scene.rheology
     exponent = 1.0
     if rheology is not None:
@@ -317,10 +317,14 @@ def forward_model(
     )  # fmt: skip
 
 
-def _typical_rate(jet: Any, length: float) -> float:
-    """Strain rate at the middle of a jet, 1/s, or that of its whole stretch where it is flat there."""
-    rate = float(jet.strain_rate(0.5 * length))
-    return rate if rate > 0 else float(jet.initial_velocity) / length
+def typical_relaxation_time(scene: Scene) -> float:
+    """Time in s over which the middle of a scene's jet is stretched by e: where a fit starts when nothing is known."""
+    jet = build_jet(scene, build_solution(scene))
+    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet) or not isinstance(jet, StraightJet):
+        raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile)
+    middle = 0.5 * scene.jet.length.value
+    rate = float(jet.strain_rate(middle))
+    return 1 / rate if rate > 0 else scene.jet.length.value / jet.initial_velocity
 
 
 def _remaining(drying: Drying, jet: StraightJet, z: FloatArray, p: Mapping[str, float]) -> FloatArray:
