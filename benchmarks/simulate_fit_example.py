@@ -33,7 +33,9 @@ def main():
         with (folder / f"{kind}.csv").open("w", encoding="utf-8") as file:
             if kind == "radius":
                 file.write("z [mm], radius [um], std [um]\n")
-                file.writelines(f"{1e3 * a:.3f}, {1e6 * b:.3f}, {1e6 * NOISE[kind]:g}\n" for a, b in zip(z, value, strict=True))
+                file.writelines(
+                    f"{1e3 * a:.3f}, {1e6 * b:.3f}, {1e6 * NOISE[kind]:g}\n" for a, b in zip(z, value, strict=True)
+                )
             else:
                 file.write(f"z [mm], {kind}_fraction, std\n")
                 file.writelines(f"{1e3 * a:.3f}, {b:.5f}, {NOISE[kind]:g}\n" for a, b in zip(z, value, strict=True))

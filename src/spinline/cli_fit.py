@@ -16,11 +16,15 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print names and SI val
 
 def fit(
     fit_file: Annotated[str, typer.Argument(metavar="FIT", help="Fit file, or the name of a bundled fit.")],
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF; .json and .png go beside it.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Result, netCDF; .json and .png go beside it.")
+    ] = None,
     sampler: Annotated[str | None, typer.Option(help="Override fit.sampler: least-squares, emcee.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Override fit.seed.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
-    copy: Annotated[bool, typer.Option("--copy", help="Copy the bundled fit FIT here, with its data, and stop.")] = False,
+    copy: Annotated[
+        bool, typer.Option("--copy", help="Copy the bundled fit FIT here, with its data, and stop.")
+    ] = False,
     json: JsonOption = False,
     force: ForceOption = False,
 ) -> None:
@@ -70,6 +74,68 @@ def fit(
     typer.echo("wrote " + ", ".join(map(str, files)))
 
 
+def compare_theory(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")],
+    reduced: Annotated[Path, typer.Argument(metavar="MAP", help="Reduced X-ray map, netCDF.")],
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF; .png goes beside it.")] = None,
+    core_within: Annotated[float, typer.Option(help="Rings within this r/R make the core.")] = 0.4,
+    at: Annotated[list[str] | None, typer.Option(help='z of a section across the jet, "1 mm"; repeat.')] = None,
+    fitted: Annotated[Path | None, typer.Option("--fit", help="Take the best parameters of this fit (.nc).")] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")
+    ] = None,
+    no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
+    json: JsonOption = False,
+    force: ForceOption = False,
+) -> None:
+    """A reduced X-ray map against a scene: Figs. 36 and 37, and the likelihood."""
+    from spinline import results
+    from spinline.outputs import writable
+    from spinline.scene import load_scene
+    from spinline.theory_overlay import compare_theory as compare
+    from spinline.theory_overlay import save_overlay, theory_words
+    from spinline.units import parse
+
+    loaded = load_scene(scene, set_ or ())
+    target = out or Path(f"{reduced.stem}-theory.nc")
+    if target.suffix != ".nc":
+        target = target.with_name(target.name + ".nc")
+    files = [target] if no_figure else [target, target.with_suffix(".png")]
+    for file in files:
+        writable(file, force=force)
+    places = None if not at else [parse(place, "length", "--at").value for place in at]
+    values = None if fitted is None else _fitted(fitted)
+    result = compare(loaded, reduced, core_within=core_within, places=places, values=values)
+    results.save(result, target, force=force)
+    if not no_figure:
+        save_overlay(result, files[-1], force=force)
+    if json:
+        typer.echo(results.to_json(result))
+        return
+    typer.echo(result.attrs["title"])
+    for line in theory_words(result):
+        typer.echo(f"  {line}")
+    typer.echo("wrote " + ", ".join(map(str, files)))
+
+
+def _fitted(path: Path) -> dict[str, float]:
+    """Best parameters of a fit, and what it held fixed."""
+    import json as json_
+
+    from spinline.results import open_dataset
+
+    found = open_dataset(path)
+    if "best" not in found or "fixed" not in found.attrs:
+        raise InputError(str(path), "is not a fit", remedy="make one with `spinline fit`")
+    best = {str(n): float(v) for n, v in zip(found["parameter"].values, found["best"].values, strict=True)}
+    lost = [name for name, value in best.items() if value != value]
+    if lost:
+        raise InputError(
+            str(path), "has parameters that were not identified", value=", ".join(lost), remedy="fit again"
+        )
+    return {**json_.loads(found.attrs["fixed"]), **best}
+
+
 def _copy(name: str, *, force: bool) -> None:
     from spinline.fit_file import bundled_fits
     from spinline.outputs import writable
@@ -89,3 +155,4 @@ def _copy(name: str, *, force: bool) -> None:
 def register(app: typer.Typer) -> None:
     """Add the commands to the command line."""
     app.command()(fit)
+    app.command("compare-theory")(compare_theory)

@@ -1,8 +1,8 @@
 """What a fit can be trusted with: what the data determine, whether it fits, whether its intervals are Gaussian.
 
-Identification: the Fisher matrix of the data alone, ``J^T J`` in coordinates where one unit is a change of order one (a factor e,
-0.25 of beta, one initial radius of the origin), has eigenvectors with standard deviations ``1/sqrt(eigenvalue)``. Beyond one
-unit the data leave that combination of parameters open; it is named with its weights. What a prior then says of it is the
+Identification: the Fisher matrix of the data alone, ``J^T J`` in coordinates where one unit is a change of order one (a
+factor e, 0.25 of beta, one initial radius of the origin), has eigenvectors with standard deviations
+``1/sqrt(eigenvalue)``. Beyond one unit the data leave that combination of parameters open; it is named with its weights. What a prior then says of it is the
 prior's word, not the data's.
 """
 
@@ -17,7 +17,15 @@ from spinline.errors import InputError
 if TYPE_CHECKING:
     from spinline.inference import Fit
 
-__all__ = ["Direction", "Residuals", "curvature", "examine_fit", "open_directions", "open_parameters", "residual_checks"]
+__all__ = [
+    "Direction",
+    "Residuals",
+    "curvature",
+    "examine_fit",
+    "open_directions",
+    "open_parameters",
+    "residual_checks",
+]
 
 OPEN = 1.0  # standard deviation, in changes of order one, beyond which the data leave a direction open
 _UNLIKELY = 0.003  # of a check that fails though the model is right
@@ -45,7 +53,9 @@ class Direction:
         """The direction in a sentence."""
         from spinline.fit_model import PARAMETERS
 
-        parts = [f"{weight:+.2f} {'ln ' if PARAMETERS[name].log else ''}{name}" for name, weight in self.weights.items()]
+        parts = [
+            f"{weight:+.2f} {'ln ' if PARAMETERS[name].log else ''}{name}" for name, weight in self.weights.items()
+        ]
         spread = "not at all" if not np.isfinite(self.std) else f"to {self.std:.2g} only"
         prior = "" if self.posterior_std > OPEN else f" (priors: {self.posterior_std:.2g})"
         return f"the data determine {' '.join(parts)} {spread}{prior}"
@@ -119,8 +129,8 @@ def residual_checks(fit: "Fit") -> list[Residuals]:
 def curvature(fit: "Fit") -> dict[str, float]:
     """How far each parameter's interval is from Gaussian: rise of -2 ln posterior two standard deviations out, over 4.
 
-    Along the parameter's own conditional-mean direction, where a normal posterior gives 1 on both sides; the worse side is returned. NaN
-    where the covariance is infinite, inf where the range ends before.
+    Along the parameter's own conditional-mean direction, where a normal posterior gives 1 on both sides; the worse side is
+    returned. NaN where the covariance is infinite, inf where the range ends before.
     """
     problem, u = fit.problem, fit.coordinates
     here = problem.log_posterior(u)
@@ -166,18 +176,20 @@ def examine_fit(fit: "Fit") -> list[str]:
                 "misses a trend"
             )
         if part.largest > 5:
-            notes.append(f"{part.source}: a {part.kind} value is {part.largest:.1f} standard deviations off: an outlier?")
+            notes.append(
+                f"{part.source}: a {part.kind} value is {part.largest:.1f} standard deviations off: an outlier?"
+            )
     for name, (pull, std) in _pulls(fit).items():
         if abs(pull) > 3:
             notes.append(f"{name} is {pull:+.1f} prior standard deviations from its prior (sd of that: {std:.2g})")
     bent = [name for name, ratio in curvature(fit).items() if not 0.5 < ratio < 2 and not np.isnan(ratio)]
     if bent:
-        notes.append(f"intervals of {', '.join(bent)} are not Gaussian; use sampler = \"emcee\"")
+        notes.append(f'intervals of {", ".join(bent)} are not Gaussian; use sampler = "emcee"')
     return notes
 
 
 def compare_with_prior(fit: "Fit") -> dict[str, dict[str, float]]:
-    """For every parameter with a prior: pull in prior standard deviations, and share of the variance that the data took away."""
+    """Pull in prior standard deviations, and share of the prior variance that the data took away, by parameter."""
     spread, before = np.diag(fit.covariance), fit.problem.prior_std**2
     pulls = _pulls(fit)
     return {

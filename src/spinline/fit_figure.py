@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from spinline.figures import BLUE, GREY, ORANGE, RED, check_format
+from spinline.figures import BLUE, GREEN, GREY, ORANGE, RED, check_format
 from spinline.outputs import replacing
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ _MARKS: dict[str, tuple[str, str, str]] = {
     "radius": (GREY, "o", "radius"),
     "mean": (ORANGE, "s", "mean of the section"),
     "core": (BLUE, "^", "core"),
+    "chord": (GREEN, "D", "chord through the axis"),
     "shell": (BLUE, "v", "innermost ring"),
 }
 
@@ -45,7 +46,7 @@ def fit_figure(result: xr.Dataset) -> Figure:
     _radius(radius, result)
     _fraction(fraction, result)
     _residuals(left, result, ("radius",))
-    _residuals(right, result, ("mean", "core", "shell"))
+    _residuals(right, result, ("mean", "core", "chord", "shell"))
     _against_prior(sheet.add_subplot(grid[:, 2]), result)
     for axis in (radius, fraction):
         axis.tick_params(labelbottom=False)
@@ -55,8 +56,8 @@ def fit_figure(result: xr.Dataset) -> Figure:
         axis.grid(visible=True, color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
     count = int(result.attrs["values"])
-    sheet.suptitle(f"{result.attrs['title']}\n$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; bands: 68 % and 95 %; "
-                   "data drawn with the best calibration", fontsize=10.5, y=0.985)  # fmt: skip
+    sheet.suptitle(f"{result.attrs['title']}\n$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; bands: 68 %, "
+                   "95 %; data drawn with the best calibration", fontsize=10.5, y=0.985)  # fmt: skip
     return sheet
 
 
@@ -72,7 +73,9 @@ def _calibration(result: xr.Dataset) -> dict[str, float]:
     """Best calibration; 1 and 0 where it was not fitted (or not identified)."""
     import json
 
-    found = {"length_scale": 1.0, "fraction_scale": 1.0, "origin": 0.0} | json.loads(result.attrs["fixed"])
+    found: dict[str, float] = {"length_scale": 1.0, "fraction_scale": 1.0, "origin": 0.0} | json.loads(
+        result.attrs["fixed"]
+    )
     for name in result["parameter"].values.tolist():
         best = float(result["best"].sel(parameter=name))
         if np.isfinite(best):
@@ -116,13 +119,13 @@ def _radius(axis: "Axes", result: xr.Dataset) -> None:
 
 def _fraction(axis: "Axes", result: xr.Dataset) -> None:
     scale = _calibration(result)["fraction_scale"]
-    for kind in ("mean", "core", "shell"):
+    for kind in ("mean", "core", "chord", "shell"):
         _points(axis, result, kind, scale, 1.0)
     _band(axis, result, "mean_polymer_fraction", RED, 1.0, "mean, fitted")
     _band(axis, result, "core_polymer_fraction", BLUE, 1.0, "core, fitted")
     kinds = set(result["datum_kind"].values.tolist())
-    if {"mean", "core", "shell"} & kinds:  # the data decide the range, not a band that runs to 1 beyond them
-        pick = np.isin(result["datum_kind"].values, ("mean", "core", "shell"))
+    if {"mean", "core", "chord", "shell"} & kinds:  # the data decide the range, not a band that runs to 1 beyond them
+        pick = np.isin(result["datum_kind"].values, ("mean", "core", "chord", "shell"))
         shown = result["datum_value"].values[pick] / scale
         noise = result["datum_std"].values[pick] / scale
         reach = max(float((shown + 2 * noise).max()), 1e-6)
@@ -154,7 +157,15 @@ def _against_prior(axis: "Axes", result: xr.Dataset) -> None:
         one: Any = result.isel(parameter=i)
         row = len(names) - 1 - i
         if not bool(one["identified"]):
-            axis.text(0.5, row, f"{name}: not identified", transform=axis.get_yaxis_transform(), ha="center", va="center", fontsize=8.5)
+            axis.text(
+                0.5,
+                row,
+                f"{name}: not identified",
+                transform=axis.get_yaxis_transform(),
+                ha="center",
+                va="center",
+                fontsize=8.5,
+            )
             continue
         best, std, prior = (float(one[key]) for key in ("best", "std", "prior_std"))
         unit = prior if np.isfinite(prior) else 3 * std

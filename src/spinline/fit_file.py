@@ -6,7 +6,7 @@
     scene = "scene.toml"            # or a bundled scene: all that is not fitted, and priors where it says +/-
     [[data]]
     path = "radius.csv"             # z [mm], radius [um], std [um]
-    kind = "radius"                 # "mean", "core", or "map" for a reduced X-ray map
+    kind = "radius"                 # "mean", "core", "chord", or "map" for a reduced X-ray map
     z_range = ["0 mm", "4 mm"]      # optional; std = "2 %" where the file has none
     [parameters]
     k = "free"                      # nothing known
@@ -32,7 +32,7 @@ import numpy as np
 
 from spinline.errors import InputError
 from spinline.fit_model import PARAMETERS, forward_model, typical_relaxation_time
-from spinline.inference import FitProblem, Prior
+from spinline.fit_problem import FitProblem, Prior
 from spinline.observations import Observation, read_map, read_table
 from spinline.scene import Scene, load_scene
 from spinline.units import QUANTITIES, Measured, parse
@@ -42,7 +42,7 @@ __all__ = ["FitFile", "bundled_fits", "load_fit", "scene_priors"]
 _TOP = ("title", "scene", "data", "parameters", "fit")
 _DATA = ("path", "kind", "std", "z_range", "use", "core_within")
 _FIT = ("loss", "sampler", "seed", "steps", "walkers")
-_KINDS = ("radius", "mean", "core", "map")
+_KINDS = ("radius", "mean", "core", "chord", "map")
 _SAMPLERS = ("least-squares", "emcee")
 
 
@@ -251,7 +251,9 @@ def _observations(data: Mapping[str, Any], folder: Path) -> list[Observation]:
 def _range(table: Mapping[str, Any], field: str) -> tuple[float, float]:
     ends = table["z_range"]
     if not isinstance(ends, list) or len(ends) != 2:
-        raise InputError(f"{field}z_range", "is not a pair of lengths", value=ends, remedy='for example ["0 mm", "4 mm"]')
+        raise InputError(
+            f"{field}z_range", "is not a pair of lengths", value=ends, remedy='for example ["0 mm", "4 mm"]'
+        )
     low, high = (parse(end, "length", f"{field}z_range").value for end in ends)
     if not low < high:
         raise InputError(f"{field}z_range", "is empty", value=ends, remedy="give the nearer end first")

@@ -36,7 +36,15 @@ from spinline.network.mesh import SolventQuality
 from spinline.observations import Observation
 from spinline.scene import HyperbolicJet, PowerLawJet, Scene
 
-__all__ = ["PARAMETERS", "Drying", "ForwardModel", "Parameter", "Prediction", "forward_model", "typical_relaxation_time"]
+__all__ = [
+    "PARAMETERS",
+    "Drying",
+    "ForwardModel",
+    "Parameter",
+    "Prediction",
+    "forward_model",
+    "typical_relaxation_time",
+]
 
 _NODES = 96  # along the jet, for relaxation, beside the places asked for
 
@@ -250,10 +258,11 @@ def _shown(data: Observation, seen: Prediction, part: slice, p: Mapping[str, flo
     if data.kind == "mean":
         return p["fraction_scale"] * seen.mean[part]
     core = p["fraction_scale"] * seen.core[part]
-    if data.kind == "core":
+    if data.kind == "chord":
+        through: FloatArray = core * seen.core_radius_ratio[part]
+        return through
+    if data.inner is None or data.outer is None:
         return core
-    assert data.inner is not None
-    assert data.outer is not None
     edge = np.clip(seen.core_radius_ratio[part], data.inner, data.outer)  # where the core ends within the ring
     value: FloatArray = core * (edge**2 - data.inner**2) / (data.outer**2 - data.inner**2)
     return value
@@ -369,7 +378,9 @@ def _drying(scene: Scene) -> Drying:
     volumes = {name: share / solvent_density(name, kelvin) for name, share in masses.items()}
     convention: Any = "yarin2001" if scene.rheology is not None and scene.rheology.convention == "yarin2001" else "mass"
     volatiles = tuple(
-        Volatile.build(name, kelvin, ambient=humidity if name == "water" else 0.0, pressure=pressure, convention=convention)
+        Volatile.build(
+            name, kelvin, ambient=humidity if name == "water" else 0.0, pressure=pressure, convention=convention
+        )
         for name in masses
     )
     total = sum(volumes.values())

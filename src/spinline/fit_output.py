@@ -64,11 +64,19 @@ def fit_dataset(fit: "Fit", posterior: "Posterior | None" = None, *, source: "Fi
     for percent, interval in ((68, fit.interval68), (95, fit.interval95)):
         for side, word in enumerate(("low", "high")):
             ends = {name: interval[name][side] for name in names}
-            data[f"{word}{percent}"] = ("parameter", column(ends), {"long_name": f"{word} end of the {percent} % interval, SI"})
+            data[f"{word}{percent}"] = (
+                "parameter",
+                column(ends),
+                {"long_name": f"{word} end of the {percent} % interval, SI"},
+            )
     shares = compare_with_prior(fit)
     for key, words in (("pull", "from the prior, in prior standard deviations"),
                        ("shrinkage", "share of the prior's variance that the data took away")):  # fmt: skip
-        data[f"prior_{key}"] = ("parameter", [shares.get(name, {}).get(key, np.nan) for name in names], {"long_name": words})
+        data[f"prior_{key}"] = (
+            "parameter",
+            [shares.get(name, {}).get(key, np.nan) for name in names],
+            {"long_name": words},
+        )
     data |= _data(fit)
     if posterior is not None:
         data |= _sampled(fit, posterior)
@@ -175,12 +183,20 @@ def _sampled(fit: "Fit", posterior: "Posterior") -> dict[str, Any]:
     data: dict[str, Any] = {
         "sampled_median": ("parameter", np.median(columns, axis=0), {"long_name": "median of the draws, SI"}),
         "autocorrelation": ("parameter", posterior.autocorrelation, {"long_name": "steps"}),
-        "draws": (("draw", "parameter"), columns[:: max(1, len(columns) // 5000)], {"long_name": "posterior draws, SI"}),
+        "draws": (
+            ("draw", "parameter"),
+            columns[:: max(1, len(columns) // 5000)],
+            {"long_name": "posterior draws, SI"},
+        ),
     }
     for percent in (68, 95):
         for word, share in (("low", 0.5 - percent / 200), ("high", 0.5 + percent / 200)):
             values = np.quantile(columns, share, axis=0)
-            data[f"sampled_{word}{percent}"] = ("parameter", values, {"long_name": f"of the draws' {percent} % interval, SI"})
+            data[f"sampled_{word}{percent}"] = (
+                "parameter",
+                values,
+                {"long_name": f"of the draws' {percent} % interval, SI"},
+            )
     return data
 
 
@@ -204,7 +220,7 @@ def _attributes(fit: "Fit", posterior: "Posterior | None", source: "FitFile | No
         "title": problem.title, "source": f"spinline {__version__}", "spinline_version": __version__,
         "model": "conformation" if problem.model.relaxation else "affine",
         "evaporation": int(problem.model.drying is not None), "profile": problem.model.profile,
-        "fixed": json.dumps({n: v for n, v in problem.model.values.items() if n in problem.model.names and n not in problem.free}),
+        "fixed": json.dumps({n: problem.model.values[n] for n in problem.model.names if n not in problem.free}),
         "chi_squared": fit.chi_squared, "values": problem.size, "degrees_of_freedom": dof, "loss": problem.loss,
         "evaluations": fit.evaluations, "sampler": "least-squares" if posterior is None else "emcee", "seed": 0,
         "references": "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31), (36)-(40), (43a)-(45) of the review",

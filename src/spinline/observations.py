@@ -8,7 +8,8 @@ kind       what is measured
 =========  ================================================================================================
 `radius`   jet radius, m
 `mean`     polymer volume fraction, mean of the cross-section
-`core`     polymer volume fraction of the core: where the contracted network is
+`core`     polymer volume fraction of the core: where the contracted network is, or of a disc of r/R < outer around it
+`chord`    mean polymer volume fraction along the chord through the axis, as Eq. (42) gives it
 `shell`    polymer volume fraction of a ring, ``inner < r/R < outer``
 =========  ================================================================================================
 
@@ -28,14 +29,20 @@ from spinline.errors import InputError, SpinlineWarning
 
 __all__ = ["Kind", "Observation", "read_map", "read_table"]
 
-Kind = Literal["radius", "mean", "core", "shell"]
-_UNIT = {"radius": "m", "mean": "", "core": "", "shell": ""}
+Kind = Literal["radius", "mean", "core", "chord", "shell"]
+_UNIT = {"radius": "m", "mean": "", "core": "", "chord": "", "shell": ""}
 _COLUMNS = {
     "radius": ("radius", "jet_radius"),
     "mean": ("mean_polymer_fraction", "mean_fraction", "fraction"),
     "core": ("core_polymer_fraction", "core_fraction", "fraction"),
+    "chord": ("chord_polymer_fraction", "chord_fraction", "fraction"),
 }
-_MAP = {"radius": "jet_radius", "mean": "mean_polymer_fraction", "shell": "polymer_fraction", "core": "polymer_fraction"}
+_MAP = {
+    "radius": "jet_radius",
+    "mean": "mean_polymer_fraction",
+    "shell": "polymer_fraction",
+    "core": "polymer_fraction",
+}
 _LARGEST = 10.0  # a fraction beyond this is a percentage, or not a fraction
 
 
@@ -45,14 +52,14 @@ class Observation:
 
     Attributes
     ----------
-    kind : {"radius", "mean", "core", "shell"}
+    kind : {"radius", "mean", "core", "chord", "shell"}
         See the module's text.
     z : ndarray
         Distance from the nozzle as measured, m.
     value, std : ndarray
         Measured value and its standard deviation, SI.
     inner, outer : ndarray, optional
-        Relative radii r/R that bound the ring, for ``kind = "shell"``.
+        Relative radii r/R that bound the ring, for ``kind = "shell"``; or the disc that a "core" was averaged over.
     covariance : ndarray, (rows, shells, shells), optional
         Of the rings of one row, where it is known; values are then row by row, and `std` is its diagonal's root.
     source : str
@@ -76,9 +83,9 @@ class Observation:
             raise InputError("kind", "is not known", value=self.kind, allowed=", ".join(get_args(Kind)))
         unit = _UNIT[self.kind]
         arrays = {"z": self.z, "value": self.value, "std": self.std}
-        if self.kind == "shell":
-            if self.inner is None or self.outer is None:
-                raise InputError(self.source, "has rings without their edges", remedy="give inner and outer")
+        if (self.inner is None) != (self.outer is None) or (self.kind == "shell" and self.outer is None):
+            raise InputError(self.source, "has rings without their edges", remedy="give inner and outer")
+        if self.inner is not None and self.outer is not None:
             arrays |= {"inner": self.inner, "outer": self.outer}
         for name, array in arrays.items():
             kept = np.atleast_1d(np.asarray(array, dtype=np.float64))
@@ -136,7 +143,9 @@ class Observation:
                 f"{self.source}: z", "has no value in the range asked for", value=_extent(self.z),
                 allowed=f"[{low:g}, {high:g}] m", remedy="widen z_range",
             )  # fmt: skip
-        note = f"{self.source}: {int((~keep).sum())} of {self.size} {self.kind} values lie outside [{low:g}, {high:g}] m"
+        note = (
+            f"{self.source}: {int((~keep).sum())} of {self.size} {self.kind} values lie outside [{low:g}, {high:g}] m"
+        )
         return self._kept(keep, note)
 
     def _kept(self, keep: BoolArray, note: str) -> "Observation":
@@ -156,9 +165,9 @@ def read_table(path: str | Path, kind: Kind, *, std: str | None = None) -> Obser
     Parameters
     ----------
     path : path
-        Columns ``z [mm]``, ``radius [um]`` or ``mean_fraction``/``core_fraction``/``fraction``, and ``std``
+        Columns ``z [mm]``, ``radius [um]`` or ``mean_fraction``, ``core_fraction``, ``chord_fraction``, and ``std``
         (or the value's name with ``_std``), in any order.
-    kind : {"radius", "mean", "core"}
+    kind : {"radius", "mean", "core", "chord"}
         What the table holds.
     std : str, optional
         Standard deviation where the table has none: "1 um", "0.002", or "2 %" of the value.
@@ -185,7 +194,7 @@ def read_table(path: str | Path, kind: Kind, *, std: str | None = None) -> Obser
         raise InputError("kind", "is not in a table", value=kind, allowed=", ".join(_COLUMNS), remedy='use "map"')
     unit = "length" if kind == "radius" else "number"
     names = _COLUMNS[kind]
-    kinds = {"z": "length"} | {name: unit for name in names} | {f"{name}_std": unit for name in names} | {"std": unit}
+    kinds = {"z": "length"} | dict.fromkeys(names, unit) | {f"{name}_std": unit for name in names} | {"std": unit}
     columns = read_columns(path, kinds, required=("z",))
     found = [name for name in names if name in columns]
     if len(found) != 1:
@@ -227,7 +236,7 @@ def read_map(
         with ``_std``; coordinate ``z`` on row (m, or its ``units``) and ``shell``, r/R at the shells' centres. Where
         ``polymer_fraction_covariance`` (row, shell, shell) is there, it is used.
     use : sequence of {"radius", "mean", "core", "shell"}
-        What to take. "core" is the mean of the shells whose centre lies within `core_within`; "shell" every shell.
+        What to take. "core" is the disc of the shells whose centre lies within `core_within`; "shell" every shell.
     core_within : float
         Relative radius, in (0, 1].
 
@@ -288,7 +297,7 @@ def _of_map(dataset: Any, file: str, kind: Kind, z: FloatArray, core_within: flo
         return Observation(kind, z[keep], value[keep], std[keep], source=f"{file}: {name}", notes=note)
     value, std = _rows(dataset, file, name, 2), _rows(dataset, file, f"{name}_std", 2)
     inner, outer = _edges(dataset, file)
-    keep, note = _whole(file, name, np.isfinite(value).all(axis=1))
+    keep, note = _whole(file, name, np.asarray(np.isfinite(value).all(axis=1)))
     z, value, std = z[keep], value[keep], std[keep]
     covariance = _covariance(dataset, file, keep, std)
     source = f"{file}: {name}"
@@ -306,7 +315,8 @@ def _of_map(dataset: Any, file: str, kind: Kind, z: FloatArray, core_within: flo
     weight = np.where(inside, outer**2 - inner**2, 0.0)
     weight /= weight.sum()
     spread = std**2 @ weight**2 if covariance is None else np.einsum("i,rij,j->r", weight, covariance, weight)
-    return Observation("core", z, value @ weight, np.sqrt(spread), source=source, notes=note)
+    reach = np.full(z.size, outer[inside].max())
+    return Observation("core", z, value @ weight, np.sqrt(spread), np.zeros(z.size), reach, source=source, notes=note)
 
 
 def _place(dataset: Any, file: str) -> FloatArray:

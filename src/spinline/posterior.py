@@ -1,9 +1,9 @@
 """The posterior of a fit: draws, sampling by emcee, and bands of what the jet looks like.
 
-`gaussian_draws` takes the least-squares covariance at its word and costs nothing. `sample` runs the affine-invariant ensemble of
-emcee (extra ``fit``), which needs no Gaussian, until the chain is `LENGTHS` autocorrelation times long or the steps are
-used up: a few thousand times ``2 x parameters`` evaluations of the model, so half a minute for the affine jet, minutes with relaxation. How
-many independent draws that made is in the result, and a warning where they are too few. Everything follows from the seed.
+`gaussian_draws` takes the least-squares covariance at its word and costs nothing. `sample` runs the ensemble of emcee
+(extra ``fit``), which needs no Gaussian, until the chain is `LENGTHS` autocorrelation times long or the steps are used up:
+some 3e4 evaluations of the model, so ten seconds for the affine jet, minutes with relaxation. How many
+independent draws that made is in the result, with a warning where they are too few. Everything follows from the seed.
 
 References
 ----------
@@ -201,8 +201,8 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
     Returns
     -------
     xarray.Dataset
-        Dimensions ``quantile`` (2.5, 16, 50, 84, 97.5 %) and ``z``: true radius and fractions, without calibration and without the
-        noise of a new measurement; and ``_best``, at the best parameters.
+        Dimensions ``quantile`` (2.5, 16, 50, 84, 97.5 %) and ``z``: true radius and fractions, without calibration
+        and without the noise of a new measurement; and ``_best``, at the best parameters.
     """
     import xarray as xr
 
@@ -219,7 +219,11 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
             rows[name].append(values)
     data: dict[str, Any] = {}
     for name, (unit, words) in _BANDS.items():
-        data[name] = (("quantile", "z"), np.quantile(rows[name][1:], LEVELS, axis=0), {"units": unit, "long_name": words})
+        data[name] = (
+            ("quantile", "z"),
+            np.quantile(rows[name][1:], LEVELS, axis=0),
+            {"units": unit, "long_name": words},
+        )
         data[f"{name}_best"] = ("z", rows[name][0], {"units": unit, "long_name": f"{words}, best parameters"})
     place = ("z", z, {"units": "m", "long_name": "distance from the nozzle"})
     return xr.Dataset(data, {"z": place, "quantile": list(LEVELS)}, {"draws": len(taken)})
@@ -232,11 +236,10 @@ def _start(fit: "Fit", team: int, rng: np.random.Generator) -> FloatArray:
         spread = np.diag(np.minimum(np.diag(spread), 0.25))
     size, vectors = np.linalg.eigh(spread)
     factor = vectors * np.sqrt(np.maximum(size, 0.0))
-    low, high = fit.problem.bounds
     found: list[FloatArray] = []
     for attempt in range(1000 * team):
         shrink = 0.5 if attempt < 100 * team else 0.01
-        u = fit.coordinates + shrink * (factor @ rng.standard_normal(low.size))
+        u = fit.coordinates + shrink * (factor @ rng.standard_normal(len(fit.problem.free)))
         if np.isfinite(fit.problem.log_posterior(u)):
             found.append(u)
             if len(found) == team:
