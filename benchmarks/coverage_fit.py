@@ -40,7 +40,8 @@ def problem(design):
     """Model, places and standard deviations of a design; the values are filled in by `simulate`."""
     values = {
         "k": 1.0, "beta": 0.47, "initial_radius": 125e-6, "flow_rate": 8.9e-10, "volume_fraction": 0.05,
-        "relaxation_time": 0.01, "evaporation": 1.0, "fraction_scale": 1.0, "length_scale": 1.0, "origin": 0.0,
+        "relaxation_time": 0.01, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0,
+        "length_scale": 1.0, "origin": 0.0,
     }  # fmt: skip
     free = {
         "k": Prior(1.0, 0.2), "beta": Prior(0.47, 0.04), "volume_fraction": Prior(0.05, 0.005),

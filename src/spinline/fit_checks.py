@@ -2,8 +2,8 @@
 
 Identification: the Fisher matrix of the data alone, ``J^T J`` in coordinates where one unit is a change of order one (a
 factor e, 0.25 of beta, one initial radius of the origin), has eigenvectors with standard deviations
-``1/sqrt(eigenvalue)``. Beyond one unit the data leave that combination of parameters open; it is named with its weights. What a prior then says of it is the
-prior's word, not the data's.
+``1/sqrt(eigenvalue)``. Beyond one unit the data leave that combination of parameters open; it is named with its weights. What
+a prior then says of it is the prior's word, not the data's.
 """
 
 from dataclasses import dataclass

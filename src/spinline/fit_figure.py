@@ -73,9 +73,12 @@ def _calibration(result: xr.Dataset) -> dict[str, float]:
     """Best calibration; 1 and 0 where it was not fitted (or not identified)."""
     import json
 
-    found: dict[str, float] = {"length_scale": 1.0, "fraction_scale": 1.0, "origin": 0.0} | json.loads(
-        result.attrs["fixed"]
-    )
+    found: dict[str, float] = {
+        "length_scale": 1.0,
+        "fraction_scale": 1.0,
+        "fraction_offset": 0.0,
+        "origin": 0.0,
+    } | json.loads(result.attrs["fixed"])
     for name in result["parameter"].values.tolist():
         best = float(result["best"].sel(parameter=name))
         if np.isfinite(best):
@@ -85,6 +88,7 @@ def _calibration(result: xr.Dataset) -> dict[str, float]:
 
 def _points(axis: "Axes", result: xr.Dataset, kind: str, scale: float, factor: float) -> None:
     fixed = _calibration(result)
+    offset = 0.0 if kind == "radius" else fixed["fraction_offset"]
     pick = result["datum_kind"].values == kind
     if kind == "shell" and pick.any():  # of each row the first ring
         place = result["datum_z"].values
@@ -94,7 +98,7 @@ def _points(axis: "Axes", result: xr.Dataset, kind: str, scale: float, factor: f
     colour, mark, words = _MARKS[kind]
     z = 1e3 * (result["datum_z"].values[pick] - fixed["origin"]) / fixed["length_scale"]
     axis.errorbar(
-        z, factor * result["datum_value"].values[pick] / scale, factor * result["datum_std"].values[pick] / scale,
+        z, factor * (result["datum_value"].values[pick] - offset) / scale, factor * result["datum_std"].values[pick] / scale,
         fmt=mark, color=colour, markersize=3, linewidth=0.8, alpha=0.75, label=f"{words}, measured",
     )  # fmt: skip
 
@@ -126,7 +130,7 @@ def _fraction(axis: "Axes", result: xr.Dataset) -> None:
     kinds = set(result["datum_kind"].values.tolist())
     if {"mean", "core", "chord", "shell"} & kinds:  # the data decide the range, not a band that runs to 1 beyond them
         pick = np.isin(result["datum_kind"].values, ("mean", "core", "chord", "shell"))
-        shown = result["datum_value"].values[pick] / scale
+        shown = (result["datum_value"].values[pick] - _calibration(result)["fraction_offset"]) / scale
         noise = result["datum_std"].values[pick] / scale
         reach = max(float((shown + 2 * noise).max()), 1e-6)
         axis.set_ylim(min(0.0, float((shown - 2 * noise).min())), 1.15 * reach)

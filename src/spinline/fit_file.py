@@ -192,7 +192,7 @@ def _parameters(scene: Scene, asked: Mapping[str, Any]) -> tuple[dict[str, Prior
         kind = PARAMETERS[name]
         field = f"parameters.{name}"
         if value == "scene":
-            if name in ("evaporation", "fraction_scale", "length_scale", "origin"):
+            if name in ("evaporation", "fraction_scale", "fraction_offset", "length_scale", "origin"):
                 raise InputError(field, "is not in a scene", value=value, allowed='"free", a value, or value +/- std')
             continue
         free.pop(name, None)

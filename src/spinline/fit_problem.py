@@ -1,7 +1,8 @@
 """What a fit is asked: a model, data, and parameters with what is known of them beforehand.
 
 Coordinates are logarithms of positive parameters, and beta and the origin as they are, in units of a change of order one
-(`scale`). A prior ``value +/- std`` is normal in the coordinate, hence log-normal for what is positive, of relative width std/value.
+(`scale`). A prior ``value +/- std`` is normal in the coordinate, hence log-normal for what is positive, of relative width
+std/value.
 """
 
 from collections.abc import Mapping

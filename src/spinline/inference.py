@@ -27,6 +27,7 @@ from spinline.observations import Observation
 __all__ = ["Fit", "fit", "inverse", "log_likelihood"]
 
 _STEP = 1e-4  # of the coordinates, in differences: central, so the error is of the order 1e-8
+_DOUBT = 0.003  # probability of the chi-squared below which another start is tried
 _Z68, _Z95 = 0.994457883209753, 1.959963984540054
 
 
@@ -115,7 +116,7 @@ def fit(problem: FitProblem, starts: Sequence[Mapping[str, float]] = ()) -> Fit:
         calls += 1
         return problem.residuals(u)
 
-    best = min((_solve(problem, residuals, u) for u in _starts(problem, starts)), key=lambda end: float(end.cost))
+    best = _best(problem, residuals, _starts(problem, starts))
     u = np.asarray(best.x, dtype=np.float64)
     jacobian = _jacobian(residuals, u, problem.bounds)[: problem.size]
     found = np.asarray(residuals(u)[: problem.size])
@@ -176,10 +177,21 @@ def _starts(problem: FitProblem, given: Sequence[Mapping[str, float]]) -> list[F
     low, high = problem.bounds
     # a start on a bound has no room for differences
     inside = [np.clip(problem.to_coordinates(s), low + 1e-3 * (high - low), high - 1e-3 * (high - low)) for s in found]
-    if len(inside) <= 3:
-        return inside
     order = np.argsort([-problem.log_posterior(u) for u in inside], kind="stable")
     return [inside[i] for i in order[:3]]
+
+
+def _best(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], starts: list[FloatArray]) -> Any:
+    """Least squares from the best start; from the others too where that does not fit, or a rate has no prior."""
+    from scipy.stats import chi2
+
+    best = _solve(problem, residuals, starts[0])
+    open_rate = any(
+        n in problem.free and not np.isfinite(problem.free[n].std) for n in ("relaxation_time", "evaporation")
+    )
+    if open_rate or chi2.sf(2 * float(best.cost), max(problem.size - len(problem.free), 1)) < _DOUBT:
+        best = min([best, *(_solve(problem, residuals, u) for u in starts[1:])], key=lambda end: float(end.cost))
+    return best
 
 
 def _through_radii(problem: FitProblem) -> list[dict[str, float]]:

@@ -38,11 +38,9 @@ _COLUMNS = {
     "chord": ("chord_polymer_fraction", "chord_fraction", "fraction"),
 }
 _MAP = {
-    "radius": "jet_radius",
-    "mean": "mean_polymer_fraction",
-    "shell": "polymer_fraction",
-    "core": "polymer_fraction",
-}
+    "radius": "jet_radius", "mean": "mean_polymer_fraction", "shell": "polymer_fraction", "core": "polymer_fraction",
+    "chord": "polymer_fraction",
+}  # fmt: skip
 _LARGEST = 10.0  # a fraction beyond this is a percentage, or not a fraction
 
 
@@ -233,10 +231,13 @@ def read_map(
     ----------
     path : path or xarray.Dataset
         netCDF with dimensions ``row`` and ``shell``: ``jet_radius``, ``mean_polymer_fraction``, ``polymer_fraction``, each
-        with ``_std``; coordinate ``z`` on row (m, or its ``units``) and ``shell``, r/R at the shells' centres. Where
-        ``polymer_fraction_covariance`` (row, shell, shell) is there, it is used.
-    use : sequence of {"radius", "mean", "core", "shell"}
-        What to take. "core" is the disc of the shells whose centre lies within `core_within`; "shell" every shell.
+        with ``_std``; coordinate ``z`` on row (m, or its ``units``), and ``shell`` or ``relative_radius``, r/R at the shells'
+        centres. ``polymer_fraction_covariance`` (row, shell, shell) is used where it is there, and so is
+        ``relative_radius_bounds``. z counts from where the map counts it: for ``spinline reduce`` the frame's first edge, so
+        give an origin.
+    use : sequence of {"radius", "mean", "core", "chord", "shell"}
+        What to take. "core" is the disc of the shells whose centre lies within `core_within`; "shell" every shell; "chord", for
+        a map by ``method = "chord"`` (whose shells are chords, not rings), the chord nearest the axis.
     core_within : float
         Relative radius, in (0, 1].
 
@@ -254,7 +255,8 @@ def read_map(
     -----
     Rows that the reduction left as NaN are left out and counted in `notes`. Shells of a row without a covariance are taken as
     independent, and so are "mean" and "core" of a row: they come from the same counts, so that intervals from both are
-    somewhat too narrow; a note says so.
+    somewhat too narrow; a note says so. A calibration error that all rows share (``calibration_std``) is taken out of the
+    standard deviation of the mean: it belongs in ``fraction_offset`` or ``fraction_scale``, and the note says how much.
     """
     import xarray as xr
 
@@ -264,13 +266,21 @@ def read_map(
         from spinline.results import open_dataset
 
         file, dataset = str(path), open_dataset(path)
+    if "frame" in dataset.dims:
+        raise InputError(file, "holds a map of every frame", value=dataset.sizes["frame"], allowed="one map",
+                         remedy='reduce with frames = "sum"')  # fmt: skip
     if "row" not in dataset.dims:
         raise InputError(file, "is not a reduced map: it has no dimension row", value=list(map(str, dataset.dims)),
                          remedy="make one with `spinline reduce`, or give a CSV table")  # fmt: skip
     chosen = list(dict.fromkeys(use))
+    chords = dataset.attrs.get("method") == "chord"
+    allowed = ["radius", "mean", "chord"] if chords else ["radius", "mean", "core", "shell"]
     for kind in chosen:
-        if kind not in _MAP:
-            raise InputError("use", "is not known", value=kind, allowed=", ".join(_MAP))
+        if kind not in allowed:
+            known = kind in _MAP
+            problem = f"is not in a map by method {dataset.attrs.get('method', 'row')!r}" if known else "is not known"
+            raise InputError("use", problem, value=kind, allowed=", ".join(allowed),
+                             remedy='for example use = ["radius", "mean", "chord"]' if chords else "")  # fmt: skip
     z = _place(dataset, file)
     found = [_of_map(dataset, file, kind, z, core_within) for kind in chosen]
     shared = [kind for kind in chosen if kind != "radius"]
@@ -294,6 +304,8 @@ def _of_map(dataset: Any, file: str, kind: Kind, z: FloatArray, core_within: flo
     if kind in ("radius", "mean"):
         value, std = scale * _rows(dataset, file, name), scale * _rows(dataset, file, f"{name}_std")
         keep, note = _whole(file, name, np.isfinite(value))
+        if kind == "mean" and "calibration_std" in dataset:
+            std, note = _without_shared(file, std, _rows(dataset, file, "calibration_std"), keep, note)
         return Observation(kind, z[keep], value[keep], std[keep], source=f"{file}: {name}", notes=note)
     value, std = _rows(dataset, file, name, 2), _rows(dataset, file, f"{name}_std", 2)
     inner, outer = _edges(dataset, file)
@@ -301,6 +313,8 @@ def _of_map(dataset: Any, file: str, kind: Kind, z: FloatArray, core_within: flo
     z, value, std = z[keep], value[keep], std[keep]
     covariance = _covariance(dataset, file, keep, std)
     source = f"{file}: {name}"
+    if kind == "chord":
+        return Observation("chord", z, value[:, 0], std[:, 0], source=source, notes=note)
     if kind == "shell":
         rows, shells = value.shape
         if covariance is None:
@@ -341,7 +355,12 @@ def _rows(dataset: Any, file: str, name: str, dimensions: int = 1) -> FloatArray
 
 
 def _edges(dataset: Any, file: str) -> tuple[FloatArray, FloatArray]:
-    """Edges of the shells, each centre halfway between them, from 0 outwards."""
+    """Edges of the shells: as given, or each centre halfway between them, from 0 outwards."""
+    if "relative_radius_bounds" in dataset:
+        bounds = np.asarray(dataset["relative_radius_bounds"].values, dtype=np.float64)
+        if bounds.ndim == 2 and bounds.shape[1] == 2 and (np.diff(bounds, axis=1) > 0).all() and (bounds >= 0).all():
+            return bounds[:, 0].copy(), bounds[:, 1].copy()
+        raise InputError(f"{file}: relative_radius_bounds", "is not pairs of rising edges", value=bounds.shape)
     name = "shell" if "shell" in dataset.coords else "relative_radius" if "relative_radius" in dataset else None
     if name is None:
         raise InputError(file, "has no coordinate shell", remedy="give r/R at the shells' centres")
@@ -367,6 +386,19 @@ def _covariance(dataset: Any, file: str, keep: BoolArray, std: FloatArray) -> Fl
     if not np.isfinite(matrix).all() or not (np.linalg.eigvalsh(matrix) > 0).all():
         raise InputError(f"{file}: {name}", "is not positive definite", remedy="reduce again, or drop the variable")
     return matrix
+
+
+def _without_shared(
+    file: str, std: FloatArray, shared: FloatArray, keep: BoolArray, note: tuple[str, ...]
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Standard deviations without the part that all rows share."""
+    inside = np.where(np.isfinite(shared), np.abs(shared), 0.0)
+    if not (inside[keep] > 0).any():
+        return std, note
+    own = np.sqrt(np.maximum(std**2 - inside**2, 0.0))
+    typical = float(np.median(inside[keep]))
+    return own, (*note, f"{file}: rows share a calibration error of {typical:.2g} in the fraction, taken out of the std of "
+                        f"each: give fraction_offset or fraction_scale a prior of that size")  # fmt: skip
 
 
 def _whole(file: str, name: str, whole: BoolArray) -> tuple[BoolArray, tuple[str, ...]]:

@@ -178,7 +178,7 @@ def _theory(model: ForwardModel, ratio: FloatArray, reach: float) -> FloatArray:
     walk = random_walk(ratio**-2.0, phi, solvent_quality=model.solvent_quality)
     core = np.minimum(fraction_walk(walk, phi), 1.0)
     inside = np.minimum(phi / core / reach**2, 1.0) if reach > 0 else 1.0
-    value: FloatArray = model.values["fraction_scale"] * core * inside
+    value: FloatArray = model.values["fraction_scale"] * core * inside + model.values["fraction_offset"]
     return value
 
 
