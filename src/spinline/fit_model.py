@@ -193,7 +193,7 @@ class ForwardModel:
         Prediction
         """
         p = {**self.values, **(values or {})}
-        places, back = np.unique(np.maximum(np.asarray(z, dtype=np.float64), 0.0), return_inverse=True)
+        places, back = np.unique(np.maximum(np.atleast_1d(np.asarray(z, dtype=np.float64)), 0.0), return_inverse=True)
         jet = self.jet(p)
         if not (self.relaxation or self.drying):
             v = jet.velocity_ratio(places)
