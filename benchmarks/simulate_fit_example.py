@@ -20,10 +20,11 @@ TRUTH = {
 NOISE = {"radius": 2e-6, "mean": 4e-3, "core": 2e-2}
 
 
-def main():
-    bundled = Path(__file__).parents[1] / "src/spinline/data/fits/peo5-simulated"
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else bundled
-    model = forward_model(load_scene(bundled / "scene.toml"))
+BUNDLED = Path(__file__).parents[1] / "src/spinline/data/fits/peo5-simulated"
+
+
+def write(folder):
+    model = forward_model(load_scene(BUNDLED / "scene.toml"))
     rng = np.random.default_rng(SEED)
     for kind, count, end in (("radius", 50, 4.9e-3), ("mean", 30, 3.6e-3), ("core", 30, 3.6e-3)):
         z = np.round(np.linspace(6e-5, end, count), 6)
@@ -42,4 +43,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else BUNDLED)

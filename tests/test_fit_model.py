@@ -16,7 +16,9 @@ VALUES = {
     "relaxation_time": 0.008, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0, "length_scale": 1.0,
     "origin": 0.0,
 }  # fmt: skip
-R0, K, BETA, PHI, THETA, Q = (VALUES[n] for n in ("initial_radius", "k", "beta", "volume_fraction", "relaxation_time", "flow_rate"))
+R0, K, BETA, PHI, THETA, Q = (
+    VALUES[n] for n in ("initial_radius", "k", "beta", "volume_fraction", "relaxation_time", "flow_rate")
+)
 V0 = Q / (np.pi * R0**2)
 Z = np.array([2e-5, 1.4e-4, 5e-4, 1.3e-3, 2.9e-3, 4.9e-3])
 ACETONE = Drying((Volatile.build("acetone", 293.15, chi=0.3),), (1.0,), air_kinematic_viscosity(293.15))
@@ -42,8 +44,24 @@ def walk(stretch, phi=PHI):
 def from_nozzle(right, first):
     """Integral from the nozzle to every place in two pieces, before and beyond the onset; right(z, y, whether beyond)."""
     onset = R0 * K ** (-1 / BETA)
-    before = solve_ivp(lambda z, y: right(z, y, False), (0, onset), [first], t_eval=np.append(Z[onset > Z], onset), rtol=1e-12, atol=1e-14, method="DOP853")
-    after = solve_ivp(lambda z, y: right(z, y, True), (onset, Z[-1]), before.y[:, -1], t_eval=Z[onset <= Z], rtol=1e-12, atol=1e-14, method="DOP853")
+    before = solve_ivp(
+        lambda z, y: right(z, y, False),
+        (0, onset),
+        [first],
+        t_eval=np.append(Z[onset > Z], onset),
+        rtol=1e-12,
+        atol=1e-14,
+        method="DOP853",
+    )
+    after = solve_ivp(
+        lambda z, y: right(z, y, True),
+        (onset, Z[-1]),
+        before.y[:, -1],
+        t_eval=Z[onset <= Z],
+        rtol=1e-12,
+        atol=1e-14,
+        method="DOP853",
+    )
     return np.concatenate((before.y[0, :-1], after.y[0]))
 
 
@@ -119,7 +137,9 @@ def test_limits_of_the_relaxation_time():
     for close in (1e1, 1e2):  # first order in 1/theta
         near = model(relaxation=True).predict(Z[-1:], {"relaxation_time": close}).stretch
         error = 1 - near / affine.stretch[-1]
-        part, _ = quad(lambda z: (1 - velocity(z) ** -2.0) / (V0 * velocity(z)), 0, Z[-1], points=[R0 * K ** (-1 / BETA)])
+        part, _ = quad(
+            lambda z: (1 - velocity(z) ** -2.0) / (V0 * velocity(z)), 0, Z[-1], points=[R0 * K ** (-1 / BETA)]
+        )
         assert error[0] == pytest.approx(part / (2 * close), rel=2e-3)
 
 

@@ -201,10 +201,9 @@ def compare_with_prior(fit: "Fit") -> dict[str, dict[str, float]]:
 
 def _pulls(fit: "Fit") -> dict[str, tuple[float, float]]:
     problem = fit.problem
-    pull = (fit.coordinates - problem.prior_mean) / problem.prior_std
-    spread = np.sqrt(np.diag(fit.covariance)) / problem.prior_std
-    rows = zip(problem.free, pull, spread, problem.prior_std, strict=True)
-    return {name: (float(p), float(s)) for name, p, s, b in rows if np.isfinite(b)}
+    off, spread = fit.coordinates - problem.prior_mean, np.sqrt(np.diag(fit.covariance))
+    rows = zip(problem.free, off, spread, problem.prior_std, strict=True)
+    return {name: (float(d / b), float(s / b)) for name, d, s, b in rows if np.isfinite(b)}
 
 
 def _runs_p(residuals: FloatArray) -> float:

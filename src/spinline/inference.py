@@ -249,7 +249,7 @@ def _solve(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], s
         return _jacobian(residuals, u, bounds, central=False)
 
     return least_squares(
-        residuals, start, jac=slopes, bounds=bounds, loss=loss, xtol=1e-10, ftol=1e-12, gtol=1e-10,
+        residuals, start, jac=slopes, bounds=bounds, loss=loss, xtol=1e-7, ftol=1e-9, gtol=1e-9,
         max_nfev=200,
     )  # fmt: skip
 
