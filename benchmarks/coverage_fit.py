@@ -26,8 +26,9 @@ from pathlib import Path
 
 import numpy as np
 
+from spinline.air import Air
 from spinline.errors import SpinlineWarning
-from spinline.fit_model import Drying, ForwardModel
+from spinline.fit_model import ForwardModel
 from spinline.fit_problem import FitProblem, Prior
 from spinline.inference import fit
 from spinline.observations import Observation
@@ -55,7 +56,16 @@ def problem(design):
         from spinline.rheology.volatile import Volatile
 
         free["evaporation"] = Prior(1.0, 0.3)
-        drying = Drying((Volatile.build("acetone", 293.15),), (1.0,), air_kinematic_viscosity(293.15))
+        drying = Air(
+            (Volatile.build("acetone", 293.15),),
+            np.ones(1),
+            air_kinematic_viscosity(293.15),
+            0.0,
+            "flory-huggins",
+            None,
+            0.0,
+            "mass",
+        )
     model = ForwardModel("power-law", values, 5e-3, relaxation=design != "affine", drying=drying)
     far, near = np.linspace(5e-5, 4.9e-3, 100), np.linspace(1e-4, 4.5e-3, 60)
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
+from spinline.air import Air
 from spinline.errors import InputError
-from spinline.fit_model import PARAMETERS, Drying, ForwardModel, forward_model, typical_relaxation_time
+from spinline.fit_model import PARAMETERS, ForwardModel
+from spinline.fit_scene import forward_model, typical_relaxation_time
 from spinline.observations import Observation
 from spinline.rheology.vapour import air_kinematic_viscosity
 from spinline.rheology.volatile import Volatile
@@ -21,7 +23,16 @@ R0, K, BETA, PHI, THETA, Q = (
 )
 V0 = Q / (np.pi * R0**2)
 Z = np.array([2e-5, 1.4e-4, 5e-4, 1.3e-3, 2.9e-3, 4.9e-3])
-ACETONE = Drying((Volatile.build("acetone", 293.15, chi=0.3),), (1.0,), air_kinematic_viscosity(293.15))
+ACETONE = Air(
+    (Volatile.build("acetone", 293.15, chi=0.3),),
+    np.ones(1),
+    air_kinematic_viscosity(293.15),
+    0.0,
+    "flory-huggins",
+    None,
+    0.0,
+    "mass",
+)
 
 
 def model(**options):

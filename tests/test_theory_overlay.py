@@ -8,7 +8,7 @@ import xarray as xr
 from scipy import stats
 
 from spinline.errors import InputError, SpinlineWarning
-from spinline.fit_model import forward_model
+from spinline.fit_scene import forward_model
 from spinline.observations import Observation
 from spinline.scene import load_scene
 from spinline.theory_overlay import compare_theory, overlay_figure, theory_words
@@ -114,7 +114,7 @@ def test_figure_and_command(spinline, tmp_path):
 def test_rings_of_a_map_can_be_fitted():
     from spinline.fit_problem import FitProblem, Prior
     from spinline.inference import fit
-    from spinline.observations import read_map
+    from spinline.observed_map import read_map
 
     data = tuple(read_map(simulated(), ["radius", "shell"]))
     assert isinstance(data[1], Observation)

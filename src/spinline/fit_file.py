@@ -31,9 +31,11 @@ from typing import Any
 import numpy as np
 
 from spinline.errors import InputError
-from spinline.fit_model import PARAMETERS, forward_model, typical_relaxation_time
+from spinline.fit_model import PARAMETERS
 from spinline.fit_problem import FitProblem, Prior
-from spinline.observations import Observation, read_map, read_table
+from spinline.fit_scene import forward_model, typical_relaxation_time
+from spinline.observations import Observation, read_table
+from spinline.observed_map import read_map
 from spinline.scene import Scene, load_scene
 from spinline.units import QUANTITIES, Measured, parse
 

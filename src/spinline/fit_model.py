@@ -16,17 +16,14 @@ the polymer.
 Cost per evaluation of 200 places: 0.3 ms affine, 2 ms with relaxation, 5 ms with evaporation too.
 """
 
-import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.build import build_jet, build_solution
 from spinline.checks import FloatArray
-from spinline.errors import InputError, SpinlineWarning
 from spinline.jetprofile.hyperbolic import Hyperbolic
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.jetprofile.straight import StraightJet
@@ -35,17 +32,11 @@ from spinline.network.crossover import crossover_velocity_ratio
 from spinline.network.lattice_walk import random_walk
 from spinline.network.mesh import SolventQuality
 from spinline.observations import Observation
-from spinline.scene import HyperbolicJet, PowerLawJet, Scene
 
-__all__ = [
-    "PARAMETERS",
-    "Drying",
-    "ForwardModel",
-    "Parameter",
-    "Prediction",
-    "forward_model",
-    "typical_relaxation_time",
-]
+if TYPE_CHECKING:
+    from spinline.air import Air
+
+__all__ = ["PARAMETERS", "ForwardModel", "Parameter", "Prediction"]
 
 _NODES = 96  # along the jet, for relaxation, beside the places asked for
 
@@ -93,16 +84,6 @@ PARAMETERS: dict[str, Parameter] = {
 
 
 @dataclass(frozen=True)
-class Drying:
-    """Solvents and air of a drying jet; see `spinline.rheology.evaporation.evaporate`."""
-
-    volatiles: tuple[Any, ...]
-    shares: tuple[float, ...]
-    air_viscosity: float
-    air_velocity: float = 0.0
-
-
-@dataclass(frozen=True)
 class Prediction:
     """What is predicted at some places (n,), before calibration.
 
@@ -147,8 +128,8 @@ class ForwardModel:
         n of ``theta = theta_0 (C / C_0)^n``.
     density_ratio : float
         Of the solvent over the polymer: between volume and mass fractions.
-    drying : Drying, optional
-        Let the jet dry.
+    drying : Air, optional
+        Let the jet dry into this air (`spinline.air.build_air`).
     """
 
     profile: Literal["power-law", "hyperbolic"]
@@ -158,7 +139,7 @@ class ForwardModel:
     relaxation: bool = False
     relaxation_exponent: float = 1.0
     density_ratio: float = 1.0
-    drying: Drying | None = None
+    drying: "Air | None" = None
     notes: tuple[str, ...] = field(default=(), compare=False)
 
     @property
@@ -207,8 +188,9 @@ class ForwardModel:
         walk = random_walk(stretch, phi, solvent_quality=self.solvent_quality)
         core = np.minimum(fraction_walk(walk, phi) / left, 1.0)
         mean = np.minimum(phi / left, 1.0)
+        kept = self.drying is not None and jet.given == "radius"
         found = Prediction(
-            radius=jet.initial_radius * np.sqrt(left / v), mean=mean, core=core,
+            radius=jet.initial_radius * np.sqrt((1.0 if kept else left) / v), mean=mean, core=core,
             core_radius_ratio=np.minimum(np.sqrt(mean / core), 1.0), velocity_ratio=v, stretch=stretch, remaining=left,
         )  # fmt: skip
         return Prediction(**{name: array[back] for name, array in found.__dict__.items()})
@@ -248,15 +230,33 @@ class ForwardModel:
         left = np.ones_like(v)
         if self.drying is not None:
             left = _remaining(self.drying, jet, z, p)
+            if jet.given == "radius":  # kept as it dries: the jet is then slower
+                return self._kept(jet, z, v, left, p)
         if not self.relaxation:
             return v, v, left
+        return v, self._relaxed(jet.residence_time(z), v, left, p, jet.strain_rate(z)), left
+
+    def _kept(
+        self, jet: StraightJet, z: FloatArray, v: FloatArray, left: FloatArray, p: Mapping[str, float]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Of a jet whose radius is what was measured: its velocity, hence its stretch, is less by what it lost."""
+        stretch = v * left
+        if self.relaxation:
+            slower = 0.5 * (1 / left[1:] + 1 / left[:-1])
+            time = np.concatenate(([0.0], np.cumsum(np.diff(jet.residence_time(z)) * slower)))
+            stretch = self._relaxed(time, stretch, left, p, None)
+        return v, stretch, left
+
+    def _relaxed(
+        self, time: FloatArray, stretch: FloatArray, left: FloatArray, p: Mapping[str, float], rate: FloatArray | None
+    ) -> FloatArray:
         from spinline.rheology._element_history import ElementHistory, propagate
 
         phi = p["volume_fraction"]
         richer = (phi + (1 - phi) * self.density_ratio) / (phi + (left - phi) * self.density_ratio)  # C / C_0
         theta = p["relaxation_time"] * richer**self.relaxation_exponent
-        history = ElementHistory.build(jet.residence_time(z), v, theta, jet.strain_rate(z))
-        return v, np.sqrt(propagate(history, 2.0, 1.0)), left  # A_zz of `conformation`, the only one needed
+        history = ElementHistory.build(time, stretch, theta, rate)
+        return np.sqrt(propagate(history, 2.0, 1.0))  # A_zz of `conformation`, the only one needed
 
 
 def _shown(data: Observation, seen: Prediction, part: slice, p: Mapping[str, float]) -> FloatArray:
@@ -279,122 +279,11 @@ def _fraction(data: Observation, seen: Prediction, part: slice) -> FloatArray:
     return value
 
 
-def forward_model(
-    scene: Scene, *, relaxation: bool = False, evaporation: bool = False, values: Mapping[str, float] | None = None
-) -> ForwardModel:
-    """Forward model of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a power-law or hyperbolic jet.
-    relaxation, evaporation : bool
-        Model them.
-    values : mapping, optional
-        Parameters in place of the scene's, SI.
-
-    Returns
-    -------
-    ForwardModel
-
-    Raises
-    ------
-    InputError
-        For a jet without parameters, or what an effect needs and the scene does not say.
-    """
-    solution = build_solution(scene)
-    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet):
-        raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile,
-                         allowed='"power-law", "hyperbolic"', remedy="fit-jet finds k and beta of a table")  # fmt: skip
-    jet = build_jet(scene, solution)
-    own = {
-        "initial_radius": jet.initial_radius, "flow_rate": scene.jet.flow_rate.value,
-        "volume_fraction": solution.volume_fraction, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0,
-        "length_scale": 1.0, "origin": 0.0,
-    }  # fmt: skip
-    if isinstance(jet, PowerLaw):
-        own |= {"k": jet.k, "beta": jet.beta}
-    elif isinstance(jet, Hyperbolic):
-        own |= {"p": jet.p}
-    if solution.relaxation_time is not None:
-        own["relaxation_time"] = solution.relaxation_time
-    own |= dict(values or {})
-    if relaxation and "relaxation_time" not in own:
-        raise InputError("solution.relaxation_time", "is missing: relaxation needs it",
-                         remedy='give it, or relaxation_time = "free" in the fit')  # fmt: skip
-    rheology = scene.rheology
-    exponent = 1.0
-    if rheology is not None:
-        exponent = -1.0 if rheology.convention == "print" else 1.0 if rheology.n is None else rheology.n
-    notes: tuple[str, ...] = ()
-    if scene.network.closure != "force" or scene.network.model not in ("auto", "affine", "conformation"):
-        notes = (f"the fit uses the closed forms (affine force); network.model = {scene.network.model!r}, closure = "
-                 f"{scene.network.closure!r} are not used",)  # fmt: skip
-    return ForwardModel(
-        profile=scene.jet.profile, values=own, length=scene.jet.length.value,
-        solvent_quality=scene.network.solvent_quality, relaxation=relaxation, relaxation_exponent=exponent,
-        density_ratio=solution.solvent_density / solution.polymer.density,
-        drying=_drying(scene) if evaporation else None, notes=notes,
-    )  # fmt: skip
-
-
-def typical_relaxation_time(scene: Scene) -> float:
-    """Time in s over which the middle of a scene's jet is stretched by e: where a fit starts when nothing is known."""
-    jet = build_jet(scene, build_solution(scene))
-    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet) or not isinstance(jet, StraightJet):
-        raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile)
-    middle = 0.5 * scene.jet.length.value
-    rate = float(jet.strain_rate(middle))
-    return 1 / rate if rate > 0 else scene.jet.length.value / jet.initial_velocity
-
-
-def _remaining(drying: Drying, jet: StraightJet, z: FloatArray, p: Mapping[str, float]) -> FloatArray:
-    from dataclasses import replace
-
+def _remaining(air: "Air", jet: StraightJet, z: FloatArray, p: Mapping[str, float]) -> FloatArray:
     from spinline.rheology.element_path import straight_path
-    from spinline.rheology.evaporation import evaporate
 
-    faster = [replace(v, saturation=v.saturation * p["evaporation"]) for v in drying.volatiles]
+    faster = tuple(replace(v, saturation=v.saturation * p["evaporation"]) for v in air.volatiles)
     left = np.ones_like(z)
-    with warnings.catch_warnings():  # the range of the correlation is judged once, by the caller
-        warnings.simplefilter("ignore", SpinlineWarning)
-        left[1:] = evaporate(
-            straight_path(jet, z[1:], "velocity"), p["volume_fraction"], faster, drying.shares,
-            air_viscosity=drying.air_viscosity, air_velocity=drying.air_velocity,
-        ).remaining  # fmt: skip
+    path = straight_path(jet, z[1:])
+    left[1:] = replace(air, volatiles=faster).evaporate(path, p["volume_fraction"]).remaining
     return left
-
-
-def _drying(scene: Scene) -> Drying:
-    from spinline.rheology.materials import solvent_density
-    from spinline.rheology.vapour import air_kinematic_viscosity
-    from spinline.rheology.volatile import Volatile
-    from spinline.scene import SolventData
-
-    if isinstance(scene.solution.solvent, SolventData):
-        raise InputError("solution.solvent", "has no vapour data, which evaporation needs", value=scene.solution.solvent.name,
-                         remedy="name a built-in solvent, or take evaporation out of the fit")  # fmt: skip
-    solvent = scene.solution.solvent
-    masses = {solvent: 1.0} if isinstance(solvent, str) else dict(solvent)
-    ambient = scene.ambient
-    kelvin = scene.solution.temperature.value
-    humidity, pressure, wind = 0.0, 101325.0, 0.0
-    if ambient is not None:
-        kelvin = ambient.temperature.value if ambient.temperature is not None else kelvin
-        pressure = ambient.pressure.value if ambient.pressure is not None else pressure
-        wind = ambient.air_velocity.value if ambient.air_velocity is not None else 0.0
-        humidity = ambient.relative_humidity.value if ambient.relative_humidity is not None else 0.0
-    if "water" in masses and (ambient is None or ambient.relative_humidity is None):
-        raise InputError("ambient.relative_humidity", "is missing: drying of water needs it",
-                         remedy='add relative_humidity = 0.4 to [ambient], or take evaporation out of the fit')  # fmt: skip
-    volumes = {name: share / solvent_density(name, kelvin) for name, share in masses.items()}
-    convention: Any = "yarin2001" if scene.rheology is not None and scene.rheology.convention == "yarin2001" else "mass"
-    volatiles = tuple(
-        Volatile.build(
-            name, kelvin, ambient=humidity if name == "water" else 0.0, pressure=pressure, convention=convention
-        )
-        for name in masses
-    )
-    total = sum(volumes.values())
-    return Drying(volatiles, tuple(volume / total for volume in volumes.values()),
-                  air_kinematic_viscosity(kelvin, pressure), wind)  # fmt: skip

@@ -211,7 +211,8 @@ def _better(problem: FitProblem, u: FloatArray, covariance: FloatArray) -> Float
     values = [problem.log_posterior(point) for point in points]
     if not values or max(values) <= here + 1e-3:
         return None
-    return points[int(np.argmax(values))]
+    best: FloatArray = points[int(np.argmax(values))]
+    return best
 
 
 def _through_radii(problem: FitProblem) -> list[dict[str, float]]:

@@ -21,14 +21,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from spinline.build import build_jet, build_solution
 from spinline.checks import FloatArray, real
+from spinline.effects import choose_effects
 from spinline.errors import InputError, SpinlineWarning
-from spinline.fit_model import ForwardModel, forward_model
+from spinline.fit_model import ForwardModel
+from spinline.fit_scene import forward_model
 from spinline.inference import log_likelihood
 from spinline.network.concentration import fraction_walk
 from spinline.network.crossover import crossover_velocity_ratio, radius_ratio
 from spinline.network.lattice_walk import random_walk
-from spinline.observations import Kind, Observation, read_map
+from spinline.observations import Kind, Observation
+from spinline.observed_map import read_map
 from spinline.scene import Scene
 
 if TYPE_CHECKING:
@@ -54,9 +58,9 @@ def compare_theory(
     Parameters
     ----------
     scene : Scene
-        Power-law or hyperbolic jet; relaxation and evaporation where ``[effects]`` says true.
+        Power-law or hyperbolic jet; relaxation and evaporation as `spinline.run` would have them.
     reduced : path or xarray.Dataset
-        See `spinline.observations.read_map`.
+        See `spinline.observed_map.read_map`.
     core_within : float
         Rings within this r/R make the core, in (0, 1].
     places : sequence of float, optional
@@ -75,8 +79,9 @@ def compare_theory(
     SpinlineWarning
         Where the theory does not describe the data.
     """
-    model = forward_model(scene, relaxation=scene.effects.relaxation is True,
-                          evaporation=scene.effects.evaporation is True, values=values)  # fmt: skip
+    solution = build_solution(scene)
+    effects = choose_effects(scene, solution, build_jet(scene, solution))
+    model = forward_model(scene, relaxation=effects.relaxation, evaporation=effects.evaporation, values=values)
     data = read_map(reduced, _KINDS, core_within=core_within)
     for part in data:
         if (part.z > model.length * (1 + 1e-9) + model.values["origin"]).any():
@@ -109,6 +114,7 @@ def compare_theory(
     data_vars |= _sections(model, reduced, places, radius, r0)
     attributes = {
         "title": f"{scene.title or scene.name}: measured and predicted", "scene": scene.text, "core_within": core_within,
+        "effects_left_out": ", ".join(effects.left_out),
         "log_likelihood": float(np.sum(rows["log_likelihood"][1])), "crossover_radius_ratio": crossing,
         "volume_fraction": phi, "fraction_scale": model.values["fraction_scale"],
         "values": json.dumps(dict(values or {})), "warnings": "\n".join(notes),
