@@ -105,7 +105,7 @@ def test_relaxing_strands_are_an_independent_integration():
 def test_drying_is_an_independent_integration():
     seen = model(drying=ACETONE).predict(Z, {"evaporation": 2.5})
     (solvent,) = ACETONE.volatiles
-    nu = ACETONE.air_viscosity
+    nu = ACETONE.viscosity
 
     def right(z, left, beyond):
         phi = PHI / left[0]

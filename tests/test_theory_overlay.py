@@ -13,6 +13,8 @@ from spinline.observations import Observation
 from spinline.scene import load_scene
 from spinline.theory_overlay import compare_theory, overlay_figure, theory_words
 
+pytestmark = pytest.mark.filterwarnings("ignore:map. mean and core of a row:spinline.SpinlineWarning")
+
 SHELLS = 8
 EDGES = np.linspace(0, 1, SHELLS + 1)
 
