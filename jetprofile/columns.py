@@ -84,7 +84,9 @@ def _scaled(values: object, kind: str, unit: str | None, field: str) -> FloatArr
         raise InputError(field, f"holds text among its numbers ({error})") from None
     example = _unit_example(kind)
     if not example:
-        return numbers
+        if unit not in (None, "", "1", "%"):
+            raise InputError(field, "has a unit, but a pure number has none", value=unit, allowed="[%] or none")
+        return numbers * 0.01 if unit == "%" else numbers
     if not unit:
         raise InputError(field, "needs a unit in its header", remedy=f'for example "{field.split()[-1]} [{example}]"')
     scale, offset = parse_unit(unit, kind, field)

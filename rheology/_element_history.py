@@ -11,6 +11,7 @@ of [0, 1] that matters (forty e-foldings) with 40 Gauss points, to rounding.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -107,7 +108,7 @@ def propagate(history: ElementHistory, weight: float, start: float) -> FloatArra
     """``A`` of ``dA/dt = weight edot A - (A - 1)/theta`` at every sample, from `start`."""
     strain, reduced = history.strain, history.reduced
     a = weight * strain - reduced
-    nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
+    nodes, weights = _gauss()
     share = 0.5 * (1 + nodes)
     reach = np.minimum(1.0, _EFOLDINGS / np.maximum(np.abs(a), _EFOLDINGS))[:, np.newaxis]
     from_end = (a <= 0)[:, np.newaxis]
@@ -122,6 +123,12 @@ def propagate(history: ElementHistory, weight: float, start: float) -> FloatArra
         value = g * value + b
         values.append(value)
     return real("conformation", values, remedy="the strain is too large for a linear model: use FENE-P")
+
+
+@lru_cache(maxsize=1)
+def _gauss() -> tuple[FloatArray, FloatArray]:
+    nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
+    return nodes, weights
 
 
 def _like(field: str, value: ArrayLike, time: FloatArray, above: float | None, unit: str) -> FloatArray:

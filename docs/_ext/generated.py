@@ -27,6 +27,9 @@ PACKAGES = [
     "spinline.xray", "spinline.scene", "spinline.solve", "spinline.results", "spinline.figures", "spinline.report",
     "spinline.units", "spinline.errors", "spinline.sweep", "spinline.sensitivity", "spinline.window",
     "spinline.window_figure", "spinline.compare",
+    "spinline.observations", "spinline.observed_map", "spinline.fit_model", "spinline.fit_scene",
+    "spinline.fit_problem", "spinline.fit_file", "spinline.inference",
+    "spinline.fit_checks", "spinline.posterior", "spinline.fit_output", "spinline.fit_figure", "spinline.theory_overlay",
 ]  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from spinline.cli_fit import register as register_fit
 from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli_sweep import register
 from spinline.cli_trade import plan, trade
@@ -277,6 +278,7 @@ def import_jet(
 
 
 register(app)
+register_fit(app)
 
 
 def main() -> None:
