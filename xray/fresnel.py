@@ -92,10 +92,18 @@ class WaveRowModel(RowModel):
         About that of the jet, m: decides the cells.
     widest_blur : float, optional
         m, where the blur is fitted.
+    cells : int, optional
+        A pixel's, where `cells_per_pixel` shall not decide.
     """
 
     def __init__(
-        self, detector: Detector, edges: FloatArray, medium: Medium, radius: float, widest_blur: float | None = None
+        self,
+        detector: Detector,
+        edges: FloatArray,
+        medium: Medium,
+        radius: float,
+        widest_blur: float | None = None,
+        cells: int | None = None,
     ) -> None:
         thin = medium.absorber
         super().__init__(
@@ -106,7 +114,7 @@ class WaveRowModel(RowModel):
         self.medium = medium
         n = self.flat.size
         widest = max(detector.blur, widest_blur or 0.0) if detector.blur > 0.0 else 0.0
-        self._parts = cells_per_pixel(medium, radius, self.pixel, detector.blur)
+        self._parts = cells or cells_per_pixel(medium, radius, self.pixel, detector.blur)
         self._step = self.pixel / self._parts
         self._reach = int(np.ceil(_REACH * widest / self._step))
         seen = n * self._parts + 2 * self._reach

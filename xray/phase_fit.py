@@ -13,6 +13,7 @@ either edge, shifted until they fit, place it to a fraction of one.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +32,7 @@ from spinline.xray.row import RowFit
 from spinline.xray.scoring import largest_likelihood, poisson_deviance
 from spinline.xray.start import find_jet
 
-__all__ = ["fit_row_phase", "phase_error_limit"]
+__all__ = ["PhaseStart", "coarse_place", "fit_row_phase", "phase_error_limit", "phase_start", "start_ratio"]
 
 _BAD = 6.0  # misfit from which on other starts are tried
 _PLAUSIBLE = 0.05  # fraction to start from
@@ -97,8 +98,8 @@ def fit_row_phase(
         raise InputError("good", "leaves fewer than 4 pixels", value=int(lit.sum()))
     if data.sum() <= float((detector.dark * rows).sum()):
         raise InputError("dark", "exceeds the counts: no signal is left", value=float((detector.dark * rows).sum()))
-    ratio = _ratio(data, rows, lit, detector)
-    found_r, found_a = _coarse(ratio, medium, detector, z, radius, axis)
+    ratio = start_ratio(data, rows, lit, detector)
+    found_r, found_a = coarse_place(ratio, medium, detector, z, radius, axis)
     model = wave_model(medium, detector, edges, 1.2 * found_r, 3.0 * detector.blur if "blur" in nuisances else None)
     model.scale_exposure(rows)
     level = number("amplitude", amplitude, above=0.0)
@@ -120,6 +121,39 @@ def fit_row_phase(
                 best = trial
         fit = row_outcome(model, best, free, data, lit)
     return fit
+
+
+class PhaseStart(NamedTuple):
+    """A jet placed by its fringes, unfitted, and the deviance of the counts about it."""
+
+    radius: float
+    axis: float
+    deviance: float
+
+
+def phase_start(
+    counts: ArrayLike,
+    medium: Medium,
+    detector: Detector,
+    distance: float,
+    *,
+    good: ArrayLike | None = None,
+    saturation: float = np.inf,
+    cells: int = 8,
+) -> PhaseStart:
+    """Place the jet by its fringes at a distance, without a fit: to try many distances. Arguments as in `fit_row_phase`."""
+    data, rows = summed_counts(counts, detector, good, saturation)
+    lit = rows > 0
+    ratio = start_ratio(data, rows, lit, detector)
+    found_r, found_a = coarse_place(ratio, medium, detector, distance, None, None)
+    model = WaveRowModel(detector, equal_shells(1), medium, found_r, cells=cells)
+    model.scale_exposure(rows)
+    level = _air_level(ratio, model, found_r, found_a)
+    at = np.array([_PLAUSIBLE, found_r, found_a, level, 0.0, detector.blur, distance])
+    if not model.allows(at):
+        return PhaseStart(found_r, found_a, np.inf)
+    at = _placed(at, model, data, lit, True, True)
+    return PhaseStart(float(at[1]), float(at[2]), poisson_deviance(data[lit], model.evaluate(at)[0][lit]))
 
 
 def phase_error_limit(
@@ -178,7 +212,7 @@ def _free(shells: int, nuisances: Sequence[str]) -> list[int]:
     return [*range(shells), *(shells + i for i, name in enumerate(PHASE_NUISANCES) if name in nuisances)]
 
 
-def _ratio(data: FloatArray, rows: FloatArray, lit: BoolArray, detector: Detector) -> FloatArray:
+def start_ratio(data: FloatArray, rows: FloatArray, lit: BoolArray, detector: Detector) -> FloatArray:
     """Transmissions for a start: gaps filled, and what no fringe can be (4 times the beam, none of it) left out."""
     at = np.arange(data.size)
     ratio = (data[lit] / rows[lit] - detector.dark[lit]) / detector.flat[lit] - detector.veil[lit]
@@ -189,7 +223,7 @@ def _ratio(data: FloatArray, rows: FloatArray, lit: BoolArray, detector: Detecto
     return np.interp(at, at[lit][kept], ratio[kept])
 
 
-def _coarse(
+def coarse_place(
     ratio: FloatArray, medium: Medium, detector: Detector, z: float, radius: float | None, axis: float | None
 ) -> tuple[float, float]:
     """Radius and axis to about a pixel, from the row with its fringes folded back."""
