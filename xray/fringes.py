@@ -178,7 +178,7 @@ def _score(
     sane[: plain.shells] = np.clip(sane[: plain.shells], 0.0, 1.0)  # what took fringes for polymer is no guide to delta
     if not wave.allows(np.append(sane, z)):
         return -np.inf, 0.0
-    pattern = (wave.evaluate(np.append(sane, z))[0][lit] - plain.evaluate(sane)[0][lit]) / sd
+    pattern = (wave.mean(np.append(sane, z))[lit] - plain.evaluate(sane)[0][lit]) / sd
     basis = _basis(jacobian[lit][:, free] / sd[:, None])
     pattern = pattern - basis @ (basis.T @ pattern)
     size = float(np.sqrt(pattern @ pattern))

@@ -153,7 +153,7 @@ def phase_start(
     if not model.allows(at):
         return PhaseStart(found_r, found_a, np.inf)
     at = _placed(at, model, data, lit, True, True)
-    return PhaseStart(float(at[1]), float(at[2]), poisson_deviance(data[lit], model.evaluate(at)[0][lit]))
+    return PhaseStart(float(at[1]), float(at[2]), poisson_deviance(data[lit], model.mean(at)[lit]))
 
 
 def phase_error_limit(
@@ -251,7 +251,7 @@ def _placed(
     at, best, least = start, start, np.inf
     reach = max(int(0.06 * start[k] / model.pixel), 4)
     for _ in range(4):
-        counts, _ = model.evaluate(at)
+        counts = model.mean(at)
         deviance = poisson_deviance(data[lit], counts[lit])
         if deviance < least:
             best, least = at, deviance
@@ -283,7 +283,7 @@ def _searched(
         at = start.copy()
         at[k] += move
         if model.allows(at):
-            counts, _ = model.evaluate(at)
+            counts = model.mean(at)
             for j, side in enumerate(sides):
                 scores[j, i] = poisson_deviance(data[side], counts[side])
     if not move_axis:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from spinline.cli_simulate import register as register_simulate
 from spinline.errors import InputError, SpinlineWarning
 
 if TYPE_CHECKING:
@@ -274,6 +275,9 @@ def import_jet(
         write_jet(run_dir, part, source=source, unit=unit)
     jet = results.open_dataset(target)
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
+
+
+register_simulate(app)
 
 
 def main() -> None:
