@@ -66,7 +66,8 @@ def cells_per_pixel(medium: Medium, radius: float, pixel: float, blur: float = 0
         Where 128 are not enough.
     """
     r, p = positive("radius", radius, "m"), positive("pixel", pixel, "m")
-    strongest = float(np.max(np.abs(2.0 * np.pi * (medium.delta_solvent - medium.delta_air) / medium.wavelength)))
+    turn = 2.0 * np.pi * (medium.delta_solvent - medium.delta_air) / medium.wavelength
+    strongest = float(np.max(np.hypot(turn, 0.5 * (medium.solvent - medium.air))))
     cell = (_EDGE_PHASE / (2.0 * strongest)) ** 2 / (2.0 * r)
     if blur > 0.0:
         cell = min(cell, blur / 1.5)
@@ -136,16 +137,16 @@ class WaveRowModel(RowModel):
         """Mean counts, shape (pixels,), and their derivatives, shape (pixels, shells + 6); as `RowModel.evaluate`."""
         k = self.shells
         radius, axis, amplitude, slope, blur, distance = parameters[k:].tolist()
-        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], self._x, axis)
-        spread = _chord_spread(self._x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
+        within, x = self._within(radius, axis)
+        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], x, axis)
+        spread = _chord_spread(x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
         at = slice(self._skip, self._skip + self._seen)
         columns = np.zeros((self._seen, k + 4))
-        depth = np.empty((k + 3, self._x.size - 1))
-        depth[1] = chords[:, 0]
-        depth[2 : k + 1] = np.diff(chords, axis=1).T
+        depth = np.diff(chords, axis=1, prepend=0.0).T
+        wave = np.zeros((k + 3, self._x.size - 1), dtype=np.complex128)
         wide = self._seen * self._step  # light of frequency f lands lambda z f aside
         for i, weight in enumerate(self.medium.weight):
-            wave, by_phase = self._wave(i, parameters[:k], chords, by_radius, by_axis, depth, spread)
+            wave[:, within], by_phase = self._wave(i, parameters[:k], chords, by_radius, by_axis, depth, spread)
             spectrum = _fft(wave)
             lam = self.medium.wavelength[i]
             turned = spectrum * self._transfer(lam, distance, wide)
@@ -170,8 +171,10 @@ class WaveRowModel(RowModel):
         """Mean counts alone, shape (pixels,), at a fraction of the price of `evaluate`."""
         k = self.shells
         radius, axis, amplitude, slope, blur, distance = parameters[k:].tolist()
-        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], self._x, axis)
-        variance, _, _ = _chord_spread(self._x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
+        within, x = self._within(radius, axis)
+        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], x, axis)
+        variance, _, _ = _chord_spread(x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
+        wave = np.zeros(self._x.size - 1, dtype=np.complex128)
         at = slice(self._skip, self._skip + self._seen)
         seen = np.zeros((self._seen, 1))
         m = self.medium
@@ -181,12 +184,18 @@ class WaveRowModel(RowModel):
             step = base + (0.5 * m.contrast[i] + turn * m.delta_contrast[i]) * parameters[:k]
             outer = step[-1]
             step[:-1] -= step[1:].copy()
-            u = np.exp(-(chords @ step)) * (1.0 + 0.5 * outer**2 * variance)
-            later = _ifft(_fft(u - 1.0) * self._transfer(m.wavelength[i], distance, self._seen * self._step))[at]
+            wave[within] = np.exp(-(chords @ step)) * (1.0 + 0.5 * outer**2 * variance) - 1.0
+            later = _ifft(_fft(wave) * self._transfer(m.wavelength[i], distance, self._seen * self._step))[at]
             seen[:, 0] += weight * np.abs(1.0 + later) ** 2
         blurred, _ = self._blurred(seen, blur)
         beam = self.flat * (amplitude * (1.0 + slope * self.u))
         return np.asarray(beam * blurred[:, 0] + self._background)
+
+    def _within(self, radius: float, axis: float) -> tuple[slice, FloatArray]:
+        """The cells that the jet touches, and their edges."""
+        first = max(int(np.searchsorted(self._x, axis - radius)) - 1, 0)
+        last = min(int(np.searchsorted(self._x, axis + radius)) + 1, self._x.size - 1)
+        return slice(first, last), self._x[first : last + 1]
 
     def _wave(
         self,
@@ -213,7 +222,7 @@ class WaveRowModel(RowModel):
         u = plain * (1.0 + half * variance)
         out = np.empty((k + 3, u.size), dtype=np.complex128)
         out[0] = u - 1.0
-        out[1 : k + 1] = -u * depth[1 : k + 1]
+        out[1 : k + 1] = -u * depth
         out[k] += plain * (step[-1] * variance)
         out[k + 1] = -u * (by_radius @ (step * self.edges[1:])) + plain * (half * variance_by_radius)
         out[k + 2] = -u * (by_axis @ step) + plain * (half * variance_by_axis)

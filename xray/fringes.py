@@ -121,7 +121,9 @@ def detect_fringes(
         held = [absorption.values[name] for name in NUISANCES[:-1]]
         looks = [(np.array([*absorption.jet.fraction, *held, detector.blur]), z) for z in _DISTANCES]
     astray = absorption is None or not wave.allows(np.append(looks[0][0], _DISTANCES[0]))
-    if astray or (absorption is not None and absorption.misfit > _ODD):  # no guide to the jet: fold the fringes back instead
+    if astray or (
+        absorption is not None and absorption.misfit > _ODD
+    ):  # no guide to the jet: fold the fringes back instead
         ratio = start_ratio(data, rows, lit, detector)
         level = max(float(np.median(ratio)), 1e-6)
         places = [coarse_place(ratio, medium, detector, z, None, None) for z in _DISTANCES]

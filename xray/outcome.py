@@ -81,7 +81,9 @@ def _remarks(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
     if not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std:
         said.append("the mean fraction lies outside [0, 1] by more than its error: check medium, distance and flat")
     if fit.misfit > 4:
-        said.append("the counts scatter more than Poisson about the model: check distance, blur, spectrum, flat and gain")
+        said.append(
+            "the counts scatter more than Poisson about the model: check distance, blur, spectrum, flat and gain"
+        )
     worst = int(np.argmax(np.abs(residual)))
     if abs(residual[worst]) > _FAR:
         said.append(f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad")

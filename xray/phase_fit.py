@@ -270,9 +270,7 @@ def _placed(
     return best
 
 
-def _searched(
-    start: FloatArray, model: WaveRowModel, data: FloatArray, lit: BoolArray, move_axis: bool
-) -> FloatArray:
+def _searched(start: FloatArray, model: WaveRowModel, data: FloatArray, lit: BoolArray, move_axis: bool) -> FloatArray:
     """Edges at the likeliest of 51 places, each for itself, within 2.5 pixels: for fringes narrower than a pixel."""
     k = model.shells
     x = 0.5 * model.pixel * model.u * (data.size - 1)

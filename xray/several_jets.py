@@ -154,7 +154,9 @@ def fit_sections(
     x, theta = real("position", position, unit="m"), real("view", view, unit="rad")
     data = real("extinction", extinction)
     if x.ndim != 1 or x.size < 8 or (np.diff(x) <= 0).any() or np.ptp(np.diff(x)) > 1e-3 * np.diff(x).mean():
-        raise InputError("position", "is not an evenly spaced, rising row", value=x.shape, allowed="at least 8 positions")
+        raise InputError(
+            "position", "is not an evenly spaced, rising row", value=x.shape, allowed="at least 8 positions"
+        )
     if theta.ndim != 1 or theta.size < 5:
         raise InputError("view", "are too few", value=theta.size, allowed="at least 5 views")
     if data.shape != (theta.size, x.size):

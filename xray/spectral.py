@@ -40,9 +40,7 @@ class SpectralRowModel(RowModel):
         m, where the blur is fitted.
     """
 
-    def __init__(
-        self, detector: Detector, edges: FloatArray, medium: Medium, widest_blur: float | None = None
-    ) -> None:
+    def __init__(self, detector: Detector, edges: FloatArray, medium: Medium, widest_blur: float | None = None) -> None:
         darkest = int(np.argmax(medium.solvent))  # decides how finely pixels are cut
         super().__init__(
             detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,

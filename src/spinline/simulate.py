@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Camera", "Frames", "field_from_result", "medium_from_result", "simulate", "write_frames"]
 
-_SHELLS = 60
+_SHELLS = 30
 _MOST_PIXELS = 200_000_000
 _FIRST_FLAT, _FIRST_DARK = 1_000_000, 2_000_000  # numbers of the random streams
 
@@ -174,9 +174,7 @@ def medium_from_result(result: "xr.Dataset", beam: float | Spectrum, *, coherent
     return solution_medium(solution.polymer, what, beam, coherent=coherent, temperature=solution.temperature)
 
 
-def simulate(
-    result: "xr.Dataset", camera: Camera, *, start: float | None = None, stop: float | None = None
-) -> Frames:
+def simulate(result: "xr.Dataset", camera: Camera, *, start: float | None = None, stop: float | None = None) -> Frames:
     """Make frames of the jet of a result.
 
     Parameters
@@ -236,9 +234,7 @@ def simulate(
     return Frames(counts, bright, dark, jet, seen, camera)
 
 
-def write_frames(
-    frames: Frames, result: "xr.Dataset", path: str | Path, *, force: bool = False
-) -> tuple[Path, ...]:
+def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, force: bool = False) -> tuple[Path, ...]:
     """Write frames as .npz, or .tif with flat and dark beside it, and the images file that reduces them.
 
     Parameters
@@ -262,7 +258,7 @@ def write_frames(
         raise InputError("output", "is neither .npz nor .tif", value=str(path), remedy="name it frames.npz")
     toml = target.with_suffix(".toml")
     parts = {"counts": frames.counts, "flat": frames.flat, "dark": frames.dark}
-    names = {key: target for key in parts}
+    names = dict.fromkeys(parts, target)
     if kind != ".npz":
         names |= {key: target.with_name(f"{target.stem}_{key}{target.suffix}") for key in ("flat", "dark")}
     for file in {*names.values(), toml}:
@@ -279,7 +275,9 @@ def write_frames(
 
         for key, stack in parts.items():
             with replacing(names[key], force=force) as part:
-                tifffile.imwrite(part, stack.astype(np.uint16) if stack.max() < 65536 else stack, photometric="minisblack")
+                tifffile.imwrite(
+                    part, stack.astype(np.uint16) if stack.max() < 65536 else stack, photometric="minisblack"
+                )
     with replacing(toml, force=force) as part:
         part.write_text(images_text(frames.camera, result, names), encoding="utf-8")
     return (*dict.fromkeys(names.values()), toml)
