@@ -3,8 +3,8 @@
 Reduced as absorption, fringes of 1 cm of propagation bias the mean fraction by -0.25, of 10 cm by -1.9 (R = 50 um, PEO in
 water, 10 keV). What they leave in the residuals of the absorption fit is known: the model of `fresnel` at the fitted jet, less
 that of absorption. For distances from 1 mm to 1 m the residuals, in their standard deviations, are projected on that pattern,
-after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the significance. It is
-one-sided: a blur that was left out leaves the opposite pattern. A blur that was overstated leaves the same.
+after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the significance.
+It is one-sided: a blur that was left out leaves the opposite pattern. A blur that was overstated leaves the same.
 """
 
 from collections.abc import Sequence

@@ -3,8 +3,8 @@
     n = 1 - delta + i beta,    delta = r_e lambda^2 n_e/(2 pi) (far from edges),    beta = mu lambda/(4 pi)
 
 A path L delays the phase by ``-2 pi delta L/lambda`` and takes ``exp(-mu L)`` of the intensity. With additive volumes delta is
-linear in the polymer fraction, as mu is: ``delta = delta_s + phi (delta_p - delta_s)``. The electron density of PEO is 11 % over
-that of water, and hardly depends on the photon energy where the contrast of absorption vanishes.
+linear in the polymer fraction, as mu is: ``delta = delta_s + phi (delta_p - delta_s)``. The electron density of PEO is 11 %
+over that of water, and hardly depends on the photon energy where the contrast of absorption vanishes.
 
 References
 ----------
@@ -62,7 +62,7 @@ def refraction_decrement(
 
     Notes
     -----
-    Within 0.5 % of free electrons, ``r_e lambda^2 n_e/(2 pi)``, for light elements over 8 keV. Its error is that of the density.
+    Within 0.5 % of free electrons for water over 8 keV. Its error is that of the density.
     """
     import xraylib
 

@@ -11,8 +11,8 @@ part of the signal that the jet does not stop (harmonics, scatter) is a share h:
 
     ln(I_0/I) = level(theta) - ln((<exp(-mu sum L)> + h)/(1 + h)).
 
-Width and depth of a chord together tell mu from the size: nothing of the water's attenuation is put in. Residuals are weighed by
-soft_l1 (a bad reading counts little), its scale that of the residuals themselves. Errors are those of the residuals' scatter,
+Width and depth of a chord together tell mu from the size: nothing of the water's attenuation is put in. Residuals are weighed
+by soft_l1 (a bad reading counts little), its scale that of the residuals themselves. Errors are those of the residuals' scatter,
 taken as independent; the model's own (spot, round sections) come on top.
 """
 
@@ -160,7 +160,8 @@ def fit_sections(
     if theta.ndim != 1 or theta.size < 5:
         raise InputError("view", "are too few", value=theta.size, allowed="at least 5 views")
     if data.shape != (theta.size, x.size):
-        raise InputError("extinction", "does not fit views and positions", value=data.shape, allowed=f"({theta.size}, {x.size})")  # fmt: skip
+        allowed = f"({theta.size}, {x.size})"
+        raise InputError("extinction", "does not fit views and positions", value=data.shape, allowed=allowed)
     step = float(np.diff(x).mean())
     broad = step if width is None else number("width", width, least=0.0, most=10 * step, unit="m")
     held = None if share is None else number("share", share, least=0.0, below=1.0)
@@ -178,8 +179,8 @@ def fit_sections(
     robust = 0.1
     for _ in range(3):
         found = least_squares(
-            lambda q: (problem.expected(q) - data).ravel(), p, jac=problem.slopes, loss="soft_l1", f_scale=robust,
-            x_scale=0.1, bounds=(lower, upper), max_nfev=100, ftol=1e-7, xtol=1e-7,
+            problem.residuals, p, jac=problem.slopes, loss="soft_l1", f_scale=robust, x_scale=0.1, bounds=(lower, upper),
+            max_nfev=60, ftol=1e-7, xtol=1e-7,
         )  # fmt: skip
         p = found.x
         robust = max(1.4826 * float(np.median(np.abs(found.fun))), 1e-9)
@@ -215,7 +216,7 @@ class _Problem:
     """The scans as a function of mu, share, centre, sections and levels, all of them of order one."""
 
     def __init__(self, x: FloatArray, theta: FloatArray, data: FloatArray, width: float, jets: int) -> None:
-        self.theta, self.shape, self.jets = theta, data.shape, jets
+        self.theta, self.data, self.shape, self.jets = theta, data, data.shape, jets
         self.scale = 0.5 * float(x[-1] - x[0])
         self.nodes = x + 0.5 * width * _NODES[:, None] if width > 0.0 else x[None]
         self.weights = 0.5 * _WEIGHTS if width > 0.0 else np.ones(1)
@@ -241,6 +242,9 @@ class _Problem:
                 depth += section_chord(section, node, self.theta[:, None], centre)
             transmission += weight * np.exp(-mu * depth)
         return np.asarray(base[:, None] - np.log((transmission + h) / (1.0 + h)))
+
+    def residuals(self, p: FloatArray) -> FloatArray:
+        return np.asarray((self.expected(p) - self.data).ravel())
 
     def slopes(self, p: FloatArray) -> FloatArray:
         """Derivatives, shape (readings, parameters): central differences, and 1 for the levels."""

@@ -289,7 +289,8 @@ def images_text(camera: Camera, result: "xr.Dataset", names: dict[str, Path]) ->
     lines += [f'{key} = "{path.name}"' for key, path in names.items()]
     lines += ["gain = 1.0", f'pixel_size = "{camera.pixel * 1e6:.9g} um"']
     if camera.harmonic:
-        lines.append(f'spectrum = {{ "{camera.energy_kev:.9g} keV" = {1.0 - camera.harmonic:.9g}, "{3 * camera.energy_kev:.9g} keV" = {camera.harmonic:.9g} }}')  # fmt: skip
+        e, h = camera.energy_kev, camera.harmonic
+        lines.append(f'spectrum = {{ "{e:.9g} keV" = {1.0 - h:.9g}, "{3 * e:.9g} keV" = {h:.9g} }}')
     else:
         lines.append(f'energy = "{camera.energy_kev:.9g} keV"')
     if not camera.coherent:
