@@ -100,11 +100,7 @@ class SectionsFit:
 def section_chord(section: Section, position: ArrayLike, view: ArrayLike, centre: float = 0.0) -> FloatArray:
     """Path through an elliptic section in m; positions in m and views in rad broadcast against each other."""
     x, theta = real("position", position, unit="m"), real("view", view, unit="rad")
-    turned = theta - section.angle
-    square = (section.major * np.cos(turned)) ** 2 + (section.minor * np.sin(turned)) ** 2
-    off = x - centre - section.x * np.cos(theta) - section.y * np.sin(theta)
-    value: FloatArray = 2.0 * section.major * section.minor / square * np.sqrt(np.maximum(square - off**2, 0.0))
-    return value
+    return _chord(section, x - centre, theta)
 
 
 def fit_sections(
@@ -235,28 +231,35 @@ class _Problem:
 
     def expected(self, p: FloatArray) -> FloatArray:
         mu, h, centre, sections, base = self.unpack(p)
-        transmission = np.zeros(self.shape)
-        for node, weight in zip(self.nodes, self.weights, strict=True):
-            depth = np.zeros(self.shape)
-            for section in sections:
-                depth += section_chord(section, node, self.theta[:, None], centre)
-            transmission += weight * np.exp(-mu * depth)
+        depth: FloatArray = np.zeros((self.nodes.shape[0], *self.shape))
+        for section in sections:
+            depth += _chord(section, self.nodes[:, None, :] - centre, self.theta[:, None])
+        transmission = np.tensordot(self.weights, np.exp(-mu * depth), axes=1)
         return np.asarray(base[:, None] - np.log((transmission + h) / (1.0 + h)))
 
     def residuals(self, p: FloatArray) -> FloatArray:
         return np.asarray((self.expected(p) - self.data).ravel())
 
     def slopes(self, p: FloatArray) -> FloatArray:
-        """Derivatives, shape (readings, parameters): central differences, and 1 for the levels."""
+        """Derivatives, shape (readings, parameters): differences, and 1 for the levels."""
+        here = self.expected(p)
         out = np.zeros((int(np.prod(self.shape)), p.size))
         numbers = 3 + 5 * self.jets
         for i in range(numbers):
             move = np.zeros(p.size)
-            move[i] = 1e-5
-            out[:, i] = ((self.expected(p + move) - self.expected(p - move)) / 2e-5).ravel()
+            move[i] = 1e-6
+            out[:, i] = ((self.expected(p + move) - here) / 1e-6).ravel()
         for j in range(self.shape[0]):
             out[j * self.shape[1] : (j + 1) * self.shape[1], numbers + j] = 1.0
         return out
+
+
+def _chord(section: Section, x: FloatArray, theta: FloatArray) -> FloatArray:
+    turned = theta - section.angle
+    square = (section.major * np.cos(turned)) ** 2 + (section.minor * np.sin(turned)) ** 2
+    off = x - (section.x * np.cos(theta) + section.y * np.sin(theta))
+    value: FloatArray = 2.0 * section.major * section.minor / square * np.sqrt(np.maximum(square - off**2, 0.0))
+    return value
 
 
 def _mean_path(x: FloatArray, theta: FloatArray, depth: FloatArray) -> FloatArray:
