@@ -143,7 +143,7 @@ def spectra() -> None:
 def scans() -> None:
     import h5py
 
-    file = Path(__file__).parents[1] / "tests/data/spray-8keV/qst_spray_monochromatic_Re-6700_averaged.hdf5"
+    file = Path(__file__).parents[1] / "src/spinline/data/spray-8keV/qst_spray_monochromatic_Re-6700_averaged.hdf5"
     with h5py.File(file) as data:
         x, theta = 1e-3 * data["jets/x"][:].astype(float), data["jets/theta"][:].astype(float)
         extinction = data["jets/ext_length"][:].astype(float)

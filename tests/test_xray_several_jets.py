@@ -1,5 +1,6 @@
 """Several jets in one scan: synthetic sections found again, and real water jets at 8 keV."""
 
+from importlib.resources import files
 from pathlib import Path
 
 import h5py
@@ -9,7 +10,7 @@ import pytest
 from spinline import xray
 from spinline.errors import InputError
 
-DATA = Path(__file__).parent / "data" / "spray-8keV" / "qst_spray_monochromatic_Re-6700_averaged.hdf5"
+DATA = Path(str(files("spinline"))) / "data" / "spray-8keV" / "qst_spray_monochromatic_Re-6700_averaged.hdf5"
 
 
 def synthetic(share=0.0, noise=0.002, seed=1):

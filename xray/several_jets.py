@@ -27,7 +27,7 @@ from spinline.errors import InputError
 __all__ = ["Section", "SectionsFit", "fit_sections", "section_chord"]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(7)
-_BAD = 25.0  # robust standard deviations: jets that move do a few of them at their edges, a lost reading does 100
+_BAD = 60.0  # robust standard deviations: jets that move do a few of them at their edges, a lost reading does 100
 
 
 @dataclass(frozen=True)
