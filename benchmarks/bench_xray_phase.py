@@ -28,7 +28,7 @@ def quadrature(radius, distance, pixels, axis, per_pixel=None):
     wave = m.wavelength[0]
     rate = 0.5 * mu + 2j * np.pi * delta / wave
     nodes = int(max(1500, 3 * 4 * radius**2 / (wave * distance)))
-    per_pixel = per_pixel or int(max(10, 12 * PIXEL * 2 * radius / (wave * distance)))
+    per_pixel = per_pixel or int(max(10, 3 * PIXEL * 2 * radius / (wave * distance)))
     t, w = np.polynomial.legendre.leggauss(50)
     panels = np.linspace(-np.pi / 2, np.pi / 2, nodes // 50 + 1)
     half = 0.5 * np.diff(panels)[:, None]
@@ -66,7 +66,7 @@ def bias() -> None:
         )
 
 
-def scatter(replicates: int = 200) -> None:
+def scatter(replicates: int = 150) -> None:
     print(f"phase likelihood, {replicates} replicates: standard deviation over the bound, bias over its error, coverage")
     for radius, z, photons, blur in ((50e-6, 0.01, 1e6, 0.0), (50e-6, 0.1, 1e5, 1.2e-6), (50e-6, 0.2, 1e5, 1.2e-6),
                                      (25e-6, 0.1, 1e6, 0.0), (10e-6, 0.2, 1e5, 0.0)):  # fmt: skip
@@ -88,7 +88,7 @@ def scatter(replicates: int = 200) -> None:
         )
 
 
-def alarms(rows: int = 1000) -> None:
+def alarms(rows: int = 700) -> None:
     print(f"fringe test, {rows} rows without fringes: alarms at 5, largest and mean significance")
     for photons, blur, radius in ((1e3, 0.0, 50e-6), (1e5, 1.2e-6, 50e-6), (1e6, 0.0, 25e-6)):
         detector = xray.Detector(np.full(int(4.5 * radius / PIXEL), photons), PIXEL, blur=blur)
