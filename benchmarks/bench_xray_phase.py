@@ -62,12 +62,15 @@ def bias() -> None:
         fit = xray.fit_row_phase(1e7 * seen, WATER, detector, z)
         print(
             f"{100 * z:5.0f} cm   {np.abs(seen - model).max():.1e}   {held:+.2f} (edges known), {free} (free)   {paganin:+.4f}"
-            f"   {fit.mean_fraction - 0.05:+.5f} +/- {fit.mean_fraction_std:.1e}, radius {1e9 * (fit.jet.radius - 50e-6):+.2f} nm"
+            f"   {fit.mean_fraction - 0.05:+.5f} +/- {fit.mean_fraction_std:.1e}, "
+            f"radius {1e9 * (fit.jet.radius - 50e-6):+.2f} nm"
         )
 
 
 def scatter(replicates: int = 150) -> None:
-    print(f"phase likelihood, {replicates} replicates: standard deviation over the bound, bias over its error, coverage")
+    print(
+        f"phase likelihood, {replicates} replicates: standard deviation over the bound, bias over its error, coverage"
+    )
     for radius, z, photons, blur in ((50e-6, 0.01, 1e6, 0.0), (50e-6, 0.1, 1e5, 1.2e-6), (50e-6, 0.2, 1e5, 1.2e-6),
                                      (25e-6, 0.1, 1e6, 0.0), (10e-6, 0.2, 1e5, 0.0)):  # fmt: skip
         detector = xray.Detector(np.full(int(3 * radius / PIXEL), photons), PIXEL, blur=blur)
@@ -97,16 +100,21 @@ def alarms(rows: int = 700) -> None:
             xray.detect_fringes(xray.noisy_counts(mean, 2, i), WATER, detector, estimate=False) for i in range(rows)
         ]
         s = np.array([f.significance for f in found])
-        print(f"  {photons:.0e} photons, blur {blur:.1e}, R {radius:.0e}: {(s >= 5).sum()}, {s.max():.2f}, {s.mean():.2f}")
+        print(
+            f"  {photons:.0e} photons, blur {blur:.1e}, R {radius:.0e}: {(s >= 5).sum()}, {s.max():.2f}, {s.mean():.2f}"
+        )
     print("with fringes, R = 50 um: significance of one row, distance found")
     for z in (0.01, 0.1, 0.2):
         for photons, blur in ((1e3, 0.0), (1e4, 1.2e-6), (1e6, 1.2e-6)):
             detector = xray.Detector(np.full(224, photons), PIXEL, blur=blur)
             mean = xray.fresnel_counts(xray.RoundJet(PHI, 50e-6, 2e-6), WATER, detector, z)
-            tests = [xray.detect_fringes(xray.noisy_counts(mean, 3, i), WATER, detector, estimate=i < 3) for i in range(20)]
+            tests = [
+                xray.detect_fringes(xray.noisy_counts(mean, 3, i), WATER, detector, estimate=i < 3) for i in range(20)
+            ]
             at = ", ".join(f"{100 * t.distance:.2f}" for t in tests[:3])
             print(
-                f"  {100 * z:3.0f} cm, {photons:.0e} photons, blur {blur:.1e}: detected {sum(t.detected for t in tests)} of 20, "
+                f"  {100 * z:3.0f} cm, {photons:.0e} photons, blur {blur:.1e}: "
+                f"detected {sum(t.detected for t in tests)} of 20, "
                 f"least {min(t.significance for t in tests):.0f}; distance {at} cm"
             )
 
@@ -115,7 +123,7 @@ def spectra() -> None:
     print("spectra, R = 50 um, 1e7 photons: bias of one line, of the spectral fit")
     detector, mono = xray.Detector(np.full(224, 1e7), PIXEL), WATER.absorber
     crystal = xray.scintillator_response(xray.Material("Lu3Al5O12", 6730.0), 20e-6)
-    broad = xray.gaussian_spectrum(13.0, 4.0)
+    broad, hard = xray.gaussian_spectrum(13.0, 4.0), np.linspace(7, 23, 33)
     cases = [
         ("third harmonic, 1 % of the signal", xray.harmonic_spectrum(10.0, {3: 0.01}), mono),
         ("third harmonic, 5 % of the signal", xray.harmonic_spectrum(10.0, {3: 0.05}), mono),
@@ -125,7 +133,7 @@ def spectra() -> None:
         ("9 to 17 keV, flat, mean attenuation", xray.Spectrum(np.linspace(9, 17, 33), np.ones(33)), None),
         ("13 +- 4 keV (sd, from 3 keV), mean attenuation", broad, None),
         ("the same behind 0.2 mm of Al", broad.behind(xray.Material("Al", 2699.0), 2e-4), None),
-        ("the same, 13 +- 4 keV from 7 keV up, mean attenuation", xray.Spectrum(np.linspace(7, 23, 33), np.exp(-0.5 * ((np.linspace(7, 23, 33) - 13) / 4) ** 2)), None),
+        ("13 +- 4 keV from 7 keV up, mean attenuation", xray.Spectrum(hard, np.exp(-0.5 * ((hard - 13) / 4) ** 2)), None),
     ]  # fmt: skip
     for name, spectrum, absorber in cases:
         medium = xray.solution_medium("PEO", "water", spectrum)
@@ -155,7 +163,8 @@ def scans() -> None:
         fit = xray.fit_sections(x, theta, extinction, **more)
         even = fit.integral / fit.integral.mean()
         print(
-            f"  {name}: mu {fit.attenuation:.1f} +/- {fit.attenuation_std:.1f} 1/m ({100 * (fit.attenuation / tables[0] - 1):+.1f} %, "
+            f"  {name}: mu {fit.attenuation:.1f} +/- {fit.attenuation_std:.1f} 1/m "
+            f"({100 * (fit.attenuation / tables[0] - 1):+.1f} %, "
             f"{100 * (fit.attenuation / tables[1] - 1):+.1f} %), share {100 * fit.share:.2f} %, integral over views "
             f"{100 * even.std():.2f} % (worst {100 * np.abs(even - 1).max():.2f} %), scatter {fit.scatter:.4f}, "
             f"good {100 * fit.good.mean():.1f} %, {time.process_time() - start:.1f} s CPU"
@@ -185,7 +194,9 @@ def speed() -> None:
                 call()
                 best = min(best, time.process_time() - start)
             parts.append(f"{1e3 * best:.1f}")
-        print(f"  R {1e6 * radius:.0f} um, {detector.flat.size} pixels: counts {parts[0]}, fit {parts[1]}, test {parts[2]} ms")
+        print(
+            f"  R {1e6 * radius:.0f} um, {detector.flat.size} pixels: counts {parts[0]}, fit {parts[1]}, test {parts[2]} ms"
+        )
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
-COMMANDS = {"run", "crossover", "check", "scenes", "schema", "fit-jet", "import-jet"}
+COMMANDS = {"run", "crossover", "check", "scenes", "schema", "fit-jet", "import-jet", "simulate-image"}
 
 
 def blocks(path, language):

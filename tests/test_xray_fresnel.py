@@ -131,9 +131,9 @@ def test_derivatives_and_the_shorter_way_to_the_counts() -> None:
 def test_the_edge_decides_the_cells_and_what_is_not_resolved_is_refused() -> None:
     assert cells_per_pixel(WATER, 50e-6, PIXEL) > cells_per_pixel(WATER, 25e-6, PIXEL) >= 16
     strong = xray.solution_medium("PEO", "water", 3.0)
-    with pytest.raises(InputError, match="pixel.*too coarse"):
+    with pytest.raises(InputError, match=r"pixel.*too coarse"):
         xray.fresnel_counts(xray.RoundJet(np.array([0.05]), 1e-4), strong, xray.Detector(np.ones(300), PIXEL), 0.1)
-    with pytest.raises(InputError, match="jet.*row"):
+    with pytest.raises(InputError, match=r"jet.*row"):
         xray.fresnel_counts(xray.RoundJet(np.array([0.05]), 60e-6), WATER, xray.Detector(np.ones(100), PIXEL), 0.1)
     with pytest.raises(InputError, match="distance"):
         xray.fresnel_counts(xray.RoundJet(np.array([0.05]), 20e-6), WATER, xray.Detector(np.ones(100), PIXEL), -0.1)
@@ -147,7 +147,9 @@ def test_width_of_a_fringe() -> None:
 def test_the_likelihood_is_unbiased_on_phantoms_by_quadrature(distance) -> None:
     """R = 50 um, nothing known, 1e7 photons: within 0.001, and 1e-9 m in radius and axis."""
     n = 224
-    seen = wave_phantom(water_rate(), 50e-6, WATER.wavelength[0], distance, PIXEL, n, axis=2e-6, nodes=int(400 / distance))
+    seen = wave_phantom(
+        water_rate(), 50e-6, WATER.wavelength[0], distance, PIXEL, n, axis=2e-6, nodes=int(400 / distance)
+    )
     u = np.linspace(-1, 1, n)
     counts = 1e7 * (1.01 * (1 + 0.01 * u) * seen + 0.01) + 100
     detector = xray.Detector(np.full(n, 1e7), PIXEL, np.array(100.0), np.array(0.01))

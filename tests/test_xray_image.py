@@ -1,6 +1,9 @@
 """Images of whole jets, and frames made from the result of a run."""
 
+import re
+import shlex
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +32,7 @@ def test_core_and_sheath_hold_the_polymer_exactly() -> None:
     assert found @ xray.shell_weights(xray.equal_shells(37)) == pytest.approx(mean, rel=1e-12)
     assert found[0, :11] == pytest.approx(0.4)
     assert found[0, 12:] == pytest.approx((0.05 - 0.4 * 0.31**2) / (1 - 0.31**2))
-    with pytest.raises(InputError, match="core.*more polymer"):
+    with pytest.raises(InputError, match=r"core.*more polymer"):
         xray.core_and_sheath([0.9], [0.2], [0.05], 10)
 
 
@@ -138,7 +141,9 @@ def test_the_command_writes_frames_and_the_file_that_reduces_them(spinline, tmp_
 
 def test_fringes_tiff_and_overrides(spinline, tmp_path) -> None:
     tifffile = pytest.importorskip("tifffile")
-    assert spinline("run", "peo5-water", "--set", "solution.mass_fraction=4 wt%", "--no-figure", "-o", "four.nc").code == 0
+    assert (
+        spinline("run", "peo5-water", "--set", "solution.mass_fraction=4 wt%", "--no-figure", "-o", "four.nc").code == 0
+    )
     ran = spinline(
         "simulate-image", "four.nc", "-o", "f.tif", "--from", "1.000 mm", "--to", "1.003 mm", "--distance", "10 cm",
         "--frames", 2, "--reference-frames", 2, "--harmonic", 0.01,
@@ -169,8 +174,12 @@ def test_fringes_tiff_and_overrides(spinline, tmp_path) -> None:
     ],
 )
 def test_refusals(spinline, arguments, words) -> None:
-    import re
-
     ran = spinline("simulate-image", "peo5-water", *arguments)
     assert ran.code == 2
     assert re.search(words, ran.err), ran.err
+
+
+def test_the_page_shows_what_the_command_says(spinline) -> None:
+    page = (Path(__file__).parents[1] / "docs/howto/simulate-image.md").read_text(encoding="utf-8")
+    command, *shown = re.search(r"```console\n\$ spinline (.*?)```", page, re.DOTALL)[1].strip().splitlines()
+    assert spinline(*shlex.split(command)).out.splitlines() == shown

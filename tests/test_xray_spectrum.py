@@ -27,7 +27,9 @@ def test_delta_of_water_is_that_of_free_electrons(energy) -> None:
 
 
 def test_wavelength_is_hc_over_the_energy() -> None:
-    assert float(xray.wavelength(10.0)) == pytest.approx(6.62607015e-34 * 299792458 / (1e4 * 1.602176634e-19), rel=1e-12)
+    assert float(xray.wavelength(10.0)) == pytest.approx(
+        6.62607015e-34 * 299792458 / (1e4 * 1.602176634e-19), rel=1e-12
+    )
 
 
 def test_refraction_of_a_mixture_is_additive_and_its_contrast_that_of_electrons(water) -> None:

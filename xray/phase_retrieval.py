@@ -6,8 +6,8 @@ For one material close behind the object (the transport-of-intensity equation), 
 
 with the ratio delta/mu of the solution as the only regularisation: where mu is small, the filter is a broad low-pass (its
 width, ``sqrt(z delta/mu)``, is 21 um for water at 10 keV and 10 cm), it smooths the noise, and takes drift
-and veil for signal. Linear and cheap; valid where the fringes are one pair at an edge, ``z < pixel^2/lambda`` or a detector that
-does not resolve more. `fit_row_phase` has no such bound and gives errors; this is its start, and the quick look.
+and veil for signal. Linear and cheap; valid where the fringes are one pair at an edge: ``z < pixel^2/lambda``, or a detector
+that does not resolve more. `fit_row_phase` has no such bound and gives errors; this is its start, and the quick look.
 
 A mixture is one material only where delta/mu does not change with the fraction; PEO in water at 10 keV changes it by 0.4 %
 per 0.01 of the fraction, and so biases what is found (xray.md has the figures).

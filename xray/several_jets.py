@@ -12,8 +12,8 @@ part of the signal that the jet does not stop (harmonics, scatter) is a share h:
     ln(I_0/I) = level(theta) - ln((<exp(-mu sum L)> + h)/(1 + h)).
 
 Width and depth of a chord together tell mu from the size: nothing of the water's attenuation is put in. Residuals are weighed
-by soft_l1 (a bad reading counts little), its scale that of the residuals themselves. Errors are those of the residuals' scatter,
-taken as independent; the model's own (spot, round sections) come on top.
+by soft_l1 (a bad reading counts little), its scale that of the residuals themselves. Errors are those of the residuals'
+scatter, taken as independent; the model's own (spot, round sections) come on top.
 """
 
 from dataclasses import dataclass
