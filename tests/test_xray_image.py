@@ -67,6 +67,22 @@ def test_tilts_by_tracing_rays_through_a_cylinder() -> None:
     assert np.polyfit(PIXEL * np.arange(100), middle, 1) == pytest.approx([np.tan(lean), -10e-6], rel=1e-3)
 
 
+def test_fringes_of_a_tilted_jet_are_those_of_the_straight_one_seen_aslant() -> None:
+    """Intensity depends on the distance from the axis, x cos(t), alone."""
+    turn, n, pixel = np.deg2rad(20.0), 3000, 0.067e-6
+    common = {"medium": WATER, "pixels": n, "pixel": pixel, "distance": 0.1}
+    straight = xray.transmission_image(cylinder(rows=1), blur=1e-6 * np.cos(turn), **common)[0]
+    leaning = xray.transmission_image(cylinder(rows=1), blur=1e-6, tilt=turn, **common)[0]
+    x = pixel * (np.arange(n) - 0.5 * (n - 1))
+    inside = np.abs(x) < 80e-6
+    seen = np.interp(x * np.cos(turn), x, straight)
+    assert np.ptp(seen) > 1.0
+    assert np.abs(leaning - seen)[inside].max() < 1e-3
+    wide = xray.JetField([0.5e-6], [40e-6 / np.cos(turn)], [[0.05]])
+    upright = xray.transmission_image(wide, blur=1e-6, **common)[0]  # as wide, but not aslant
+    assert np.abs(upright - seen)[inside].max() > 0.01
+
+
 def test_blur_and_motion_along_the_jet() -> None:
     rows = 200
     z = PIXEL * (np.arange(rows) + 0.5)

@@ -7,8 +7,8 @@ Each row z of the image is a round section of radius R(z) with a fraction phi(r,
 
 with S the blur of the detector both ways, and, along the jet, the average over the way that the image moved while it was
 exposed. A jet tilted in the plane of the image by t has its axis at ``x_0 + z tan(t)`` and is cut ``1/cos(t)`` wider by a row;
-tilted out of it by o, all paths are ``1/cos(o)`` longer and z is seen shortened by ``cos(o)``. The wave spreads across the jet
-alone, for R(z) changes little over the width of a fringe.
+tilted out of it by o, all paths are ``1/cos(o)`` longer and z is seen shortened by ``cos(o)``. The wave spreads at right angles
+to the edges: in a row, which cuts them aslant, as over the distance ``z (1 + tan(t)^2 + R'^2)`` (exact for a tilt or a taper).
 """
 
 from dataclasses import dataclass, replace
@@ -170,8 +170,10 @@ def transmission_image(
     image = np.empty((radius.size, pixels))
     if z > 0.0:
         wave = WaveRowModel(detector, edges, seen, float(radius.max()))
+        aslant = np.tan(turn) ** 2 + _taper(jet, out) ** 2
         for i in range(radius.size):
-            image[i] = wave.mean(np.array([*jet.fraction[i], radius[i], axes[i], 1.0, 0.0, spread, z]))
+            far = z * (1.0 + aslant[i])
+            image[i] = wave.mean(np.array([*jet.fraction[i], radius[i], axes[i], 1.0, 0.0, spread, far]))
     else:
         plain = SpectralRowModel(detector, edges, seen)
         for i in range(radius.size):
@@ -209,6 +211,13 @@ def expected_image(
     bright = real("flat", flat, least=0.0, unit="photons")
     seen = bright * (level * (1.0 + tilt * u) * t + real("veil", veil, least=0.0))
     return np.asarray(seen + real("dark", dark, least=0.0))
+
+
+def _taper(jet: JetField, out: float) -> FloatArray:
+    """Change of the radius along the jet as the image shows it."""
+    if jet.position.size < 2:
+        return np.zeros(1)
+    return np.asarray(np.gradient(jet.radius, jet.position) / np.cos(out))
 
 
 def _scaled(medium: Medium, factor: float) -> Medium:
