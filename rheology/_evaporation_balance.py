@@ -127,10 +127,17 @@ class Balance:
             return float(state[0]) + _DRY
 
         dry.terminal = True  # type: ignore[attr-defined]
-        size = float(np.abs(slope(begin, np.zeros(self.start.size))).max() * (marks[-1] - begin))
+        span = float(marks[-1] - begin)  # the solver's own variable runs from 0 to 1: steps of 1e-300 are no trouble
+
+        def scaled(x: float, state: FloatArray) -> FloatArray:
+            value: FloatArray = span * slope(begin + span * x, state)
+            return value
+
+        size = float(np.abs(scaled(0.0, np.zeros(self.start.size))).max())
         found = solve_ivp(
-            slope, (begin, marks[-1]), np.zeros(self.start.size), method="LSODA", t_eval=marks[after], rtol=_RTOL,
-            atol=1e-13 * min(1.0, max(size, 1e-200)), max_step=longest, events=dry if self.activity == "unit" else None,
+            scaled, (0.0, 1.0), np.zeros(self.start.size), method="LSODA", t_eval=(marks[after] - begin) / span,
+            rtol=_RTOL, atol=1e-13 * min(1.0, max(size, 1e-200)), max_step=longest / span,
+            events=dry if self.activity == "unit" else None,
         )  # fmt: skip
         if not found.success:
             raise InputError("jet", f"cannot be dried: {found.message}", remedy="check the properties of the solvents")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.straight import StraightJet
     from spinline.numbers import EffectNumbers
 
-__all__ = ["NAMES", "Effects", "choose_effects", "model_of"]
+__all__ = ["NAMES", "Effects", "choose_effects"]
 
 NAMES = ("evaporation", "relaxation", "radial")
 _FIXED = ("manifold", "chain", "walk")  # rungs without relaxation
@@ -45,15 +45,10 @@ class Effects:
         return [words[name] for name in ("relaxation", "evaporation", "radial") if not getattr(self, name)]
 
 
-def model_of(scene: Scene, effects: Effects) -> str:
-    """Rung that a run takes."""
-    if scene.network.model == "auto":
-        return "conformation" if effects.relaxation else "affine"
-    return scene.network.model
-
-
-def choose_effects(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> Effects:
-    """Effects of a scene.
+def choose_effects(
+    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", numbers: "EffectNumbers | None" = None
+) -> Effects:
+    """Effects of a scene whose rung is chosen (`plan`); `numbers` if they are known.
 
     Raises
     ------
@@ -70,7 +65,7 @@ def choose_effects(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
         return Effects(why=why)
     from spinline.numbers import effect_numbers
 
-    numbers = effect_numbers(scene, solution, jet)
+    numbers = effect_numbers(scene, solution, jet) if numbers is None else numbers
     rtol, on, why = scene.accuracy.rtol, dict.fromkeys(NAMES, False), {}
     for name in NAMES:
         on[name], why[name] = _decide(getattr(asked, name), numbers.errors[name], numbers.missing.get(name, ""), rtol)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.estimates import (
+    UNSTEADY,
     Effect,
     elastic_coupling_effect,
     extensibility_effect,
@@ -31,7 +32,7 @@ from spinline.scene import Scene
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
 
-__all__ = ["MARGIN", "Plan", "plan_scene"]
+__all__ = ["MARGIN", "Plan", "plan_scene", "resolved"]
 
 MARGIN = 1.2  # on every estimate
 _HELD = {  # by each rung
@@ -131,7 +132,7 @@ def plan_scene(
     effects = _effects(scene, solution, jet, known)
     rtol, asked = scene.accuracy.rtol, scene.network.model
     errors = {effect.name: effect.error for effect in effects}
-    wanted = _choice(scene, errors, rtol)
+    wanted = _choice(scene, errors, rtol, effects[0].number)
     model = wanted if asked == "auto" else asked
     used = [*_HELD[model], "saturation"]
     if not isinstance(jet, StraightJet):
@@ -155,6 +156,16 @@ def plan_scene(
         reason,
         remarks,
     )
+
+
+def resolved(scene: Scene, plan: Plan) -> Scene:
+    """The scene with the rung of its plan in place of "auto"."""
+    if scene.network.model == plan.model:
+        return scene
+    changes: dict[str, Any] = {"model": plan.model}
+    if plan.model == "manifold" and not _names_a_law(scene):
+        changes["force_law"] = "linear"
+    return scene.model_copy(update={"network": scene.network.model_copy(update=changes)})
 
 
 def _effects(
@@ -189,9 +200,11 @@ def _effects(
     )
 
 
-def _choice(scene: Scene, errors: dict[str, float], rtol: float) -> str:
+def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float) -> str:
+    """Rung for a scene; `steepest` is the largest eps V', beyond 1/4 of which nothing is steady."""
     elastic, relaxing = errors["elastic coupling"], errors["relaxation"]
-    slips, relaxes = MARGIN * elastic > rtol, MARGIN * relaxing > rtol and scene.effects.relaxation is not False
+    slips = MARGIN * elastic > rtol and steepest <= UNSTEADY
+    relaxes = MARGIN * relaxing > rtol and scene.effects.relaxation is not False
     if scene.effects.relaxation is True:
         return "conformation"
     if _names_a_law(scene) or (slips and not (relaxes and relaxing >= elastic)):
