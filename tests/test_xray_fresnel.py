@@ -259,3 +259,16 @@ def test_refusals(change, words) -> None:
     arguments = {"distance": 0.1, **change}
     with pytest.raises(InputError, match=words):
         xray.fit_row_phase(counts, WATER, detector, **arguments)
+
+
+def test_laws_in_the_form_of_the_row_fit() -> None:
+    detector = xray.Detector(np.full(100, 1e6), PIXEL)
+    jet = xray.RoundJet(np.array([0.05]), 20e-6)
+    counts = xray.fresnel_counts(jet, WATER, detector, 0.1)
+    law = xray.phase_law(WATER, 0.1)
+    fit = law(counts, WATER.absorber, detector, shells=np.array([0.0, 1.0]), radius=20.2e-6, axis=0.0)
+    assert fit.mean_fraction == pytest.approx(0.05, abs=1e-6)
+    scaled = xray.Absorber(1.05 * WATER.absorber.solvent, 1.05 * WATER.absorber.contrast, WATER.absorber.air)
+    assert law(counts, scaled, detector, shells=1).mean_fraction != pytest.approx(0.05, abs=1e-4)
+    plain = xray.spectral_law(WATER)(xray.spectral_counts(jet, WATER, detector), WATER.absorber, detector, shells=1)
+    assert plain.mean_fraction == pytest.approx(0.05, abs=1e-6)

@@ -52,13 +52,13 @@ if TYPE_CHECKING:
     from spinline.xray.image import JetField, core_and_sheath, expected_image, transmission_image
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
     from spinline.xray.medium import Medium, solution_medium
-    from spinline.xray.phase_fit import fit_row_phase, phase_error_limit
+    from spinline.xray.phase_fit import fit_row_phase, phase_error_limit, phase_law
     from spinline.xray.phase_retrieval import contact_transmission
     from spinline.xray.refraction import delta_over_mu, refraction_decrement, wavelength
     from spinline.xray.row import RowFit, fit_row
     from spinline.xray.several_jets import Section, SectionsFit, fit_sections, section_chord
     from spinline.xray.solution import solution_absorber
-    from spinline.xray.spectral import fit_row_spectrum, spectral_counts
+    from spinline.xray.spectral import fit_row_spectrum, spectral_counts, spectral_law
     from spinline.xray.spectrum import Spectrum, gaussian_spectrum, harmonic_spectrum, scintillator_response
 
 _NAMES = {
@@ -103,6 +103,7 @@ _NAMES = {
     "material": "attenuation",
     "noisy_counts": "forward",
     "phase_error_limit": "phase_fit",
+    "phase_law": "phase_fit",
     "photons_needed": "limit",
     "refraction_decrement": "refraction",
     "scintillator_response": "spectrum",
@@ -112,6 +113,7 @@ _NAMES = {
     "solution_absorber": "solution",
     "solution_medium": "medium",
     "spectral_counts": "spectral",
+    "spectral_law": "spectral",
     "thin_centre_limit": "limit",
     "thin_mean_limit": "limit",
     "transmission_image": "image",
@@ -162,6 +164,7 @@ __all__ = [
     "material",
     "noisy_counts",
     "phase_error_limit",
+    "phase_law",
     "photons_needed",
     "refraction_decrement",
     "scintillator_response",
@@ -171,6 +174,7 @@ __all__ = [
     "solution_absorber",
     "solution_medium",
     "spectral_counts",
+    "spectral_law",
     "thin_centre_limit",
     "thin_mean_limit",
     "transmission_image",

@@ -31,7 +31,7 @@ _DISTANCES = tuple(float(z) for z in np.geomspace(1e-3, 1.0, 10))
 _TRIED = tuple(float(z) for z in np.geomspace(1e-3, 1.0, 25))
 _CELLS = 8
 _PLAUSIBLE = 0.05
-_ODD = 6.0  # misfit of an absorption fit that is no guide
+_ODD = 3.0  # misfit of an absorption fit that is no guide
 _NUISANCES = ("radius", "axis", "amplitude", "slope")
 
 

@@ -12,8 +12,8 @@ The start: `contact_transmission` folds the fringes back, `start.find_jet` finds
 either edge, shifted until they fit, place it to a fraction of one.
 """
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,7 @@ from spinline.checks import BoolArray, FloatArray, number, positive
 from spinline.errors import InputError
 from spinline.xray.block import summed_counts
 from spinline.xray.chords import checked_edges, equal_shells, shell_weights
-from spinline.xray.forward import Detector, RoundJet
+from spinline.xray.forward import Absorber, Detector, RoundJet
 from spinline.xray.fresnel import PHASE_NUISANCES, WaveRowModel, wave_model
 from spinline.xray.limit import Limit, covariance_bound, good_pixels
 from spinline.xray.medium import Medium
@@ -32,7 +32,15 @@ from spinline.xray.row import RowFit
 from spinline.xray.scoring import largest_likelihood, poisson_deviance
 from spinline.xray.start import find_jet
 
-__all__ = ["PhaseStart", "coarse_place", "fit_row_phase", "phase_error_limit", "phase_start", "start_ratio"]
+__all__ = [
+    "PhaseStart",
+    "coarse_place",
+    "fit_row_phase",
+    "phase_error_limit",
+    "phase_law",
+    "phase_start",
+    "start_ratio",
+]
 
 _BAD = 6.0  # misfit from which on other starts are tried
 _PLAUSIBLE = 0.05  # fraction to start from
@@ -121,6 +129,30 @@ def fit_row_phase(
                 best = trial
         fit = row_outcome(model, best, free, data, lit)
     return fit
+
+
+def phase_law(medium: Medium, distance: float) -> Callable[..., RowFit]:
+    """`fit_row_phase` in the form of `fit_row`, for what fits many rows with a law of counts, absorber and detector.
+
+    Parameters
+    ----------
+    medium : Medium
+        Of one line, it takes the absorber's attenuation (calibrated, say) and keeps its own refraction; of many, its own.
+    distance : float
+        m, > 0.
+
+    Returns
+    -------
+    callable
+        ``law(counts, absorber, detector, **options of fit_row_phase)``.
+    """
+    z = positive("distance", distance, "m")
+
+    def law(counts: ArrayLike, absorber: Absorber, detector: Detector, **options: Any) -> RowFit:
+        seen = medium.with_absorber(absorber) if medium.energy_kev.size == 1 else medium
+        return fit_row_phase(counts, seen, detector, z, **options)
+
+    return law
 
 
 class PhaseStart(NamedTuple):
