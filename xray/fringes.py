@@ -22,7 +22,7 @@ from spinline.xray.fresnel import WaveRowModel
 from spinline.xray.limit import free_parameters
 from spinline.xray.medium import Medium
 from spinline.xray.model import NUISANCES, RowModel
-from spinline.xray.phase_fit import coarse_place, fit_row_phase, phase_start, start_ratio
+from spinline.xray.phase_fit import fit_row_phase, phase_start, start_ratio
 from spinline.xray.row import RowFit, fit_row
 
 __all__ = ["FringeTest", "detect_fringes"]
@@ -124,13 +124,11 @@ def detect_fringes(
     if astray or (
         absorption is not None and absorption.misfit > _ODD
     ):  # no guide to the jet: fold the fringes back instead
-        ratio = start_ratio(data, rows, lit, detector)
-        level = max(float(np.median(ratio)), 1e-6)
-        places = [coarse_place(ratio, medium, detector, z, None, None) for z in _DISTANCES]
-        looks += [
-            (np.array([*np.full(k, _PLAUSIBLE), *place, level, 0.0, detector.blur]), z)
-            for place, z in zip(places, _DISTANCES, strict=True)
-        ]
+        level = max(float(np.median(start_ratio(data, rows, lit, detector))), 1e-6)
+        for z in _DISTANCES:
+            place = phase_start(counts, medium, detector, z, good=good, saturation=saturation)
+            at = [*np.full(k, _PLAUSIBLE), place.radius, place.axis, level, 0.0, detector.blur]
+            looks.append((np.array(at), z))
     significance, overshoot = -np.inf, 0.0
     for at, z in looks:
         score, over = _score(plain, wave, at, z, free, data, lit)
