@@ -59,7 +59,7 @@ def bias() -> None:
             free = f"{xray.fit_row(1e7 * seen, WATER.absorber, detector, shells=1).mean_fraction - 0.05:+.2f}"
         except InputError:
             free = "refused"
-        fit = xray.fit_row_phase(1e7 * seen, WATER, detector, z)
+        fit = xray.fit_row_phase(1e7 * seen, WATER, detector, z, nuisances=NUISANCES)
         print(
             f"{100 * z:5.0f} cm   {np.abs(seen - model).max():.1e}   {held:+.2f} (edges known), {free} (free)   {paganin:+.4f}"
             f"   {fit.mean_fraction - 0.05:+.5f} +/- {fit.mean_fraction_std:.1e}, "
@@ -79,7 +79,10 @@ def scatter(replicates: int = 150) -> None:
         bound = xray.phase_error_limit(jet, WATER, detector, z, nuisances=NUISANCES).mean
         plain = xray.error_limit(jet, WATER.absorber, detector, nuisances=NUISANCES).mean
         start = time.process_time()
-        fits = [xray.fit_row_phase(xray.noisy_counts(mean, 1, i), WATER, detector, z) for i in range(replicates)]
+        fits = [
+            xray.fit_row_phase(xray.noisy_counts(mean, 1, i), WATER, detector, z, nuisances=NUISANCES)
+            for i in range(replicates)
+        ]
         cost = (time.process_time() - start) / replicates
         found = np.array([f.mean_fraction for f in fits])
         z_scores = (found - 0.05) / np.array([f.mean_fraction_std for f in fits])

@@ -168,13 +168,31 @@ def test_scatter_of_phase_fits_reaches_the_bound() -> None:
     detector, jet = xray.Detector(np.full(112, 1e5), PIXEL, blur=0.5e-6), xray.RoundJet(np.array([0.05]), 25e-6, 1e-6)
     mean = xray.fresnel_counts(jet, WATER, detector, 0.1)
     bound = xray.phase_error_limit(jet, WATER, detector, 0.1, nuisances=NUISANCES)
-    fits = [xray.fit_row_phase(xray.noisy_counts(mean, 7, i), WATER, detector, 0.1) for i in range(100)]
+    fits = [
+        xray.fit_row_phase(xray.noisy_counts(mean, 7, i), WATER, detector, 0.1, nuisances=NUISANCES) for i in range(100)
+    ]
     found = np.array([f.mean_fraction for f in fits])
     assert all(f.converged for f in fits)
     assert 0.8 < found.std(ddof=1) / bound.mean < 1.2
     assert abs(found.mean() - 0.05) < 3.3 * bound.mean / 10
     assert fits[0].mean_fraction_std == pytest.approx(bound.mean, rel=0.05)
     assert np.mean([f.misfit for f in fits]) == pytest.approx(0.0, abs=0.4)
+
+
+def test_a_wrong_distance_or_blur_is_costly_shows_and_is_cured_by_fitting_it() -> None:
+    detector = xray.Detector(np.full(224, 1e6), PIXEL, blur=1.2e-6)
+    counts = xray.fresnel_counts(xray.RoundJet(np.array([0.05]), 50e-6, 2e-6), WATER, detector, 0.1)
+    wrong = xray.Detector(detector.flat, PIXEL, blur=1.32e-6)
+    held = xray.fit_row_phase(counts, WATER, wrong, 0.1, nuisances=NUISANCES)
+    assert abs(held.mean_fraction - 0.05) > 0.3
+    assert held.misfit > 100
+    both = (*NUISANCES, "blur", "distance")
+    free = xray.fit_row_phase(counts, WATER, wrong, 0.102, nuisances=both)
+    assert free.mean_fraction == pytest.approx(0.05, abs=1e-3)
+    assert free.values["blur"] == pytest.approx(1.2e-6, rel=1e-3)
+    jet = xray.RoundJet(np.array([0.05]), 50e-6, 2e-6)
+    prices = [xray.phase_error_limit(jet, WATER, detector, 0.1, nuisances=n).mean for n in (NUISANCES, both)]
+    assert 1.0 < prices[1] / prices[0] < 1.2
 
 
 def test_phase_lowers_the_limit_of_thin_jets() -> None:
@@ -197,7 +215,7 @@ def test_unknown_distance_and_blur_are_found() -> None:
     assert fit.values["distance"] == pytest.approx(0.1, abs=4 * fit.std["distance"])
     assert fit.std["distance"] < 2e-3
     assert abs(fit.mean_fraction - 0.05) < 4 * fit.mean_fraction_std
-    held = xray.fit_row_phase(counts, WATER, detector, 0.1)
+    held = xray.fit_row_phase(counts, WATER, detector, 0.1, nuisances=NUISANCES)
     assert held.mean_fraction_std < fit.mean_fraction_std
 
 
@@ -265,10 +283,12 @@ def test_laws_in_the_form_of_the_row_fit() -> None:
     detector = xray.Detector(np.full(100, 1e6), PIXEL)
     jet = xray.RoundJet(np.array([0.05]), 20e-6)
     counts = xray.fresnel_counts(jet, WATER, detector, 0.1)
-    law = xray.phase_law(WATER, 0.1)
+    law = xray.phase_law(WATER, 0.1, distance_known=True)
     fit = law(counts, WATER.absorber, detector, shells=np.array([0.0, 1.0]), radius=20.2e-6, axis=0.0)
     assert fit.mean_fraction == pytest.approx(0.05, abs=1e-6)
     scaled = xray.Absorber(1.05 * WATER.absorber.solvent, 1.05 * WATER.absorber.contrast, WATER.absorber.air)
     assert law(counts, scaled, detector, shells=1).mean_fraction != pytest.approx(0.05, abs=1e-4)
+    free = xray.phase_law(WATER, 0.101)(counts, WATER.absorber, detector, shells=1, nuisances=NUISANCES)
+    assert free.values["distance"] == pytest.approx(0.1, rel=1e-4)
     plain = xray.spectral_law(WATER)(xray.spectral_counts(jet, WATER, detector), WATER.absorber, detector, shells=1)
     assert plain.mean_fraction == pytest.approx(0.05, abs=1e-6)
