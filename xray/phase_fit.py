@@ -6,8 +6,8 @@ absorption says, several times over, so that at a known distance the bound falls
 R = 10 um and 20 cm).
 
 With it comes what must be known: an error of the solvent's density by 0.1 % changes delta by as much as 0.01 in the fraction
-of PEO in water does. A blur or a distance that is held wrong is mistaken for fringes of another size, and shows in the misfit: fit
-them.
+of PEO in water does. A blur or a distance that is held wrong is mistaken for fringes of another size, and shows in the misfit:
+fit them.
 
 The start: `contact_transmission` folds the fringes back, `start.find_jet` finds the jet to about a pixel, and the fringes of
 either edge, shifted until they fit, place it to a fraction of one.
