@@ -28,9 +28,13 @@ def scene_data(seed, index):
         return None
     network = {key: data["network"][key] for key in ("closure", "solvent_quality", "coupling")}
     return {
-        "solution": data["solution"], "jet": data["jet"], "network": network, "effects": {"evaporation": False, "radial": False},
-        "rheology": {"constitutive": data["rheology"]["constitutive"], "law": "constant"}, "accuracy": {"points": 401},
-    }  # fmt: skip
+        "solution": data["solution"],
+        "jet": data["jet"],
+        "network": network,
+        "effects": {"evaporation": False, "radial": False},
+        "rheology": {"constitutive": data["rheology"]["constitutive"], "law": "constant"},
+        "accuracy": {"points": 401},
+    }
 
 
 def timed(scene):

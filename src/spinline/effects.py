@@ -80,9 +80,25 @@ def choose_effects(
         else:
             on["radial"], why["radial"] = False, "off: there is no evaporation"
     if on["evaporation"] and scene.ambient is None:
-        # a solvent without vapour in the room needs no more; water's humidity is asked for where the air is built
-        why["evaporation"] += "; air as in the property library, at the temperature of the solution"
+        why["evaporation"] += "; air of the property library, at the temperature of the solution"
+    _check_data(scene, solution, on)
     return Effects(on["evaporation"], on["relaxation"], on["radial"], why, numbers)
+
+
+def _check_data(scene: Scene, solution: Solution, on: dict[str, bool]) -> None:
+    """Refuse what a run would refuse, before it runs."""
+    from spinline.air import build_air
+    from spinline.drying_run import check_radial
+    from spinline.material import build_material, diffusion_law, glass_fraction
+
+    if on["evaporation"]:
+        air = build_air(scene, solution)
+        glass_fraction(scene, solution)
+        if on["radial"]:
+            diffusion_law(scene)
+            check_radial(air)
+    if any(on.values()):
+        build_material(scene, solution)
 
 
 def _decide(switch: object, error: float, missing: str, rtol: float) -> tuple[bool, str]:

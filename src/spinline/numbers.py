@@ -197,7 +197,7 @@ def _drying(
     scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", missing: dict[str, str]
 ) -> tuple[float, float, float, float, float]:
     """Evaporated fraction, Biot, Peclet and Fourier numbers, and how uneven the jet is."""
-    if scene.ambient is None:
+    if scene.ambient is None and True not in (scene.effects.evaporation, scene.effects.radial):
         missing["evaporation"] = missing["radial"] = "there is no [ambient]"
         return (_NAN,) * 5
     try:

@@ -66,6 +66,8 @@ class Plan:
     used, left_out : tuple of str
         Names of effects.
     rtol : float
+    numbers : EffectNumbers
+        What the estimates are made from.
     reason : str
         A sentence.
     remarks : tuple of str
@@ -78,6 +80,7 @@ class Plan:
     used: tuple[str, ...]
     left_out: tuple[str, ...]
     rtol: float
+    numbers: EffectNumbers
     reason: str
     remarks: tuple[str, ...]
 
@@ -153,6 +156,7 @@ def plan_scene(
         tuple(e.name for e in effects if e.name in used),
         left_out,
         rtol,
+        known,
         reason,
         remarks,
     )
@@ -209,7 +213,10 @@ def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float
         return "conformation"
     if _names_a_law(scene) or (slips and not (relaxes and relaxing >= elastic)):
         return "manifold" if not np.isnan(elastic) else "affine"
-    return "conformation" if relaxes else "affine"
+    # a solution that dries relaxes by other times than it set out with: the rung that can hold that, if the time is known
+    dries = _switched(scene.effects.evaporation, errors["evaporation"], rtol) and MARGIN * errors["evaporation"] > rtol
+    knows = not np.isnan(relaxing) and scene.effects.relaxation is not False
+    return "conformation" if relaxes or (dries and knows) else "affine"
 
 
 def _names_a_law(scene: Scene) -> bool:

@@ -22,6 +22,7 @@ from spinline.rungs import (
     BOND_STRENGTH,
     Crossover,
     SettledChain,
+    lateral_fields,
     network_fields,
     settled_chain,
     slip_fields,
@@ -91,7 +92,7 @@ def run(scene: Scene) -> "xr.Dataset":
     jet = build_jet(scene, solution)
     plan = plan_scene(scene, solution, jet)
     scene = resolved(scene, plan)
-    effects = choose_effects(scene, solution, jet)
+    effects = choose_effects(scene, solution, jet, plan.numbers)
     remarks = examine(scene, solution, jet, effects)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     targets = {
@@ -138,6 +139,10 @@ def run(scene: Scene) -> "xr.Dataset":
     fields = profile | network_fields(profile, scene, solution, network, extra)
     if network is not None and isinstance(jet, StraightJet):
         fields |= slip_fields(fields, network, scene, solution, jet)
+    if scene.network.lateral:
+        if not isinstance(jet, StraightJet):
+            raise InputError("network.lateral", "needs a straight jet", value=True, remedy="leave it out")
+        fields |= lateral_fields(fields, scene, solution, jet)
     if scene.network.model == "walk":
         fields |= walk_fields(fields, scene, solution)
     scalars: dict[str, Any] = {"volume_fraction": phi}
