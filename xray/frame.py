@@ -231,7 +231,7 @@ def fit_frame(
 def _line(values: FloatArray) -> FloatArray:
     """Straight line through the values: their trend without their noise."""
     at = np.arange(values.size)
-    line: FloatArray = np.polyval(np.polyfit(at, values, 1), at)
+    line: FloatArray = np.asarray(np.polyval(np.polyfit(at, values, 1), at), dtype=np.float64)
     return line
 
 

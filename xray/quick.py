@@ -2,9 +2,9 @@
 
     phi(x) = (-ln(T) / L(x) - mu_s + mu_air) / D,    T = (counts - dark) / (flat A (1 + s u))
 
-with radius, axis and the beam's level and slope from `track`. A chord mean is no local value; gathered by ``|x|/R`` into shells
-it is still the mean along chords at that distance from the axis. The mean over the section is exact in principle, for the sum of
--ln T over the jet is the integral of mu over its area. Its error is counts and geometry together, to first order; the bias of a
+with radius, axis and the beam's level and slope from `track`. A chord mean is no local value; gathered by ``|x|/R`` into
+shells it is still the mean along chords at that distance from the axis. The mean over the section is exact in principle, for the sum
+of -ln T over the jet is the integral of mu over its area. Its error is counts and geometry together, to first order; the bias of a
 logarithm, ``1/(2 N L D)``, is flagged, not taken off. `frame.fit_frame` has no such price, at ten times the time.
 """
 
@@ -68,7 +68,7 @@ def _binned(frame: Frame, fit: FrameFit) -> Frame:
 
 
 def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: Track) -> None:
-    counts, flat, dark, good = (a[part] for a in (frame.counts, frame.flat, frame.dark, frame.good))
+    counts, flat, dark, good = frame.counts[part], frame.flat[part], frame.dark[part], frame.good[part]
     r, a, level, slope = (v[part, None] for v in (path.radius, path.axis, path.level, path.slope))
     rows, n = counts.shape
     base, d, p = absorber.solvent - absorber.air, absorber.contrast, frame.pixel
@@ -96,7 +96,7 @@ def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: 
     geometry = np.einsum("ri,rij,rj->r", slopes, covariance, slopes)
     fit.mean_std[part] = np.sqrt(noise.sum(axis=1) / area**2 + geometry) / abs(d)
     mu = base + d * 0.5 * np.clip(np.nan_to_num(2.0 * fit.mean[part]), 0.0, 2.0)
-    _bounds(fit, part, flat * good, np.where(good, chord, 0.0), mu[:, None], d)
+    _bounds(fit, part, np.where(good, flat, 0.0), np.where(good, chord, 0.0), mu[:, None], d)
     _gather(fit, part, np.abs(0.5 * (s[:, 1:] + s[:, :-1])), chord, lit, depth, noise, (base, d), (covariance, level, u))
     few = np.nansum(np.where(lit, noise, 0.0), axis=1) * 0.5 > 0.1 * np.sqrt(noise.sum(axis=1))
     for name, values, index in (("radius", r * p, 0), ("axis", a * p, 1), ("amplitude", level, 2), ("slope", slope, 3)):

@@ -161,8 +161,8 @@ def _uniform(
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Uniform jets of the largest likelihood in all rows; parameters, covariance and whether the row settled."""
     parts = [
-        _uniform_part(*(array[i : i + _TOGETHER] for array in (counts, flat, dark, good)), start[i : i + _TOGETHER])
-        for i in range(0, counts.shape[0], _TOGETHER)
+        _uniform_part(counts[part], flat[part], dark[part], good[part], start[part])
+        for part in (slice(i, i + _TOGETHER) for i in range(0, counts.shape[0], _TOGETHER))
     ]
     at, covariance, settled = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     return at, covariance, settled
@@ -206,7 +206,7 @@ def _uniform_part(
     everyone = np.ones(rows, dtype=np.bool_)
     fisher, gradient, deviance = look(everyone, at)
     damping = np.full(rows, 1e-3)
-    active = good.any(axis=1)
+    active = np.asarray(good.any(axis=1))
     settled = np.zeros(rows, dtype=np.bool_)
     for _ in range(_STEPS):
         if not active.any():
