@@ -29,13 +29,14 @@ from spinline.units import Measured
 if TYPE_CHECKING:
     import xarray as xr
 
+    from spinline.images import Images
     from spinline.jetprofile.lagrangian import LagrangianJet
 
 __all__ = ["build_jet", "build_solution", "coupling", "coupling_error", "jet_length"]
 
 
-def build_solution(scene: Scene) -> Solution:
-    """Solution of a scene, built-in properties filled in."""
+def build_solution(scene: "Scene | Images") -> Solution:
+    """Solution of a scene or an images file, built-in properties filled in."""
     s = scene.solution
     data: Polymer
     if isinstance(s.polymer, PolymerData):
