@@ -156,7 +156,7 @@ def require_track(frame: Frame) -> Track:
     track = track_jet(frame.counts, frame.flat, frame.dark, frame.good)
     if track is None:
         raise InputError(
-            "counts", "show no jet along the rows: its radius is not found to 10 %, even in the sum of all rows",
+            "counts", "show no jet along the rows: its radius is not found to 30 %, even in the sum of all rows",
             remedy="check flat and transpose with `spinline preview`, or expose for longer",
         )  # fmt: skip
     return track

@@ -116,7 +116,8 @@ def _coarse(
         start[g] = m, r, a, level, 0.0
     fitted, covariance, settled = _uniform(total[0], total[1], total[2], lit & tried[:, None], start)
     spread = np.sqrt(np.maximum(covariance[:, 1, 1], 0.0))
-    sure = settled & tried & (fitted[:, 0] > 0) & (spread < _SURE * fitted[:, 1])
+    most = _SURE if groups > 1 else 3.0 * _SURE  # the last resort may be vague
+    sure = settled & tried & (fitted[:, 0] > 0) & (spread < most * fitted[:, 1])
     if sure.sum() < max(1, groups // 3):
         return None
     middle = 0.5 * (bounds[1:] + bounds[:-1] - 1)[sure]
@@ -229,7 +230,9 @@ def _uniform_part(
         end = (gain < 1e-2) | (damping[index] > 1e6)
         settled[index[end & (damping[index] < 1e3)]] = True
         active[index[end]] = False
-    scale = np.sqrt(np.maximum(np.einsum("rii->ri", fisher), 1e-300))
-    scaled = fisher / (scale[:, :, None] * scale[:, None, :]) + 1e-12 * np.eye(5)
-    covariance = np.linalg.inv(scaled) / (scale[:, :, None] * scale[:, None, :])
-    return at, covariance, settled
+    covariance = np.full((rows, 5, 5), np.nan)
+    sound = np.asarray((np.einsum("rii->ri", fisher) > 0).all(axis=1))
+    scale = np.sqrt(np.einsum("rii->ri", fisher[sound]))
+    scaled = fisher[sound] / (scale[:, :, None] * scale[:, None, :]) + 1e-12 * np.eye(5)
+    covariance[sound] = np.linalg.inv(scaled) / (scale[:, :, None] * scale[:, None, :])
+    return at, covariance, settled & sound

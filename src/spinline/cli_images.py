@@ -139,8 +139,9 @@ def exposure(
     from spinline.units import parse
 
     solution, given_pixel, given_energy, coherent = _solution(source, set_ or [])
-    radii = [parse(r, "length", "--radius").value for r in radius or ("100 um", "50 um", "25 um", "10 um")]
     width = parse(pixel, "length", "--pixel").value if pixel is not None else (given_pixel or 0.67e-6)
+    usual = [r for r in (100e-6, 50e-6, 25e-6, 10e-6) if r > 3.0 * width] or [100.0 * width]
+    radii = [parse(r, "length", "--radius").value for r in radius] if radius else usual
     fixed = parse(energy, "energy", "--energy").value / KEV if energy is not None else given_energy
     from spinline.exposure import as_rows, plan_exposure, table
 
