@@ -22,7 +22,7 @@ from spinline.xray.forward import Absorber, Detector, RoundJet, row_model
 from spinline.xray.limit import covariance_bound, free_parameters, require_contrast
 from spinline.xray.model import NUISANCES, RowModel
 from spinline.xray.scoring import largest_likelihood
-from spinline.xray.start import find_jet
+from spinline.xray.start import find_jet, jet_depth
 
 __all__ = ["FLAGS", "RowFit", "fit_row"]
 
@@ -165,13 +165,15 @@ def fit_row(
     best = largest_likelihood(model, start, free, data, lit)
     fit = _result(model, best, free, data, lit)
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
+        first = best
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
             trial = largest_likelihood(model, other, free, data, lit)
             if trial[3] < best[3] - 1e-3:
                 best = trial
-        fit = _result(model, best, free, data, lit)
+        if best is not first:
+            fit = _result(model, best, free, data, lit)
     return fit
 
 
@@ -202,8 +204,11 @@ def _start(
     at = np.arange(data.size)
     clean = smoothed_outliers(data[lit])
     ratio = np.interp(at, at[lit], (clean - model.dark[lit]) / model.flat[lit] - model.veil[lit])
-    found_r, found_a, depth = find_jet(ratio, r, a)
-    found_r, found_a = (found_r if r is None else r), (found_a if a is None else a)
+    if r is not None and a is not None:
+        found_r, found_a, depth = r, a, jet_depth(ratio, r, a)
+    else:
+        found_r, found_a, depth = find_jet(ratio, r, a)
+        found_r, found_a = (found_r if r is None else r), (found_a if a is None else a)
     mu = -np.log1p(-min(max(depth, 1e-3), 0.99)) / (2.0 * found_r * p)
     phi = min(max((mu - model.base) / model.contrast, 0.0), 1.0)
     start = np.array([*np.full(k, phi), found_r * p, found_a * p, *held, detector.blur])

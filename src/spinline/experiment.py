@@ -137,6 +137,8 @@ def prepare(
     track = require_track(looked_at)
     _expect_fringes(images, pixel, blur, remarks)
     remarks += _odd(facts)
+    if images.method == "chord" and blur > 0.5 * pixel:
+        remarks.append("chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood")
     experiment = Experiment(
         images, stack, fields, solution, pixel, pixel_std, blur, absorber, Calibration(), notes, tuple(remarks)
     )

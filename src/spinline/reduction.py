@@ -248,7 +248,8 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
     blocks = result.sizes["row"]
     if frames:
         table["frame"] = np.repeat(np.arange(frames), blocks)
-    for name, variable in result.variables.items():
+    ordered = {name: result[name] for name in (*result.coords, *result.data_vars)}
+    for name, variable in ordered.items():
         dims = [d for d in variable.dims if d != "frame"]
         if dims not in (["row"], ["row", "shell"]):
             continue
