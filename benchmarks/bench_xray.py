@@ -63,13 +63,17 @@ def bound(radius, flat, blur=0.0):
 
 def scatter():
     """500 replicates at R = 100, 50, 25 um."""
-    print("scatter over the bound with the same unknowns, 500 replicates: mean; shells from the axis; bias in sd of the mean of all")
+    print(
+        "scatter over the bound with the same unknowns, 500 replicates: mean; shells from the axis; bias in sd of the average"
+    )
     for um, photons in ((100, 1e5), (50, 1e6), (25, 1e7)):
         mean, flat = phantom(um * 1e-6, photons)
         fit, limit = fit_frame(replicates(mean, flat, 500, um), SOLUTION), bound(um * 1e-6, flat)
         ratio = fit.fraction.std(axis=0, ddof=1) / limit.fraction
         bias = (fit.mean.mean() - MEAN) / (limit.mean / np.sqrt(500))
-        print(f"  R = {um:3d} um, N = {photons:.0e}: {fit.mean.std(ddof=1) / limit.mean:.3f}; {ratio.round(3)}; {bias:+.2f}")
+        print(
+            f"  R = {um:3d} um, N = {photons:.0e}: {fit.mean.std(ddof=1) / limit.mean:.3f}; {ratio.round(3)}; {bias:+.2f}"
+        )
 
 
 def coverage():
@@ -83,7 +87,8 @@ def coverage():
         radius = (fit.values["radius"] - um * 1e-6) / fit.std["radius"]
         print(
             f"  R = {um:3d} um, N = {photons:.0e}: {z.std():.3f}, {100 * np.mean(abs(z) < 1.96):.1f} %; shells "
-            f"{shells.std(axis=0).round(3)}; radius {radius.std():.3f}; misfit {fit.misfit.mean():+.3f} +/- {fit.misfit.std():.2f}"
+            f"{shells.std(axis=0).round(3)}; radius {radius.std():.3f}; misfit "
+            f"{fit.misfit.mean():+.3f} +/- {fit.misfit.std():.2f}"
         )
         uniform, flat = phantom(um * 1e-6, photons, [MEAN])
         quick = chord_frame(replicates(uniform, flat, 1000, 8 + um), SOLUTION)
@@ -94,19 +99,31 @@ def coverage():
 def bias():
     """Mean counts of 1e7 photons: what the model itself gets wrong."""
     print("bias of the mean fraction at N = 1e7, R = 50 um, nothing known, in its standard deviation:")
-    for name, fraction in (("uniform", [0.05]), ("shells", PHI), ("parabola", 0.03 + 0.06 * ((np.arange(400) + 0.5) / 400) ** 2)):
+    for name, fraction in (
+        ("uniform", [0.05]),
+        ("shells", PHI),
+        ("parabola", 0.03 + 0.06 * ((np.arange(400) + 0.5) / 400) ** 2),
+    ):
         for blur in (0.0, 1.2e-6):
             mean, flat = phantom(50e-6, 1e7, fraction, blur=blur)
-            true = float(xray.shell_weights(xray.equal_shells(len(fraction))) @ fraction) if len(fraction) < 400 else 0.06
+            true = (
+                float(xray.shell_weights(xray.equal_shells(len(fraction))) @ fraction) if len(fraction) < 400 else 0.06
+            )
             for shells in (1,) if name == "uniform" else (3, 6):
-                fit = fit_frame(Frame(mean[None], flat[None], 0 * flat[None], flat[None] > 0, PIXEL, blur), SOLUTION, shells=shells)
+                fit = fit_frame(
+                    Frame(mean[None], flat[None], 0 * flat[None], flat[None] > 0, PIXEL, blur), SOLUTION, shells=shells
+                )
                 error = fit.mean[0] - true
-                print(f"  {name}, {shells} fitted, blur {1e6 * blur:.1f} um: {error:+.2e} = {error / fit.mean_std[0]:+.3f} sd")
+                print(
+                    f"  {name}, {shells} fitted, blur {1e6 * blur:.1f} um: {error:+.2e} = {error / fit.mean_std[0]:+.3f} sd"
+                )
 
 
 def low():
     """2,000 rows of few photons."""
-    print("2,000 rows, R = 50 um: all in one block, all unknown; and one by one with the geometry known, averaged (in sd)")
+    print(
+        "2,000 rows, R = 50 um: all in one block, all unknown; and one by one with the geometry known, averaged (in sd)"
+    )
     for photons in (20, 5, 1):
         mean, flat = phantom(50e-6, photons)
         frame = replicates(mean, flat, 2000, photons)
@@ -117,7 +134,8 @@ def low():
         each = np.array([xray.fit_row(row, SOLUTION, detector, **known).mean_fraction for row in frame.counts])
         alone = (each.mean() - MEAN) / (each.std() / np.sqrt(2000))
         print(
-            f"  {photons:2d} photons: block {fit.mean[0]:.3f} +/- {fit.mean_std[0]:.3f} ({z:+.2f}); one by one {each.mean():.3f} ({alone:+.2f})"
+            f"  {photons:2d} photons: block {fit.mean[0]:.3f} +/- {fit.mean_std[0]:.3f} ({z:+.2f}); "
+            f"one by one {each.mean():.3f} ({alone:+.2f})"
         )
 
 
@@ -156,12 +174,12 @@ RUN = """
 import resource, time, warnings
 warnings.simplefilter("ignore")
 from spinline.images import load_images
-from spinline.reduce import reduce
+from spinline.reduce import reduce_images
 marks = []
 def said(what, done, total): marks.append((what, done, time.perf_counter()))
 if __name__ == "__main__":
     begun = time.perf_counter()
-    result = reduce(load_images("images.toml"), checkpoint="job", workers={workers}, progress=said)
+    result = reduce_images(load_images("images.toml"), checkpoint="job", workers={workers}, progress=said)
     summed = max((t for what, _, t in marks if what == "frames"), default=begun) - begun
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     children = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -2,10 +2,10 @@
 
     python benchmarks/make_peo5_images.py [FOLDER]
 
-writes peo5-images.npz: two frames, five flats, two darks of a camera with 2 photons per count, 100 counts of offset and read
-noise, a dead and a hot pixel; the beam has drifted by 1 % and tilted by 1 % since the flats. 7 keV, 4 um pixels, the nozzle's end
-at the first row. The network of the jet contracts: polymer within the network's radius, none outside, the mean of the section
-everywhere that of the solution.
+writes peo5-images.npz: two frames, five flats, two darks of a camera with 2 photons per count, 100 counts of offset and
+read noise, a dead and a hot pixel; the beam has drifted by 1 % and tilted by 1 % since the flats. 7 keV, 4 um pixels, the
+nozzle's end at the first row. The network of the jet contracts: polymer within the network's radius, none outside, the mean
+of the section everywhere that of the solution.
 """
 
 import sys

@@ -1,8 +1,8 @@
 """Edges of an opaque body, such as a nozzle in view, to a part of a pixel.
 
 Between air (transmission a) and the body (b) the edge lies where the missing light would fill up to: at the position e with
-``integral of (T - b)/(a - b) = e - x_0`` over a window about the half-way point. That is exact for pixels that average over their
-width and for any symmetric blur, where linear interpolation of the half-way point is off by up to 0.1 pixel.
+``integral of (T - b)/(a - b) = e - x_0`` over a window about the half-way point. That is exact for pixels that average over
+their width and for any symmetric blur, where linear interpolation of the half-way point is off by up to 0.1 pixel.
 """
 
 import numpy as np
@@ -38,7 +38,9 @@ def opaque_edges(ratio: FloatArray, std: float = 0.0) -> tuple[float, float, flo
     n = ratio.size
     seen = np.isfinite(ratio)
     if seen.sum() < 8:
-        raise InputError("nozzle_rows", "hold too few good pixels", value=int(seen.sum()), remedy="check bad pixels and flat")
+        raise InputError(
+            "nozzle_rows", "hold too few good pixels", value=int(seen.sum()), remedy="check bad pixels and flat"
+        )
     t = np.interp(np.arange(n), np.flatnonzero(seen), ratio[seen])
     end = max(3, n // 20)
     air = 0.5 * (float(np.median(t[:end])) + float(np.median(t[-end:])))
@@ -55,7 +57,9 @@ def opaque_edges(ratio: FloatArray, std: float = 0.0) -> tuple[float, float, flo
             "nozzle_diameter", f"is of a nozzle that lets {100 * body / air:.0f} % through: its edge is not sharp",
             remedy="give pixel_size instead",
         )  # fmt: skip
-    left_air, right_air = (float(np.median(t[s])) for s in (slice(0, max(first - window, 1)), slice(last + window + 1, n)))
+    left_air, right_air = (
+        float(np.median(t[s])) for s in (slice(0, max(first - window, 1)), slice(last + window + 1, n))
+    )
     left_part = (t[first - window : first + window] - body) / (left_air - body)
     right_part = (t[last - window + 1 : last + window + 1] - body) / (right_air - body)
     left = first - window + float(left_part.sum())

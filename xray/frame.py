@@ -1,9 +1,9 @@
 """A whole frame, row by row or in blocks of rows: the track of the jet first, then the likelihood of every block.
 
 The rows of a block are summed and taken for one row of one jet (`row`); the fit starts from the radius and the axis that
-`track` found there, so it does not have to find the jet again, and a row with few photons is helped by its neighbours. Where radius
-or axis changes within the block, the sum is a little out of focus at the edges: a blur of that standard deviation is added.
-A block that cannot be fitted is NaN with a flag and its reason, not an end to the rest.
+`track` found there, so it does not have to find the jet again, and a row with few photons is helped by its neighbours.
+Where radius or axis changes within the block, the sum is a little out of focus at the edges: a blur of that standard
+deviation is added. A block that cannot be fitted is NaN with a flag and its reason, not an end to the rest.
 """
 
 from collections.abc import Callable, Sequence
@@ -72,7 +72,9 @@ class Frame:
     def block(self, start: int, stop: int) -> tuple[FloatArray, Detector, BoolArray]:
         """Sum of the rows from `start` to before `stop`: counts, detector and mask of one row."""
         good = self.good[start:stop]
-        counts, flat, dark = (np.where(good, a[start:stop], 0.0).sum(axis=0) for a in (self.counts, self.flat, self.dark))
+        counts, flat, dark = (
+            np.where(good, a[start:stop], 0.0).sum(axis=0) for a in (self.counts, self.flat, self.dark)
+        )
         lit = flat > 0
         if not lit.any():
             raise InputError("flat", "has no good pixel in these rows", value=f"rows {start} to {stop}")

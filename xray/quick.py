@@ -3,9 +3,10 @@
     phi(x) = (-ln(T) / L(x) - mu_s + mu_air) / D,    T = (counts - dark) / (flat A (1 + s u))
 
 with radius, axis and the beam's level and slope from `track`. A chord mean is no local value; gathered by ``|x|/R`` into
-shells it is still the mean along chords at that distance from the axis. The mean over the section is exact in principle, for the sum
-of -ln T over the jet is the integral of mu over its area. Its error is counts and geometry together, to first order; the bias of a
-logarithm, ``1/(2 N L D)``, is flagged, not taken off. `frame.fit_frame` has no such price, at ten times the time.
+shells it is still the mean along chords at that distance from the axis. The mean over the section is exact in principle,
+for the sum of -ln T over the jet is the integral of mu over its area. Its error is counts and geometry together, to first
+order; the bias of a logarithm, ``1/(2 N L D)``, is flagged, not taken off. `frame.fit_frame` has no such price, at ten
+times the time.
 """
 
 import numpy as np
@@ -90,14 +91,21 @@ def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: 
     total = depth.sum(axis=1) / area
     fit.mean[part] = (total - base) / d
     slopes = np.stack(
-        [-2.0 * total / r[:, 0], 0.0 * total, lit.sum(axis=1) / area / level[:, 0], np.where(lit, u, 0.0).sum(axis=1) / area],
+        [
+            -2.0 * total / r[:, 0],
+            0.0 * total,
+            lit.sum(axis=1) / area / level[:, 0],
+            np.where(lit, u, 0.0).sum(axis=1) / area,
+        ],
         axis=1,
     )  # with radius, axis, level, slope
     geometry = np.einsum("ri,rij,rj->r", slopes, covariance, slopes)
     fit.mean_std[part] = np.sqrt(noise.sum(axis=1) / area**2 + geometry) / abs(d)
     mu = base + d * 0.5 * np.clip(np.nan_to_num(2.0 * fit.mean[part]), 0.0, 2.0)
     _bounds(fit, part, np.where(good, flat, 0.0), np.where(good, chord, 0.0), mu[:, None], d)
-    _gather(fit, part, np.abs(0.5 * (s[:, 1:] + s[:, :-1])), chord, lit, depth, noise, (base, d), (covariance, level, u))
+    _gather(
+        fit, part, np.abs(0.5 * (s[:, 1:] + s[:, :-1])), chord, lit, depth, noise, (base, d), (covariance, level, u)
+    )
     few = np.nansum(np.where(lit, noise, 0.0), axis=1) * 0.5 > 0.1 * np.sqrt(noise.sum(axis=1))
     for name, values, index in (("radius", r * p, 0), ("axis", a * p, 1), ("amplitude", level, 2), ("slope", slope, 3)):
         scale = p if index < 2 else 1.0

@@ -4,10 +4,10 @@ Each row is fitted by a uniform round jet,
 
     counts = flat A (1 + s u) exp(-m L(x; R, a)) + dark,
 
-with its own attenuation m, radius R, axis a, level A and slope s, by Fisher scoring of the Poisson likelihood; all rows step
-together, as arrays. The start comes from groups of rows, each summed until the jet in it is found (`start`), and lines between
-them. A jet that is not uniform shifts the radius by much less than a pixel: good enough for the quick look (`quick`) and as the
-start of the fit by shells (`frame`).
+with its own attenuation m, radius R, axis a, level A and slope s, by Fisher scoring of the Poisson likelihood; all rows
+step together, as arrays. The start comes from groups of rows, each summed until the jet in it is found (`start`), and lines
+between them. A jet that is not uniform shifts the radius by much less than a pixel: good enough for the quick look
+(`quick`) and as the start of the fit by shells (`frame`).
 """
 
 from dataclasses import dataclass
@@ -201,7 +201,9 @@ def _uniform_part(
         gradient = (weighted @ (counts[which] - mean)[:, :, None])[:, :, 0]
         data = np.where(good[which], counts[which], mean)
         safe = np.maximum(data, 1e-300)
-        deviance = 2.0 * (weight[which] * (np.where(data > 0, data * np.log(safe / mean), 0.0) - (data - mean))).sum(axis=1)
+        deviance = 2.0 * (weight[which] * (np.where(data > 0, data * np.log(safe / mean), 0.0) - (data - mean))).sum(
+            axis=1
+        )
         return fisher, gradient, deviance
 
     everyone = np.ones(rows, dtype=np.bool_)

@@ -37,13 +37,17 @@ class Checkpoint:
         try:
             if folder.exists():
                 if not mark.is_file():
-                    raise InputError(str(folder), "is in the way: it is no checkpoint", remedy="move it, or choose another OUT")
+                    raise InputError(
+                        str(folder), "is in the way: it is no checkpoint", remedy="move it, or choose another OUT"
+                    )
                 if mark.read_text(encoding="ascii") != job:
                     shutil.rmtree(folder)
             folder.mkdir(exist_ok=True)
             mark.write_text(job, encoding="ascii")
         except OSError as error:
-            raise InputError(str(folder), f"cannot be written ({error.strerror})", remedy="choose another OUT") from None
+            raise InputError(
+                str(folder), f"cannot be written ({error.strerror})", remedy="choose another OUT"
+            ) from None
 
     def save(self, name: str, **arrays: Any) -> None:
         """Store a piece."""

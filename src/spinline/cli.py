@@ -167,7 +167,9 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
 
 @app.command()
 def scenes(
-    copy: Annotated[str | None, typer.Option(metavar="NAME", help="Copy this bundled scene or set of images, with its data.")] = None,
+    copy: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Copy this bundled scene or set of images, with its data.")
+    ] = None,
     to: Annotated[Path, typer.Option(help="Folder to copy to.")] = Path(),
     force: ForceOption = False,
 ) -> None:

@@ -46,9 +46,9 @@ def preview(
     picture = None if no_figure else figure or _beside(images, loaded.name, "-preview.png")
     if picture is not None:
         writable(picture, force=force)
-    from spinline.preview import preview as look
+    from spinline.preview import preview_images
 
-    seen = look(loaded)
+    seen = preview_images(loaded)
     if picture is not None:
         from spinline.figures_images import preview_sheet, save_sheet
 
@@ -67,14 +67,18 @@ def preview(
 
 def reduce(
     images: ImagesArgument,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: IMAGES' name with .nc.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: IMAGES' name with .nc.")
+    ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
     csv: Annotated[Path | None, typer.Option(help="One line a block, as a table.")] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     method: MethodOption = None,
-    noisy: Annotated[bool, typer.Option("--noisy", help="Go on although errors are expected to exceed the signal.")] = False,
+    noisy: Annotated[
+        bool, typer.Option("--noisy", help="Go on although errors are expected to exceed the signal.")
+    ] = False,
     workers: Annotated[int | None, typer.Option(help='Processes for frames = "each". Default: one a core.')] = None,
     set_: SetOption = None,
 ) -> None:
@@ -98,11 +102,13 @@ def reduce(
     for file in files:
         writable(file, force=force)
     from spinline import reduction, results
-    from spinline.reduce import reduce as solve
+    from spinline.reduce import reduce_images
 
     kept = target.with_name(f"{target.name}.partial")
     with _progress() as said:
-        result = solve(loaded, checkpoint=kept, workers=workers or os.cpu_count() or 1, noisy=noisy, progress=said)
+        result = reduce_images(
+            loaded, checkpoint=kept, workers=workers or os.cpu_count() or 1, noisy=noisy, progress=said
+        )
     results.save(result, target, force=force)
     if picture is not None:
         from spinline.figures_images import reduction_sheet, save_sheet
@@ -120,16 +126,22 @@ def reduce(
 
 
 def exposure(
-    source: Annotated[str, typer.Argument(metavar="SCENE", help="Scene or images file, or a bundled name: the solution.")],
+    source: Annotated[
+        str, typer.Argument(metavar="SCENE", help="Scene or images file, or a bundled name: the solution.")
+    ],
     sigma: Annotated[float, typer.Option(help="Standard deviation of the mean polymer fraction wanted.")] = 0.01,
     radius: Annotated[
         list[str] | None, typer.Option(help='Jet radius, "25 um"; again for more. Default: 100, 50, 25, 10 um.')
     ] = None,
-    pixel: Annotated[str | None, typer.Option(help='Width of a pixel, "0.67 um". Default: of the images file, or 0.67 um.')] = None,
+    pixel: Annotated[
+        str | None, typer.Option(help='Width of a pixel, "0.67 um". Default: of the images file, or 0.67 um.')
+    ] = None,
     energy: Annotated[str | None, typer.Option(help='"10 keV". Default: the best, for each radius.')] = None,
     lowest: Annotated[str, typer.Option(help="Lowest energy that the source offers.")] = "5 keV",
     highest: Annotated[str, typer.Option(help="Highest energy that the source offers.")] = "40 keV",
-    photons: Annotated[float | None, typer.Option(help="Photons per pixel of one frame, for the number of frames.")] = None,
+    photons: Annotated[
+        float | None, typer.Option(help="Photons per pixel of one frame, for the number of frames.")
+    ] = None,
     shells: Annotated[int, typer.Option(help="Shells fitted; 1 for the mean alone.")] = 1,
     json: JsonOption = False,
     set_: SetOption = None,
@@ -154,8 +166,8 @@ def exposure(
         _print_json(as_rows(plans))
         return
     typer.echo(
-        f"{solution.polymer.name}, fraction {solution.volume_fraction:.4g}: photons per {1e6 * width:.3g} um pixel, over rows and "
-        f"frames, for a standard deviation of {sigma:g} of the mean fraction"
+        f"{solution.polymer.name}, fraction {solution.volume_fraction:.4g}: photons per {1e6 * width:.3g} um pixel, "
+        f"over rows and frames, for a standard deviation of {sigma:g} of the mean fraction"
     )
     for line in table(plans):
         typer.echo(line)

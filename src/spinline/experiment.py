@@ -1,7 +1,7 @@
 """What a set of images needs before it is reduced: size of a pixel, attenuation, the track of the jet, and what to expect.
 
-`prepare` refuses what cannot be reduced, with the key that would change it; `expected_errors` says what the photons allow before
-anyone waits; `calibrated` scales the attenuation so that the polymer fraction at the nozzle is the known one.
+`prepare` refuses what cannot be reduced, with the key that would change it; `expected_errors` says what the photons allow
+before anyone waits; `calibrated` scales the attenuation so that the polymer fraction at the nozzle is the known one.
 """
 
 from collections.abc import Callable
@@ -85,7 +85,8 @@ class Experiment:
 
     def frame(self, summed: FrameSum, moment: float = 0.5) -> tuple[Frame, dict[str, float]]:
         """Photons of one frame or of a sum."""
-        return photons_frame(self.images, self.fields, summed, self.pixel, self.blur, moment)
+        frame, facts = photons_frame(self.images, self.fields, summed, self.pixel, self.blur, moment)
+        return _without_nozzle(frame, self.images), facts
 
 
 def nuisances(images: Images) -> tuple[str, ...]:
@@ -131,14 +132,15 @@ def prepare(
     elif images.blur is not None:
         blur = images.blur.value
         notes["blur"] = f"{images.blur.text}, given"
-    frame = replace(rough, pixel=pixel, blur=blur)
-    looked_at = _without_nozzle(frame, images)
-    _require_upright(looked_at)
-    track = require_track(looked_at)
+    frame = _without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
+    _require_upright(frame)
+    track = require_track(frame)
     _expect_fringes(images, pixel, blur, remarks)
     remarks += _odd(facts)
     if images.method == "chord" and blur > 0.5 * pixel:
-        remarks.append("chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood")
+        remarks.append(
+            "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
+        )
     experiment = Experiment(
         images, stack, fields, solution, pixel, pixel_std, blur, absorber, Calibration(), notes, tuple(remarks)
     )
@@ -163,7 +165,7 @@ def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, str]
             remedy="give energy, or the effective polymer_attenuation and solvent_attenuation of the spectrum",
         )  # fmt: skip
     energy = None if images.energy is None else images.energy.value / KEV
-    polymer, solvent = solution.polymer, solution.solvent
+    polymer = solution.polymer
     if images.polymer_attenuation is not None and images.solvent_attenuation is not None:
         s_p, s_s = images.polymer_attenuation, images.solvent_attenuation
         d = float(contrast(s_p.value, polymer.density, s_s.value, solution.solvent_density))
@@ -182,7 +184,10 @@ def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, str]
             "energy", error.problem, value=f"{energy:g} keV", allowed=error.allowed, remedy=error.remedy
         ) from None
     part = "total" if images.coherent else "without coherent scatter"
-    return absorber, f"xraylib at {energy:.6g} keV, {part}: solvent {absorber.solvent:.5g} 1/m, contrast {absorber.contrast:.5g} 1/m"
+    return (
+        absorber,
+        f"xraylib at {energy:.6g} keV, {part}: solvent {absorber.solvent:.5g} 1/m, contrast {absorber.contrast:.5g} 1/m",
+    )
 
 
 def _matter(key: str, what: Composition, density: float) -> Material:
@@ -200,15 +205,19 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
 
     Notes
     -----
-    ``scale = (mu_s - mu_air + phi D)/(mu_s - mu_air + phi_0 D)`` with phi the fraction that a uniform jet has there; it multiplies
-    solvent, contrast and air alike, as an error of energy or of coefficient nearly does.
+    ``scale = (mu_s - mu_air + phi D)/(mu_s - mu_air + phi_0 D)`` with phi the fraction that a uniform jet has there; it
+    multiplies solvent, contrast and air alike, as an error of energy or of coefficient nearly does.
     """
     first, last = experiment.images.calibration_rows or (0, 0)
     rows = slice(first, last)
     part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
-    here = Track(*(getattr(track, n)[rows] for n in ("radius", "axis", "level", "slope", "attenuation", "covariance", "found")))
+    here = Track(
+        *(getattr(track, n)[rows] for n in ("radius", "axis", "level", "slope", "attenuation", "covariance", "found"))
+    )
     height = min(experiment.images.block_rows, last - first)
-    fit = fit_frame(part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here)
+    fit = fit_frame(
+        part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here
+    )
     known = np.isfinite(fit.mean)
     weight = fit.mean_std[known] ** -2.0
     found, std = float((weight * fit.mean[known]).sum() / weight.sum()), float(weight.sum() ** -0.5)
@@ -226,10 +235,16 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
     remarks = list(experiment.remarks)
     if abs(scale - 1.0) > 0.2:
         remarks.append(f"the calibration scales the attenuation by {scale:.3g}: check energy, pixel_size and solution")
-    scatter = float(np.sqrt(np.mean(((fit.mean[known] - found) / fit.mean_std[known]) ** 2))) if known.sum() > 2 else 1.0
+    scatter = (
+        float(np.sqrt(np.mean(((fit.mean[known] - found) / fit.mean_std[known]) ** 2))) if known.sum() > 2 else 1.0
+    )
     if scatter > 1.5:
-        remarks.append(f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?")
-    words = f"{scale:.5g} +/- {scale_std:.2g} of the attenuation, from rows {first} to {last} at a fraction of {phi:.5g}"
+        remarks.append(
+            f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?"
+        )
+    words = (
+        f"{scale:.5g} +/- {scale_std:.2g} of the attenuation, from rows {first} to {last} at a fraction of {phi:.5g}"
+    )
     return replace(
         experiment,
         absorber=Absorber(a.solvent * scale, a.contrast * scale, a.air * scale),
@@ -379,8 +394,12 @@ def require_signal(experiment: Experiment, frame: Frame, track: Track) -> FloatA
     best = float(np.nanmin(std))
     rows = int(np.ceil(experiment.images.block_rows * (3.0 * best / phi) ** 2))
     enough = rows <= frame.counts.shape[0]
-    remedy = f"block_rows = {rows} gives a third of the fraction" if enough else (
-        f"{(3.0 * best / phi) ** 2:.2g} times the photons give a third of the fraction; `spinline exposure` plans them"
+    remedy = (
+        f"block_rows = {rows} gives a third of the fraction"
+        if enough
+        else (
+            f"{(3.0 * best / phi) ** 2:.2g} times the photons give a third of the fraction; `spinline exposure` plans them"
+        )
     )
     raise InputError(
         "block_rows", f"the error expected, {best:.2g}, exceeds the polymer fraction, {phi:.3g}, in every block",

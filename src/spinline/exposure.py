@@ -1,8 +1,8 @@
 """How many photons, which energy, how many frames: an experiment planned before the beam is on.
 
-For each jet radius: the energy of the smallest error, the photons per pixel that give the standard deviation asked for (Fisher
-information, `spinline.xray.limit`), with the jet and the beam known and with radius, axis, level and slope fitted, and what that
-is in frames. Photons are counted per pixel in all: rows that are summed, frames and exposure multiply.
+For each jet radius: the energy of the smallest error, the photons per pixel that give the standard deviation asked for
+(Fisher information, `spinline.xray.limit`), with the jet and the beam known and with radius, axis, level and slope fitted,
+and what that is in frames. Photons are counted per pixel in all: rows that are summed, frames and exposure multiply.
 """
 
 from collections.abc import Sequence

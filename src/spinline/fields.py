@@ -2,10 +2,10 @@
 
     photons = gain counts,    var(photons) = photons above dark + v_d
 
-The likelihood knows Poisson counts alone, so every noise is put into their form. Read noise: dark counts of variance v_d (from
-pairs of dark frames) are shifted to a mean of v_d, which leaves the signal as it is. Flats of finite exposure: counts N against a
-flat of F photons scatter by ``(1 + N/F)`` more than Poisson, so all photons are divided by that number, v: they then carry the
-information that is really there, and no error bar is too small for want of flats.
+The likelihood knows Poisson counts alone, so every noise is put into their form. Read noise: dark counts of variance v_d
+(from pairs of dark frames) are shifted to a mean of v_d, which leaves the signal as it is. Flats of finite exposure: counts
+N against a flat of F photons scatter by ``(1 + N/F)`` more than Poisson, so all photons are divided by that number, v: they
+then carry the information that is really there, and no error bar is too small for want of flats.
 """
 
 from dataclasses import dataclass
@@ -73,7 +73,9 @@ def open_counts(images: Images) -> Stack:
         if rows is not None and rows[1] > stack.rows:
             raise InputError(key, "goes beyond the frame", value=list(rows), allowed=f"rows 0 to {stack.rows}")
     if images.block_rows > stack.rows:
-        raise InputError("block_rows", "is more than the frame has", value=images.block_rows, allowed=f"[1, {stack.rows}]")
+        raise InputError(
+            "block_rows", "is more than the frame has", value=images.block_rows, allowed=f"[1, {stack.rows}]"
+        )
     return stack
 
 
@@ -101,7 +103,9 @@ def build_fields(images: Images, counts: Stack) -> Fields:
         stack, part, own = _opened(source, "flat", images, counts), _slices(source), None
         flat, exposures, clipped = _mean_flat(source, stack, counts, dark, images.saturation)
         bad |= clipped
-        notes["flat"] = f"{source.file}, {stack.frames} frames" + (f", {_spoken(source)}" if source.rows or source.columns else "")
+        notes["flat"] = f"{source.file}, {stack.frames} frames" + (
+            f", {_spoken(source)}" if source.rows or source.columns else ""
+        )
         if images.flat_after is not None:
             after = images.flat_after
             if after.file is None:
@@ -117,7 +121,9 @@ def build_fields(images: Images, counts: Stack) -> Fields:
     gain = _gain(images, stack, part, dark, dark_noise, notes, remarks)
     variance = None if dark_noise is None else gain**2 * dark_noise[0]
     notes["dark_noise"] = (
-        "Poisson" if variance is None else f"variance of {variance:.4g} photons^2 per exposure, from pairs of dark frames"
+        "Poisson"
+        if variance is None
+        else f"variance of {variance:.4g} photons^2 per exposure, from pairs of dark frames"
     )
     if flat is not None:
         dead = ~(flat > 0) | (~(flat_after > 0) if flat_after is not None else False)
@@ -130,7 +136,9 @@ def build_fields(images: Images, counts: Stack) -> Fields:
     if images.bad_pixels is not None:
         mask = open_stack(images.bad_pixels, "bad_pixels", images.folder, transpose=images.transpose)
         if (mask.rows, mask.columns) != shape:
-            raise InputError("bad_pixels", "has another shape than the frames", value=(mask.rows, mask.columns), allowed=str(shape))
+            raise InputError(
+                "bad_pixels", "has another shape than the frames", value=(mask.rows, mask.columns), allowed=str(shape)
+            )
         bad |= mask.read(0, 1)[0] != 0
     return Fields(dark, variance, flat, flat_after, own, exposures, gain, bad, notes, tuple(remarks))
 
@@ -178,7 +186,7 @@ def photons_frame(
         if not (each - fields.dark)[seen].sum() > 0:
             raise InputError(
                 "dark", "is at or over the counts: no signal is left", value=float(np.median(fields.dark)),
-                allowed=f"under the counts, whose median is {dim:.4g}", remedy="give raw counts with the dark of the same exposure",
+                allowed=f"under the counts, whose median is {dim:.4g}", remedy="give raw counts with their dark",
             )  # fmt: skip
     bad = fields.bad | saturated | ~seen
     flat = _flat_of_frame(fields, each, bad, moment)
@@ -191,7 +199,9 @@ def photons_frame(
     bad |= lone
     mean_exposures = float(exposures[~bad].mean())
     extra = 1.0 + (1.0 if fields.region is not None else mean_exposures) / fields.flat_exposures
-    variance = fields.gain * fields.dark if fields.dark_variance is None else np.full_like(fields.dark, fields.dark_variance)
+    variance = (
+        fields.gain * fields.dark if fields.dark_variance is None else np.full_like(fields.dark, fields.dark_variance)
+    )
     counts = fields.gain * summed.total - exposures * (fields.gain * fields.dark - variance)
     dark = np.broadcast_to(variance, counts.shape) * exposures
     lowest = float(counts[~bad].min())
@@ -253,9 +263,7 @@ def _mean_part(part: FloatArray, region: Source) -> FloatArray:
     return mean
 
 
-def _dark(
-    images: Images, counts: Stack, notes: dict[str, str], remarks: list[str]
-) -> tuple[FloatArray, Stack | None]:
+def _dark(images: Images, counts: Stack, notes: dict[str, str], remarks: list[str]) -> tuple[FloatArray, Stack | None]:
     shape = (counts.rows, counts.columns)
     source = images.dark
     if source is None:
@@ -340,11 +348,15 @@ def _part(source: Source, stack: Stack, key: str) -> None:
 
 
 def _slices(source: Source) -> tuple[slice, slice]:
-    return slice(*source.rows) if source.rows else slice(None), slice(*source.columns) if source.columns else slice(None)
+    return slice(*source.rows) if source.rows else slice(None), slice(*source.columns) if source.columns else slice(
+        None
+    )
 
 
 def _spoken(source: Source) -> str:
-    parts = [f"{name} {span[0]} to {span[1]}" for name, span in (("rows", source.rows), ("columns", source.columns)) if span]
+    parts = [
+        f"{name} {span[0]} to {span[1]}" for name, span in (("rows", source.rows), ("columns", source.columns)) if span
+    ]
     return ", ".join(parts)
 
 
@@ -379,5 +391,3 @@ def _gain(
     notes["gain"] = f"{gain:.4g} +/- {std:.2g} photons per count, from differences of flat frames"
     remarks.append(f"gain = {notes['gain']}: give it if it is known")
     return float(gain)
-
-

@@ -47,7 +47,9 @@ def reduction_sheet(result: xr.Dataset) -> Figure:
         axis.grid(visible=True, color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
     method = result.attrs["method"]
-    sheet.suptitle(f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows", fontsize=10.5)
+    sheet.suptitle(
+        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows", fontsize=10.5
+    )
     return sheet
 
 
@@ -80,7 +82,9 @@ def preview_sheet(seen: "Preview") -> Figure:
         middle.axvline(half + track.axis[which] + edge * track.radius[which], color=RED, linewidth=1)
     middle.set(xlabel="pixel", ylabel="transmission", title=f"row {which}")
     phi = experiment.solution.volume_fraction
-    right.plot(seen.row, seen.expected_std, "o-", color=BLUE, label=f"expected, {experiment.images.block_rows} rows a block")
+    right.plot(
+        seen.row, seen.expected_std, "o-", color=BLUE, label=f"expected, {experiment.images.block_rows} rows a block"
+    )
     right.axhline(phi, color=GREY, linestyle="--", label=f"solution's fraction {phi:.3g}")
     right.axhline(0.01, color=PURPLE, linestyle=":", label="0.01")
     right.set(xlabel="row", ylabel="standard deviation of the mean fraction", yscale="log", title="error to expect")
@@ -114,7 +118,9 @@ def _one_frame(result: xr.Dataset) -> xr.Dataset:
 def _map(sheet: Figure, axis: "Axes", one: xr.Dataset, along: Any) -> None:
     edges = np.append(one["relative_radius_bounds"].values[:, 0], one["relative_radius_bounds"].values[-1, 1])
     step = np.diff(along) if along.size > 1 else np.array([1.0])
-    bounds = np.concatenate(([along[0] - 0.5 * step[0]], along[:-1] + 0.5 * step if along.size > 1 else [], [along[-1] + 0.5 * step[-1]]))
+    bounds = np.concatenate(
+        ([along[0] - 0.5 * step[0]], along[:-1] + 0.5 * step if along.size > 1 else [], [along[-1] + 0.5 * step[-1]])
+    )
     phi = one["polymer_fraction"].values
     high = float(np.nanpercentile(phi, 98)) if np.isfinite(phi).any() else 1.0
     mesh = axis.pcolormesh(bounds, edges, phi.T, cmap="viridis", vmin=min(0.0, float(np.nanmin(phi))), vmax=high)
@@ -130,7 +136,9 @@ def _mean(axis: "Axes", one: xr.Dataset, along: Any) -> None:
     )  # fmt: skip
     phi, limit = float(one["volume_fraction"]), one["limit_std"].values
     axis.axhline(phi, color=GREY, linestyle="--", linewidth=1, label=f"solution {phi:.3g}")
-    axis.fill_between(along, phi - limit, phi + limit, color=GREY, alpha=0.25, linewidth=0, label="Cramér–Rao, all else known")
+    axis.fill_between(
+        along, phi - limit, phi + limit, color=GREY, alpha=0.25, linewidth=0, label="Cramér–Rao, all else known"
+    )
     axis.set(xlabel="z (mm)", ylabel="polymer fraction")
     axis.legend(**_LEGEND)
 
@@ -145,7 +153,9 @@ def _radius(axis: "Axes", one: xr.Dataset, along: Any) -> None:
 def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
     """Profiles of the first, middle and last third of the rows, each the weighted mean of its blocks."""
     r = one["relative_radius"].values
-    for part, (colour, line, mark) in zip(np.array_split(np.arange(along.size), min(3, along.size)), _STYLES, strict=False):
+    for part, (colour, line, mark) in zip(
+        np.array_split(np.arange(along.size), min(3, along.size)), _STYLES, strict=False
+    ):
         phi, std = one["polymer_fraction"].values[part], one["polymer_fraction_std"].values[part]
         weight = np.where(np.isfinite(phi) & (std > 0), 1.0 / np.where(std > 0, std, 1.0) ** 2, 0.0)
         total = weight.sum(axis=0)

@@ -1,7 +1,7 @@
 """Frames on disk, read a few at a time: TIFF, HDF5, npy, npz, or many files of one frame each.
 
-A stack is (frame, z, x) or (z, x), the jet running along z; `transpose` swaps z and x. Nothing is loaded before it is asked for,
-and `sum_frames` holds two handfuls of frames at a time, whatever the length of the stack.
+A stack is (frame, z, x) or (z, x), the jet running along z; `transpose` swaps z and x. Nothing is loaded before it is asked
+for, and `sum_frames` holds two handfuls of frames at a time, whatever the length of the stack.
 """
 
 import re
@@ -152,14 +152,44 @@ def _open(source: str, key: str, folder: Path) -> _Reader:
     if kind in _TIFF:
         return _tiff(path)
     if kind == ".npy":
-        return _Mapped(np.load(path, mmap_mode="r", allow_pickle=False))
+        return _mapped(np.load(path, mmap_mode="r", allow_pickle=False))
     if kind == ".npz":
         return _Npz(path, key)
-    raise InputError(key, "is of no known kind", value=source, allowed=".tif, .npy, .npz, .h5:/path/inside, or a pattern")
+    raise InputError(
+        key, "is of no known kind", value=source, allowed=".tif, .npy, .npz, .h5:/path/inside, or a pattern"
+    )
 
 
-class _Mapped:
-    """An array in memory, or mapped to it."""
+def _mapped(array: Array) -> _Reader:
+    """A mapped array as a reader: its file read piece by piece where it is stored in C order."""
+    if isinstance(array, np.memmap) and array.flags.c_contiguous and array.filename is not None:
+        return _Plain(Path(array.filename), int(array.offset), array.shape, array.dtype)
+    return _Whole(np.array(array))
+
+
+class _Plain:
+    """Numbers one after another in a file. Read, not mapped: mapped pages would count as memory in use."""
+
+    threads = True
+
+    def __init__(self, path: Path, offset: int, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
+        self.path, self.offset, self.dtype = path, offset, dtype
+        self.shape = shape if len(shape) != 1 else (1, *shape)
+
+    def read(self, start: int, stop: int) -> Array:
+        """Frames from `start` to before `stop`."""
+        if len(self.shape) == 2:
+            start, stop = 0, 1
+        each = int(np.prod(self.shape[-2:]))
+        count = each * (stop - start)
+        data = np.fromfile(self.path, self.dtype, count, offset=self.offset + start * each * self.dtype.itemsize)
+        if data.size < count:
+            raise EOFError(f"{self.path.name} ends early")
+        return data
+
+
+class _Whole:
+    """An array in memory."""
 
     threads = True
 
@@ -169,8 +199,7 @@ class _Mapped:
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
-        block = self.array[start:stop] if self.array.ndim == 3 else self.array
-        return np.asarray(block)
+        return self.array[start:stop] if self.array.ndim == 3 else self.array
 
 
 class _Npz:
@@ -184,7 +213,10 @@ class _Npz:
             names = [name.removesuffix(".npy") for name in archive.namelist()]
             if key not in names:
                 raise InputError(
-                    key, f"is not an array of {path.name}", allowed=", ".join(names) or "none", remedy=f"store it as {key!r}"
+                    key,
+                    f"is not an array of {path.name}",
+                    allowed=", ".join(names) or "none",
+                    remedy=f"store it as {key!r}",
                 )
             self.member = f"{key}.npy"
         self.shape, self.fortran, self.dtype = self._rewind()
@@ -266,7 +298,7 @@ def _tiff(path: Path) -> _Reader:
     import tifffile
 
     with suppress(ValueError):  # compressed: not to be mapped
-        return _Mapped(tifffile.memmap(path, mode="r"))
+        return _mapped(tifffile.memmap(path, mode="r"))
     return _Tiff(path)
 
 
@@ -394,7 +426,9 @@ def sum_frames(
     starts = range(at, stack.frames, stack.at_once)
     so_far = FrameSum(total, exposures, highest, at)
     with ThreadPoolExecutor(threads if stack.reader.threads else 1) as pool:
-        for stop, part, seen, high in _in_order(pool, lambda start: _piece(stack, start, min(start + stack.at_once, stack.frames)), starts, threads + 1):
+        for stop, part, seen, high in _in_order(
+            pool, lambda start: _piece(stack, start, min(start + stack.at_once, stack.frames)), starts, threads + 1
+        ):
             np.add(total, part, out=total)
             np.add(exposures, seen, out=exposures)
             np.maximum(highest, high, out=highest)

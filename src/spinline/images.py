@@ -68,7 +68,7 @@ class _ReadSource:
             return Source(level=float(value))
         if isinstance(value, Mapping):
             return self._region(value)
-        allowed = 'a file name, { rows = [first, last] }, { columns = [first, last] }'
+        allowed = "a file name, { rows = [first, last] }, { columns = [first, last] }"
         raise _words("is not a file or a part of one", allowed + (", or a number" if self.number else ""))
 
     def _region(self, value: Mapping[str, Any]) -> Source:

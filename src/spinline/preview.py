@@ -16,7 +16,7 @@ from spinline.images import Images
 from spinline.xray.frame import Frame
 from spinline.xray.track import Track
 
-__all__ = ["Preview", "preview"]
+__all__ = ["Preview", "preview_images"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +86,11 @@ class Preview:
         worst, best = float(np.nanmax(std)), float(np.nanmin(std))
         height, width = n["rows"], n["columns"]
         said = [
-            f"{n['frames']} frames of {height} x {width} ({n['frames_sampled']} looked at), pixels {1e6 * n['pixel_size']:.4g} um, "
-            f"{n['photons_per_pixel']:.3g} photons per pixel in all.",
-            f"Jet of radius {1e6 * n['jet_radius'][0]:.4g} um at the first row (edges at pixels {n['left_edge_pixel'][0]:.2f} and "
-            f"{n['right_edge_pixel'][0]:.2f}), {1e6 * n['jet_radius'][1]:.4g} um at the last ({n['left_edge_pixel'][1]:.2f}, "
+            f"{n['frames']} frames of {height} x {width} ({n['frames_sampled']} looked at), pixels "
+            f"{1e6 * n['pixel_size']:.4g} um, {n['photons_per_pixel']:.3g} photons per pixel in all.",
+            f"Jet of radius {1e6 * n['jet_radius'][0]:.4g} um at the first row (edges at pixels "
+            f"{n['left_edge_pixel'][0]:.2f} and {n['right_edge_pixel'][0]:.2f}), "
+            f"{1e6 * n['jet_radius'][1]:.4g} um at the last ({n['left_edge_pixel'][1]:.2f}, "
             f"{n['right_edge_pixel'][1]:.2f}); its axis leans by {np.degrees(np.arctan(n['axis_tilt'])):.2g} degrees.",
             f"{n['bad_pixels']} pixels are left out, {n['saturated_pixels']} of them saturated.",
             f"Expected error of the mean fraction, a block of {n['block_rows']}: {best:.2g} to {worst:.2g}; the solution's "
@@ -102,7 +103,7 @@ class Preview:
         return said
 
 
-def preview(images: Images) -> Preview:
+def preview_images(images: Images) -> Preview:
     """Look at a set of images.
 
     Parameters

@@ -1,7 +1,8 @@
 """Frames in, polymer concentration with error bars out.
 
-The sum of all frames (or each of them) is turned into photons (`fields`), the jet is followed down the frame, the attenuation is
-calibrated where the known fraction is in view (`experiment`), and every block of rows is reduced by one of four methods:
+The sum of all frames (or each of them) is turned into photons (`fields`), the jet is followed down the frame, the
+attenuation is calibrated where the known fraction is in view (`experiment`), and every block of rows is reduced by one of
+four methods:
 
 ==========  =========================================================  ==============
 method      what it does                                               price
@@ -39,7 +40,7 @@ from spinline.xray.track import Track
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["reduce"]
+__all__ = ["reduce_images"]
 
 Progress = Callable[[str, int, int], None]  # what is done, how much of it, of how much
 
@@ -48,7 +49,7 @@ _WORTH_PROCESSES = 4.0  # seconds of fits
 _PER_BLOCK = 2e-3
 
 
-def reduce(
+def reduce_images(
     images: Images,
     *,
     checkpoint: str | Path | None = None,
@@ -114,11 +115,17 @@ def _method(images: Images) -> None:
     """Refuse what is not there yet before anything is read."""
     if images.method in ("map", "phase"):
         raise InputError(
-            "method", "is not available yet", value=images.method, allowed='"chord", "row"', remedy='take method = "row"'
+            "method",
+            "is not available yet",
+            value=images.method,
+            allowed='"chord", "row"',
+            remedy='take method = "row"',
         )
 
 
-def _fit(experiment: Experiment, frame: Frame, track: Track | None, done: Callable[[int], None] | None = None) -> FrameFit:
+def _fit(
+    experiment: Experiment, frame: Frame, track: Track | None, done: Callable[[int], None] | None = None
+) -> FrameFit:
     """One frame by the method of the file; where a new method is added."""
     images = experiment.images
     if images.method == "chord":
@@ -141,7 +148,11 @@ def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
         said("frames", so_far.frames, stack.frames)
         if job is not None and (time.monotonic() - last > _PAUSE or so_far.frames == stack.frames):
             job.save(
-                "sum", total=so_far.total, exposures=so_far.exposures, highest=so_far.highest, frames=np.array(so_far.frames)
+                "sum",
+                total=so_far.total,
+                exposures=so_far.exposures,
+                highest=so_far.highest,
+                frames=np.array(so_far.frames),
             )
             last = time.monotonic()
 
@@ -159,7 +170,9 @@ def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Pr
         if workers > 1 and seconds > _WORTH_PROCESSES:
             setup = Path(scratch) / "experiment.pickle"
             setup.write_bytes(pickle.dumps(_portable(experiment)))
-            _in_processes(setup, store.folder, todo, workers, lambda done: said("frames reduced", count - len(todo) + done, count))
+            _in_processes(
+                setup, store.folder, todo, workers, lambda done: said("frames reduced", count - len(todo) + done, count)
+            )
         else:
             for done, i in enumerate(todo):
                 _keep(store, i, _one(experiment, i))
@@ -186,11 +199,11 @@ def _in_processes(setup: Path, folder: Path, todo: list[int], workers: int, said
 
     job = (folder / "spinline-job").read_text(encoding="ascii")
     tasks = [dask.delayed(_task, pure=False)(str(setup), str(folder), job, i) for i in todo]
-    with Callback(posttask=one_more), _one_thread_each():
+    with Callback(posttask=one_more), _OneThreadEach():
         dask.compute(*tasks, scheduler="processes", num_workers=min(workers, len(todo)))
 
 
-class _one_thread_each:  # noqa: N801 - a context manager
+class _OneThreadEach:
     """Processes that each use one thread for linear algebra: their matrices are small, and the cores are taken."""
 
     _NAMES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -257,7 +270,9 @@ def _name(index: int) -> str:
 def _keep(store: Checkpoint, index: int, fit: FrameFit) -> None:
     arrays = {name: getattr(fit, name) for name in _ARRAYS}
     values = {f"value_{k}": v for k, v in fit.values.items()} | {f"std_{k}": v for k, v in fit.std.items()}
-    store.save(_name(index), **arrays, **values, reasons=np.array([f"{k} {v}" for k, v in fit.reasons.items()], dtype=np.str_))
+    store.save(
+        _name(index), **arrays, **values, reasons=np.array([f"{k} {v}" for k, v in fit.reasons.items()], dtype=np.str_)
+    )
 
 
 _ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", "limit_std", "misfit", "flags")
@@ -266,9 +281,7 @@ _ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", 
 def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
     data = store.load(_name(index))
     assert data is not None
-    values, std = (
-        {k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_")
-    )
+    values, std = ({k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_"))
     reasons = {int(line.split(" ", 1)[0]): line.split(" ", 1)[1] for line in data["reasons"].tolist()}
     return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: data[name] for name in _ARRAYS})
 

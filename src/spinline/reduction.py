@@ -14,9 +14,9 @@ from spinline.xray.frame import FRAME_FLAGS, FrameFit
 __all__ = ["REDUCTION_VARIABLES", "UNIDENTIFIABLE", "assemble", "lines", "to_csv"]
 
 UNIDENTIFIABLE = (
-    "One view cannot tell an elliptic section (depth 1 % over width: -0.04 in the fraction at 10 keV, R = 50 um) nor a fraction that "
-    "depends on the azimuth from a round, axisymmetric jet. Absorption alone cannot tell a change of density (0.2 %: 0.008) nor "
-    "evaporated solvent from one of the polymer fraction."
+    "One view cannot tell an elliptic section (depth 1 % over width: -0.04 in the fraction at 10 keV, R = 50 um) nor a "
+    "fraction that depends on the azimuth from a round, axisymmetric jet. Absorption alone cannot tell a change of density "
+    "(0.2 %: 0.008) nor evaporated solvent from one of the polymer fraction."
 )
 
 # name: (unit, what it is)
@@ -38,7 +38,10 @@ REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
     "mean_polymer_mass_fraction_std": ("1", "its standard deviation"),
     "mean_polymer_concentration": ("kg m-3", "polymer mass per volume, mean of the cross-section"),
     "mean_polymer_concentration_std": ("kg m-3", "its standard deviation"),
-    "calibration_std": ("1", "part of mean_polymer_fraction_std that all blocks share, from the calibration of the attenuation"),
+    "calibration_std": (
+        "1",
+        "part of mean_polymer_fraction_std that all blocks share, from the calibration of the attenuation",
+    ),
     "limit_std": ("1", "Cramer-Rao bound of mean_polymer_fraction if nothing but the shells were unknown"),
     "limit_ratio": ("1", "standard deviation of mean_polymer_fraction, without calibration, over limit_std"),
     "jet_radius": ("m", "jet radius"),
@@ -48,7 +51,10 @@ REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
     "beam_level": ("1", "level of the beam over that of the flat"),
     "beam_slope": ("1", "relative change of the beam from the middle of the row to its end"),
     "blur": ("m", "standard deviation of the point spread"),
-    "misfit": ("1", "goodness of fit: Pearson's chi-square less its expectation, in its standard deviations; over 4 is a wrong model"),
+    "misfit": (
+        "1",
+        "goodness of fit: Pearson's chi-square less its expectation, in its standard deviations; over 4 is a wrong model",
+    ),
     "flags": ("", "what is odd about a block"),
     "volume_fraction": ("1", "polymer volume fraction of the solution"),
     "attenuation_scale": ("1", "attenuation measured at the nozzle over that assumed; 1 where not calibrated"),
@@ -195,7 +201,9 @@ def _provenance(
         "images": images.text,
         "method": fits[0].method,
         "method_meaning": _MEANING.get(fits[0].method, ""),
-        "fitted_beside_the_fractions": " ".join(nuisances(images)) if fits[0].method == "row" else "radius axis amplitude slope",
+        "fitted_beside_the_fractions": " ".join(nuisances(images))
+        if fits[0].method == "row"
+        else "radius axis amplitude slope",
         "frames": stack.frames,
         "frame_shape": f"{stack.rows} x {stack.columns}",
         "block_rows": images.block_rows,
@@ -204,7 +212,7 @@ def _provenance(
         "solvent": ", ".join(f"{name} {share:g}" for name, share in experiment.solution.solvent.items()),
         "solvent_density": experiment.solution.solvent_density,
         **{f"{key}_source": words for key, words in experiment.notes.items()},
-        **{key: value for key, value in facts.items()},
+        **facts,
         "not_told_apart": UNIDENTIFIABLE,
         "warnings": "\n".join(remarks),
         "references": _REFERENCES,
@@ -229,8 +237,9 @@ def lines(result: xr.Dataset) -> list[str]:
     ]
     ratio = float(np.nanmedian(last["limit_ratio"].values))
     said.append(
-        f"Mean polymer fraction {phi[tops[0]]:.4f} +/- {std[tops[0]]:.4f} at the first, {phi[tops[1]]:.4f} +/- {std[tops[1]]:.4f} at "
-        f"the last; median {np.median(phi):.4f} +/- {np.median(std):.4f} ({1e-3 * rho * np.median(phi):.4f} +/- "
+        f"Mean polymer fraction {phi[tops[0]]:.4f} +/- {std[tops[0]]:.4f} at the first, "
+        f"{phi[tops[1]]:.4f} +/- {std[tops[1]]:.4f} "
+        f"at the last; median {np.median(phi):.4f} +/- {np.median(std):.4f} ({1e-3 * rho * np.median(phi):.4f} +/- "
         f"{1e-3 * rho * np.median(std):.4f} g/cm3); solution {float(result['volume_fraction']):.4f}."
     )
     said.append(f"Errors are {ratio:.3g} times the Cramer-Rao bound of a jet and beam that are known.")
@@ -269,5 +278,3 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
     with replacing(path, force=force) as part:
         pd.DataFrame(table).to_csv(part, index=False)
     return Path(path)
-
-

@@ -465,7 +465,11 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
         problem = "is not known" if "profile" in section else "is missing"
         profiles = '"power-law", "hyperbolic", "table", "jetspin", "lagrangian"'
         return InputError(
-            f"{key}.profile", problem, value=section.get("profile"), allowed=profiles, remedy=_change(f"{key}.profile", root)
+            f"{key}.profile",
+            problem,
+            value=section.get("profile"),
+            allowed=profiles,
+            remedy=_change(f"{key}.profile", root),
         )
     allowed = str(context.get("expected", "")).replace("True", "true").replace("False", "false")
     if not allowed:
