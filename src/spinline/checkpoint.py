@@ -28,11 +28,13 @@ class Checkpoint:
     folder : path
         Made if need be.
     job : str
-        From `fingerprint`.
+        From `fingerprint`; None in a process that only adds pieces to a folder another one looks after.
     """
 
-    def __init__(self, folder: Path, job: str) -> None:
+    def __init__(self, folder: Path, job: str | None) -> None:
         self.folder = folder
+        if job is None:
+            return
         mark = folder / _MARK
         try:
             if folder.exists():
@@ -42,8 +44,9 @@ class Checkpoint:
                     )
                 if mark.read_text(encoding="ascii") != job:
                     shutil.rmtree(folder)
-            folder.mkdir(exist_ok=True)
-            mark.write_text(job, encoding="ascii")
+            if not folder.exists():
+                folder.mkdir()
+                mark.write_text(job, encoding="ascii")
         except OSError as error:
             raise InputError(
                 str(folder), f"cannot be written ({error.strerror})", remedy="choose another OUT"

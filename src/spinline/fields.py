@@ -383,7 +383,7 @@ def _gain(
     signal = noise[0] - read
     if not (signal > 0 and noise[1] > 0):
         raise InputError(
-            "gain", "is missing, and the flats scatter no more than the dark", value=noise[0],
+            "gain", "is missing, and the flats scatter no more than the dark",
             remedy="give gain in photons per count",
         )  # fmt: skip
     gain = noise[1] / signal

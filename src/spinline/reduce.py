@@ -197,8 +197,7 @@ def _in_processes(setup: Path, folder: Path, todo: list[int], workers: int, said
         done += 1
         said(min(done, len(todo)))
 
-    job = (folder / "spinline-job").read_text(encoding="ascii")
-    tasks = [dask.delayed(_task, pure=False)(str(setup), str(folder), job, i) for i in todo]
+    tasks = [dask.delayed(_task, pure=False)(str(setup), str(folder), i) for i in todo]
     with Callback(posttask=one_more), _OneThreadEach():
         dask.compute(*tasks, scheduler="processes", num_workers=min(workers, len(todo)))
 
@@ -237,9 +236,9 @@ def _portable(experiment: Experiment) -> Experiment:
     return replace(experiment, stack=None)  # type: ignore[arg-type]
 
 
-def _task(setup: str, folder: str, job: str, index: int) -> int:
+def _task(setup: str, folder: str, index: int) -> int:
     experiment = _loaded(setup)
-    _keep(Checkpoint(Path(folder), job), index, _one(experiment, index))
+    _keep(Checkpoint(Path(folder), None), index, _one(experiment, index))
     return index
 
 
@@ -280,7 +279,8 @@ _ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", 
 
 def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
     data = store.load(_name(index))
-    assert data is not None
+    if data is None:
+        raise InputError(str(store.folder), f"lost frame {index} while the frames were reduced", remedy="run it again")
     values, std = ({k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_"))
     reasons = {int(line.split(" ", 1)[0]): line.split(" ", 1)[1] for line in data["reasons"].tolist()}
     return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: data[name] for name in _ARRAYS})
