@@ -7,6 +7,7 @@ name               what it is, and when to take it
 `Hyperbolic`       Fig. 35: smooth from the nozzle on; exponent 1 far away
 `Table`            measured or computed samples; monotone, bounded strain rate
 `LagrangianJet`    beads of any simulator, bent or not
+`bead_flow_rate`   flow rate of a bead jet from its own motion; `element_age` with it
 `read_jetspin`     the output of a JETSPIN run
 `fit_power_law`    k and beta of a measured profile, and where a power law holds
 `estimate_k`       k from the process conditions, to a factor of order one
@@ -20,6 +21,7 @@ if __name__ != "spinline.jetprofile":
     raise ImportError("import spinline.jetprofile, not jetprofile")
 
 if TYPE_CHECKING:
+    from spinline.jetprofile.bead_age import bead_flow_rate, element_age
     from spinline.jetprofile.fit import PowerLawFit, fit_power_law
     from spinline.jetprofile.hyperbolic import Hyperbolic
     from spinline.jetprofile.jetspin import iter_jetspin, read_jetspin, write_jet
@@ -38,6 +40,8 @@ _NAMES = {
     "PowerLawFit": "fit",
     "StraightJet": "straight",
     "Table": "table",
+    "bead_flow_rate": "bead_age",
+    "element_age": "bead_age",
     "estimate_k": "k_estimate",
     "fit_power_law": "fit",
     "iter_jetspin": "jetspin",
@@ -53,6 +57,8 @@ __all__ = [
     "PowerLawFit",
     "StraightJet",
     "Table",
+    "bead_flow_rate",
+    "element_age",
     "estimate_k",
     "fit_power_law",
     "iter_jetspin",

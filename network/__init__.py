@@ -21,6 +21,7 @@ module                 law
 `flow`                 V(s, t) as the chain sees it
 `chain`                Eq. (32a) in full: every bead, in time (`chain_model`, `chain_state`, `chain_step`, ...)
 `radial`               Eq. (32b): lateral mesh across the jet
+`lateral`              the same in a jet that moves: network radius and concentration across it
 =====================  ==============================================================
 
 What compiles with numba or needs scipy (from `force_laws` on) loads when first asked for.
@@ -56,7 +57,7 @@ from spinline.network.lattice_walk import (
     stretched_walk,
 )
 from spinline.network.mesh import Mesh, network_at_rest, rest_force
-from spinline.network.state import NetworkState, affine_network, network_state
+from spinline.network.state import NetworkState, affine_network, dried_state, network_state
 
 if TYPE_CHECKING:
     from spinline.network import force_laws
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
     from spinline.network.chain_profile import ChainProfile
     from spinline.network.chain_state import ChainState, affine_start, empty_start, start_from
     from spinline.network.flow import Flow
+    from spinline.network.lateral import LateralNetwork, lateral_network
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
     from spinline.network.tension import Tension
@@ -95,6 +97,7 @@ _NAMES = {
     "Flow": "flow",
     "FlowStrand": "walk_flow",
     "Histogram": "walk_estimate",
+    "LateralNetwork": "lateral",
     "Manifold": "manifold",
     "RadialMesh": "radial",
     "SampleMoments": "walk_estimate",
@@ -110,6 +113,7 @@ _NAMES = {
     "exact_law": "walk_law",
     "flow_strand": "walk_flow",
     "hydrodynamic_strand": "walk_strand",
+    "lateral_network": "lateral",
     "radial_mesh": "radial",
     "run_chain": "chain",
     "sample_average": "walk_estimate",
@@ -137,6 +141,7 @@ __all__ = [
     "Flow",
     "FlowStrand",
     "Histogram",
+    "LateralNetwork",
     "Manifold",
     "Mesh",
     "NetworkState",
@@ -156,6 +161,7 @@ __all__ = [
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
+    "dried_state",
     "elastic_coupling",
     "empty_start",
     "eq33",
@@ -167,6 +173,7 @@ __all__ = [
     "fraction_eq40",
     "fraction_walk",
     "hydrodynamic_strand",
+    "lateral_network",
     "log_fraction_conservative",
     "log_fraction_eq40",
     "log_fraction_walk",

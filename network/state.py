@@ -8,7 +8,7 @@ The affine rung is ``w = V``, Eqs. (36)-(40) in closed form: about 1 us per poin
 Eq. (32a) is about ``c V' / alpha_v`` relative in w (see `manifold`); against relaxation, about ``1 / De``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +25,7 @@ from spinline.network.crossover import Closure, check_closure
 from spinline.network.lattice_walk import Conformation, random_walk, stretched_walk
 from spinline.network.mesh import SolventQuality
 
-__all__ = ["NetworkState", "affine_network", "network_state"]
+__all__ = ["NetworkState", "affine_network", "dried_state", "network_state"]
 
 
 @dataclass(frozen=True)
@@ -168,4 +168,52 @@ def network_state(
         network_radius_ratio_conservative=ratio,
         flux_exceeded=compacted_conservative & (needed > 1),
         contour_reached=~np.isfinite(walk.force),
+    )
+
+
+def dried_state(
+    state: NetworkState,
+    velocity_ratio: ArrayLike,
+    volume_fraction: float,
+    remaining: ArrayLike,
+    solvent_quality: SolventQuality = "theta",
+) -> NetworkState:
+    """The same strands in a jet that has lost volume: fractions and radii over what is left.
+
+    Parameters
+    ----------
+    state : NetworkState
+        From `network_state`, without loss.
+    velocity_ratio, volume_fraction, solvent_quality
+        What it was made with.
+    remaining : array_like
+        Volume left over volume at the start, in [phi, 1]; 1 gives `state`.
+
+    Returns
+    -------
+    NetworkState
+        Every fraction over `remaining`, held at 1 likewise; a compacted network has the radius of its polymer.
+    """
+    phi = number("volume_fraction", volume_fraction, least=1e-100, below=1.0)
+    left = real("remaining", remaining, least=phi * (1 - 1e-12), most=1.0 + 1e-12)
+    v, w = real("velocity_ratio", velocity_ratio, least=1e-100), state.network_velocity_ratio
+    walk = state.conformation
+    core, compacted = saturate(fraction_walk(walk, phi) / left)
+    eq40, compacted_eq40 = saturate(fraction_eq40(w, phi, solvent_quality) / left)
+    conservative, compacted_conservative = saturate(fraction_conservative(walk, v, phi, solvent_quality) / left)
+    _, needed = conservative_radius_ratio(walk, v, phi, solvent_quality)
+    free, _ = conservative_radius_ratio(walk, np.full(v.shape, 1e-100), phi, solvent_quality)
+    needed = needed / np.sqrt(left)
+    return replace(
+        state,
+        mean_polymer_fraction=np.minimum(phi * v / (w * left), 1.0),
+        core_polymer_fraction=core,
+        compacted=compacted,
+        core_polymer_fraction_eq40=eq40,
+        compacted_eq40=compacted_eq40,
+        core_polymer_fraction_conservative=conservative,
+        compacted_conservative=compacted_conservative,
+        network_radius_ratio=np.where(compacted, np.sqrt(np.minimum(phi / left, 1.0)), walk.radial_contraction),
+        network_radius_ratio_conservative=np.maximum(free, needed),
+        flux_exceeded=compacted_conservative & (needed > 1),
     )

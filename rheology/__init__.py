@@ -3,8 +3,11 @@
 =======================  =========================================================================
 module                   law
 =======================  =========================================================================
-`solution`               fractions, densities, strands per chain
-`materials`              built-in polymers and solvents
+`fractions`              by mass, by volume, by number, and back
+`solution`               a solution: fractions, properties, whether it is a network
+`materials`              built-in polymers, glass of a solution (Fox)
+`solvents`               built-in solvents and their mixtures
+`entanglement`           overlap, entanglement, strands and mesh
 `concentration_laws`     Eq. (45): viscosity, relaxation time and modulus against concentration
 `vapour`                 vapour pressures, diffusion in air, activities, where drying ends
 `volatile`               a solvent on its way into the air; conventions of Eq. (44)
@@ -13,6 +16,7 @@ module                   law
 `conformation`           stretch and stress of the polymer: Maxwell, Oldroyd-B, Giesekus, FENE-P
 `diffusion_laws`         solvent in polymer: constant, exponential, free volume
 `drying`                 radial drying, skin and glass of a stretching, shrinking jet
+`cylinder`               the analytic series that checks it
 =======================  =========================================================================
 """
 
@@ -32,17 +36,29 @@ from spinline.rheology.concentration_laws import (
     scaling_exponents,
     viscosity,
 )
+from spinline.rheology.entanglement import Entanglement, entanglement_fraction, overlap_fraction
+from spinline.rheology.fractions import mass_fraction, mass_fraction_from_molar, molar_fraction, volume_fraction
 from spinline.rheology.materials import (
     POLYMERS,
-    SOLVENTS,
     Polymer,
+    packing_entanglement_molar_mass,
     polymer,
     polymer_property,
-    solvent_density,
-    solvent_viscosity,
+    property_source,
     vitrification_fraction,
 )
-from spinline.rheology.solution import Solution, mass_fraction, volume_fraction
+from spinline.rheology.solution import Solution
+from spinline.rheology.solvents import (
+    SOLVENTS,
+    mixture_density,
+    mixture_surface_tension,
+    mixture_viscosity,
+    solvent_density,
+    solvent_glass_transition,
+    solvent_molar_mass,
+    solvent_surface_tension,
+    solvent_viscosity,
+)
 from spinline.rheology.vapour import equilibrium_fraction, solvent_activity, vapour_diffusivity, vapour_pressure
 
 if TYPE_CHECKING:
@@ -56,8 +72,9 @@ if TYPE_CHECKING:
         steady_fenep,
         tensile_force,
     )
+    from spinline.rheology.cylinder import cylinder_series
     from spinline.rheology.diffusion_laws import ConstantDiffusion, ExponentialDiffusion, FreeVolumeDiffusion
-    from spinline.rheology.drying import RadialDrying, cylinder_series, dry_radially, drying_peclet
+    from spinline.rheology.drying import RadialDrying, dry_radially, drying_peclet
     from spinline.rheology.element_path import ElementPath, bead_path, straight_path
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
     from spinline.rheology.volatile import Volatile
@@ -77,7 +94,7 @@ _NAMES = {
     "RadialDrying": "drying",
     "Volatile": "volatile",
     "bead_path": "element_path",
-    "cylinder_series": "drying",
+    "cylinder_series": "cylinder",
     "dry_radially": "drying",
     "drying_peclet": "drying",
     "evaporate": "evaporation",
@@ -96,6 +113,7 @@ __all__ = [
     "ConstantDiffusion",
     "ElementConformation",
     "ElementPath",
+    "Entanglement",
     "Evaporation",
     "ExponentialDiffusion",
     "FreeVolumeDiffusion",
@@ -111,15 +129,24 @@ __all__ = [
     "cylinder_series",
     "dry_radially",
     "drying_peclet",
+    "entanglement_fraction",
     "equilibrium_fraction",
     "evaporate",
     "martin_viscosity",
     "mass_fraction",
+    "mass_fraction_from_molar",
     "maxwell_startup",
+    "mixture_density",
+    "mixture_surface_tension",
+    "mixture_viscosity",
     "modulus",
+    "molar_fraction",
+    "overlap_fraction",
+    "packing_entanglement_molar_mass",
     "polymer",
     "polymer_property",
     "power_law_loss",
+    "property_source",
     "relaxation_time",
     "scaled",
     "scaled_viscosity",
@@ -127,6 +154,9 @@ __all__ = [
     "sherwood",
     "solvent_activity",
     "solvent_density",
+    "solvent_glass_transition",
+    "solvent_molar_mass",
+    "solvent_surface_tension",
     "solvent_viscosity",
     "steady_fenep",
     "straight_path",

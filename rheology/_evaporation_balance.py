@@ -12,7 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from spinline.checks import FloatArray, positive
+from spinline.checks import FloatArray, number, positive
 from spinline.errors import InputError
 from spinline.rheology import vapour
 from spinline.rheology.element_path import ElementPath
@@ -25,7 +25,7 @@ _RTOL, _DRY = 1e-12, 34.0  # of the log volumes; e-foldings after which nothing 
 
 
 class Balance:
-    """Balance along one path; `set_air` and `floor` complete it."""
+    """Balance along one path; `set_air` completes it."""
 
     floor = 0.0
 
@@ -33,7 +33,7 @@ class Balance:
         self, path: ElementPath, phi0: float, volatiles: Sequence[Volatile], start: FloatArray, activity: str,
         polymer_volume: float | None,
     ) -> None:  # fmt: skip
-        if activity not in get_args(Activity):
+        if not isinstance(activity, str) or activity not in get_args(Activity):
             raise InputError("activity", "is not known", value=activity, allowed=", ".join(get_args(Activity)))
         if activity == "raoult" and polymer_volume is None:
             raise InputError("polymer_molar_volume", "is needed for Raoult's law", remedy="give M/rho of a repeat unit")
@@ -47,9 +47,12 @@ class Balance:
         self.origin = np.where(self.inside, np.log(np.where(self.inside, start, 1.0)), 0.0)
         self.kept = path.given == "radius"
 
-    def set_air(self, viscosity: float, velocity: float) -> None:
-        self.nu, self.wind = viscosity, velocity
-        self.schmidt = viscosity / self.spread
+    def set_air(self, viscosity: float, velocity: float, floor: float) -> None:
+        """Kinematic viscosity, velocity and least Sherwood number; wider than any air, within what a double can square."""
+        self.nu = number("air_viscosity", viscosity, least=1e-20, most=1e20, unit="m2/s")
+        self.wind = number("air_velocity", velocity, least=-1e20, most=1e20, unit="m/s")
+        self.floor = number("sherwood_floor", floor, least=0.0, most=1e12)
+        self.schmidt = self.nu / self.spread
 
     @property
     def separable(self) -> bool:

@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 
 from spinline.checks import FloatArray, real
 from spinline.errors import InputError
+from spinline.rheology._finite import finite_result
 
 __all__ = [
     "RelaxationConvention",
@@ -54,6 +55,7 @@ class ScalingExponents(NamedTuple):
     modulus: float
 
 
+@finite_result("viscosity", "Pa s", positive=True)
 def viscosity(
     concentration: ArrayLike,
     initial_concentration: ArrayLike,
@@ -100,6 +102,7 @@ def viscosity(
     return mu0 * _power_of_ten("B", decades, "check B and m against C as a mass fraction")
 
 
+@finite_result("relaxation time", "s", positive=True)
 def relaxation_time(
     concentration: ArrayLike,
     initial_concentration: ArrayLike,
@@ -131,7 +134,7 @@ def relaxation_time(
     """
     c, c0 = _fraction("concentration", concentration), _fraction("initial_concentration", initial_concentration)
     theta0 = real("initial_relaxation_time", initial_relaxation_time, above=0.0, unit="s")
-    if convention not in get_args(RelaxationConvention):
+    if not isinstance(convention, str) or convention not in get_args(RelaxationConvention):
         raise InputError("convention", "is not known", value=convention, allowed='"source", "print"')
     if n is not None and convention == "print":
         raise InputError("n", 'is given, and convention = "print" sets it to -1', value=n, remedy="give one of the two")
@@ -164,7 +167,7 @@ def scaling_exponents(solvent_quality: str = "theta", *, entangled: bool = True)
     ----------
     Rubinstein and Colby (2003), Eqs. (8.89) ff. (unentangled) and section 9.3 (entangled; theta by the two-parameter scaling).
     """
-    if solvent_quality not in ("theta", "good"):
+    if not isinstance(solvent_quality, str) or solvent_quality not in ("theta", "good"):
         raise InputError("solvent_quality", "is not known", value=solvent_quality, allowed='"theta", "good"')
     if solvent_quality == "theta":
         return ScalingExponents(14 / 3, 7 / 3, 7 / 3) if entangled else ScalingExponents(2.0, 1.0, 1.0)
@@ -174,6 +177,7 @@ def scaling_exponents(solvent_quality: str = "theta", *, entangled: bool = True)
     return ScalingExponents(1 / below, (2 - 3 * _FLORY) / below, 1.0)
 
 
+@finite_result("scaled value", positive=True)
 def scaled(
     volume_fraction: ArrayLike, initial_volume_fraction: ArrayLike, initial_value: ArrayLike, exponent: ArrayLike
 ) -> FloatArray:
@@ -201,6 +205,7 @@ def scaled(
     return first * _power_of_ten("exponent", power * np.log10(phi / phi0), "phi and phi_0 are too far apart")
 
 
+@finite_result("viscosity", "Pa s", positive=True)
 def scaled_viscosity(
     volume_fraction: ArrayLike,
     initial_volume_fraction: ArrayLike,
@@ -232,6 +237,7 @@ def scaled_viscosity(
     return mu_s + scaled(volume_fraction, initial_volume_fraction, mu0 - mu_s, exponent)
 
 
+@finite_result("viscosity", "Pa s", positive=True)
 def martin_viscosity(
     concentration: ArrayLike, intrinsic_viscosity: ArrayLike, martin_constant: ArrayLike, solvent_viscosity: ArrayLike
 ) -> FloatArray:
@@ -265,6 +271,7 @@ def martin_viscosity(
     return mu_s * (1 + x * _power_of_ten("martin_constant", constant * x / np.log(10.0), "c [eta] is too large"))
 
 
+@finite_result("modulus", "Pa", positive=True)
 def modulus(viscosity: ArrayLike, relaxation_time: ArrayLike) -> FloatArray:
     """Elastic modulus ``G = mu / theta`` in Pa, of the *polymer* viscosity (Pa s) and its relaxation time (s)."""
     mu = real("viscosity", viscosity, above=0.0, unit="Pa s")

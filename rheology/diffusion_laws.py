@@ -18,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive
 
 __all__ = ["ConstantDiffusion", "DiffusionLaw", "ExponentialDiffusion", "FreeVolumeDiffusion"]
 
@@ -53,7 +53,7 @@ class ExponentialDiffusion:
 
     def __post_init__(self) -> None:
         positive("dilute", self.dilute, "m2/s")
-        real("decay", self.decay, least=0.0, most=100.0)
+        number("decay", self.decay, least=0.0, most=100.0)
 
     def __call__(self, volume_fraction: FloatArray, /) -> FloatArray:
         """D in m2/s."""
@@ -71,8 +71,8 @@ class FreeVolumeDiffusion:
 
     def __post_init__(self) -> None:
         positive("dry", self.dry, "m2/s")
-        real("gap", self.gap, least=0.01, remedy="a smaller gap changes D by more than 40 decades")
-        real("growth", self.growth, least=0.0)
+        number("gap", self.gap, least=0.01, remedy="a smaller gap changes D by more than 40 decades")
+        number("growth", self.growth, least=0.0)
 
     def __call__(self, volume_fraction: FloatArray, /) -> FloatArray:
         """D in m2/s."""

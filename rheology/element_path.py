@@ -10,7 +10,7 @@ what was given is kept and the other follows: a measured radius already shows th
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, get_args
+from typing import Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,10 +42,21 @@ class SteadyJet(Protocol):
 class BeadJet(Protocol):
     """One moment of a bead jet, elements along its arc."""
 
-    initial_radius: float
-    arc_length: Any
-    bead_velocity: Any
-    usable: Any
+    @property
+    def initial_radius(self) -> float:
+        """r_0, m."""
+
+    @property
+    def arc_length(self) -> FloatArray:
+        """Arc from the nozzle to the middle of each element, m."""
+
+    @property
+    def bead_velocity(self) -> FloatArray:
+        """Speed of each bead, m/s."""
+
+    @property
+    def usable(self) -> BoolArray:
+        """Elements that count."""
 
     def stretch_ratio(self, arc: ArrayLike, /) -> FloatArray:
         """Material stretch at an arc length (m)."""
@@ -134,7 +145,7 @@ def straight_path(jet: SteadyJet, z: ArrayLike, given: Given | None = None) -> E
     position = _positions("z", z, jet.start, jet.end)
     velocity, radius = jet.initial_velocity, jet.initial_radius
     chosen: Given = given if given is not None else getattr(jet, "given", "velocity")
-    if chosen not in get_args(Given):
+    if not isinstance(chosen, str) or chosen not in get_args(Given):
         raise InputError("given", "is not known", value=chosen, allowed='"velocity", "radius"')
     return ElementPath(
         position=position,

@@ -28,15 +28,15 @@ J. Polym. Sci. A 3, 2541 (1965); review Eqs. (43a), (44).
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError, SpinlineWarning
 from spinline.rheology._evaporation_balance import Activity, Balance
-from spinline.rheology.element_path import ElementPath
+from spinline.rheology.element_path import ElementPath, Given
 from spinline.rheology.volatile import Volatile
 
 __all__ = ["RE_RANGE", "Activity", "Evaporation", "evaporate", "power_law_loss", "sherwood"]
@@ -82,7 +82,7 @@ class Evaporation:
 def sherwood(reynolds: ArrayLike, schmidt: ArrayLike, floor: float = 0.0) -> FloatArray:
     """Sherwood number ``max(0.495 Re^(1/3) Sc^(1/2), floor)`` of Eq. (44); Re >= 0, Sc > 0, floor >= 0."""
     re, sc = real("reynolds", reynolds, least=0.0), real("schmidt", schmidt, above=0.0)
-    least = float(real("sherwood_floor", floor, least=0.0))
+    least = number("sherwood_floor", floor, least=0.0)
     return np.maximum(0.495 * np.cbrt(re) * np.sqrt(sc), least)
 
 
@@ -96,7 +96,7 @@ def power_law_loss(
     distance : array_like
         s = z/r_0, >= 0.
     k, beta : float
-        ``V = k^2 s^(2 beta)`` beyond ``s_0 = k^(-1/beta)``, V = 1 before.
+        ``V = k^2 s^(2 beta)`` beyond ``s_0 = k^(-1/beta)``, V = 1 before; k > 0, beta in [1e-6, 1e6].
     rate : float
         ``a = pi D_a Sh_0 dC r_0 / Q``.
     given : {"velocity", "radius"}
@@ -107,11 +107,19 @@ def power_law_loss(
     ndarray; NaN where nothing is left.
     """
     s = real("distance", distance, least=0.0)
-    power = 1 + beta / 3
-    onset = positive("k", k) ** (-1 / positive("beta", beta))
-    path = np.minimum(s, onset) + onset * (np.maximum(s / onset, 1.0) ** power - 1) / power
+    log_k = np.log(positive("k", k))
+    exponent = number("beta", beta, least=1e-6, most=1e6)
+    log_rate = np.log(positive("rate", rate))
+    if not isinstance(given, str) or given not in get_args(Given):
+        raise InputError("given", "is not known", value=given, allowed='"velocity", "radius"')
     q = 6 / 5 if given == "velocity" else 3 / 2
-    gone = positive("rate", rate) * path / q
+    # in logarithms, since J spans more than a double: beyond s_0, J = k^(1/3) s^p/p + s_0 (1 - 1/p), p = 1 + beta/3
+    power = 1 + exponent / 3
+    log_s = np.log(np.where(s > 0, s, 1.0))
+    beyond = power * (log_s + log_k / exponent)
+    shorter = np.log1p(exponent / 3 * np.exp(-np.maximum(beyond, 0.0)))
+    path = np.where(beyond > 0, log_k / 3 + power * log_s - np.log(power) + shorter, log_s)
+    gone = np.where(s > 0, np.exp(np.minimum(log_rate + path - np.log(q), 1.0)), 0.0)
     return -np.expm1(q * np.log1p(-np.where(gone < 1, gone, np.nan)))
 
 
@@ -164,17 +172,16 @@ def evaporate(
     SpinlineWarning
         Where Re leaves the range of the correlation.
     """
-    phi0 = float(real("volume_fraction", volume_fraction, above=0.0, below=1.0))
+    phi0 = number("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    if not isinstance(volatiles, Sequence) or not all(isinstance(v, Volatile) for v in volatiles):
+        raise InputError("volatiles", "is not a sequence of Volatile", value=volatiles)
     if not volatiles:
         raise InputError("volatiles", "is empty", remedy="give at least one solvent")
     share = np.atleast_1d(real("shares", shares, least=0.0, most=1.0))
     if share.shape != (len(volatiles),) or abs(float(share.sum()) - 1) > 1e-9:
         raise InputError("shares", "must be one per solvent and sum to 1", value=share.tolist(), remedy="scale them")
     balance = Balance(path, phi0, volatiles, (1 - phi0) * share / share.sum(), activity, polymer_molar_volume)
-    balance.set_air(
-        positive("air_viscosity", air_viscosity, "m2/s"), float(real("air_velocity", air_velocity, unit="m/s"))
-    )
-    balance.floor = float(real("sherwood_floor", sherwood_floor, least=0.0))
+    balance.set_air(air_viscosity, air_velocity, sherwood_floor)
     return _result(balance, balance.autonomous() if balance.separable else balance.along())
 
 

@@ -18,9 +18,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
-from spinline.rheology.materials import SOLVENTS, _known
+from spinline.rheology._finite import finite_result
+from spinline.rheology.solvents import SOLVENTS, known_name, solvent_molar_mass
 
 __all__ = [
     "GAS_CONSTANT",
@@ -50,7 +51,6 @@ VAPOURS: Mapping[str, tuple[int, int, int, int, int, int, int]] = {
     "formic acid": (1, 2, 2, 0, 0, 0, 0),
     "HFIP": (3, 2, 1, 0, 0, 6, 0),
 }
-_HFIP = "920-66-1"
 _DIFFUSION_VOLUMES = np.array([15.9, 2.31, 6.11, 4.54, 21.0, 14.7, -18.3])
 _WATER_VOLUME, _AIR_VOLUME, _AIR_MOLAR_MASS = 13.1, 19.7, 0.0289644
 
@@ -76,7 +76,7 @@ def vapour_pressure(name: str, temperature: float) -> float:
         For an unknown solvent, or a temperature outside the range; give the vapour pressure itself then.
     """
     name = _name(name, "vapour_pressure (Pa)")
-    cas = _cas(name)
+    cas = SOLVENTS[name][0]
     kelvin = positive("temperature", temperature, "K")
     if name == "water":
         from chemicals.iapws import iapws95_Psat
@@ -99,9 +99,7 @@ def vapour_pressure(name: str, temperature: float) -> float:
 
 def molar_mass(name: str) -> float:
     """Molar mass of a solvent in `VAPOURS`, kg/mol."""
-    from chemicals.identifiers import MW
-
-    return float(MW(_cas(_name(name, "molar_mass (kg/mol)")))) * 1e-3
+    return solvent_molar_mass(name)
 
 
 def vapour_diffusivity(name: str, temperature: float, pressure: float = 101325.0) -> float:
@@ -127,7 +125,9 @@ def vapour_diffusivity(name: str, temperature: float, pressure: float = 101325.0
     volume = _WATER_VOLUME if name == "water" else float(np.dot(_DIFFUSION_VOLUMES, VAPOURS[name]))
     reduced = 2e3 / (1 / mass + 1 / _AIR_MOLAR_MASS)  # g/mol
     spread = (np.cbrt(volume) + np.cbrt(_AIR_VOLUME)) ** 2
-    return float(0.00143e-4 * kelvin**1.75 / (p * 1e-5 * np.sqrt(reduced) * spread))
+    with np.errstate(over="ignore"):
+        value = 0.00143e-4 / (np.sqrt(reduced) * spread) * np.float64(kelvin) ** 1.75 / (p * 1e-5)
+    return positive("vapour diffusivity", value, "m2/s")
 
 
 def air_kinematic_viscosity(temperature: float, pressure: float = 101325.0) -> float:
@@ -140,12 +140,13 @@ def air_kinematic_viscosity(temperature: float, pressure: float = 101325.0) -> f
     pressure : float
         Pa, > 0.
     """
-    kelvin = float(real("temperature", positive("temperature", temperature, "K"), least=150.0, most=1000.0, unit="K"))
+    kelvin = number("temperature", temperature, least=150.0, most=1000.0, unit="K")
     p = positive("pressure", pressure, "Pa")
     viscosity = 1.458e-6 * kelvin**1.5 / (kelvin + 110.4)
-    return float(viscosity * GAS_CONSTANT * kelvin / (p * _AIR_MOLAR_MASS))
+    return positive("air_viscosity", viscosity * GAS_CONSTANT * kelvin / _AIR_MOLAR_MASS / p, "m2/s")
 
 
+@finite_result("vapour concentration")
 def vapour_concentration(
     vapour_pressure: ArrayLike, molar_mass: ArrayLike, liquid_density: ArrayLike, temperature: ArrayLike
 ) -> FloatArray:
@@ -166,7 +167,7 @@ def vapour_concentration(
     mass = real("molar_mass", molar_mass, above=0.0, unit="kg/mol")
     rho = real("liquid_density", liquid_density, above=0.0, unit="kg/m3")
     kelvin = real("temperature", temperature, above=0.0, unit="K")
-    value: FloatArray = p * mass / (GAS_CONSTANT * kelvin * rho)
+    value: FloatArray = (p / rho) * (mass / (GAS_CONSTANT * kelvin))
     return value
 
 
@@ -210,17 +211,21 @@ def equilibrium_fraction(relative_humidity: float, chi: float = 0.0) -> float:
     >>> round(equilibrium_fraction(0.4), 9), round(equilibrium_fraction(0.4, 0.45), 9)
     (0.824643499, 0.883674284)
     """
-    rh = float(real("relative_humidity", relative_humidity, least=0.0, below=1.0))
-    x = float(real("chi", chi, least=-5.0, most=5.0))
+    rh = number("relative_humidity", relative_humidity, least=0.0, below=1.0)
+    x = number("chi", chi, least=-5.0, most=5.0)
     if rh == 0:
         return 1.0
     from scipy.optimize import brentq
 
     def excess(log_solvent: float) -> float:
         phi = -float(np.expm1(log_solvent))
-        return log_solvent + phi * (1 + x * phi) - float(np.log(rh))
+        if phi > 0.3:
+            mixing = log_solvent + phi * (1 + x * phi)
+        else:  # ln(1 - phi) + phi + phi^2/2 as a series: nothing cancels in dilute or theta solutions
+            mixing = phi**2 * ((x - 0.5) - phi * sum(phi**n / (n + 3) for n in range(32, -1, -1)))
+        return mixing - float(np.log(rh))
 
-    root = brentq(excess, float(np.log(rh)) - 7.0, 0.0, xtol=1e-16, rtol=1e-15)
+    root = brentq(excess, float(np.log(rh)) - 7.0, 0.0, xtol=1e-300, rtol=1e-15)
     return -float(np.expm1(float(root)))
 
 
@@ -262,11 +267,7 @@ def raoult_coefficient(
 
 
 def _name(name: str, what: str) -> str:
-    return _known(name, VAPOURS, "solvent", f"give {what}")
-
-
-def _cas(name: str) -> str:
-    return _HFIP if name == "HFIP" else SOLVENTS[name][0]
+    return known_name(name, VAPOURS, "solvent", f"give {what}")
 
 
 def _within(name: str, temperature: float, low: float, high: float) -> None:

@@ -8,7 +8,7 @@ the simulators that follow it: ``rho_l R T/(p M)`` times as fast, 1300 for water
 from dataclasses import dataclass
 from typing import Literal, Self, get_args
 
-from spinline.checks import positive, real
+from spinline.checks import number, positive
 from spinline.errors import InputError
 from spinline.rheology import vapour
 
@@ -45,12 +45,15 @@ class Volatile:
     molar_volume: float = 1e-4
 
     def __post_init__(self) -> None:
-        for field, unit in (("saturation", ""), ("diffusivity", "m2/s"), ("molar_volume", "m3/mol")):
-            positive(f"{self.name}.{field}", getattr(self, field), unit)
-        ambient = real(f"{self.name}.ambient", self.ambient, least=0.0, below=1.0, remedy="give the relative humidity")
+        number(f"{self.name}.saturation", self.saturation, above=0.0, most=1e12)
+        number(f"{self.name}.diffusivity", self.diffusivity, least=1e-30, most=1e12, unit="m2/s")
+        number(f"{self.name}.molar_volume", self.molar_volume, least=1e-30, most=1e12, unit="m3/mol")
+        ambient = number(
+            f"{self.name}.ambient", self.ambient, least=0.0, below=1.0, remedy="give the relative humidity"
+        )
         if 0 < ambient < 1e-12:
-            raise InputError(f"{self.name}.ambient", "is too small to matter", value=float(ambient), remedy="give 0")
-        real(f"{self.name}.chi", self.chi, least=-5.0, most=5.0)
+            raise InputError(f"{self.name}.ambient", "is too small to matter", value=ambient, remedy="give 0")
+        number(f"{self.name}.chi", self.chi, least=-5.0, most=5.0)
 
     @classmethod
     def build(
@@ -76,7 +79,7 @@ class Volatile:
         """
         from spinline.rheology.materials import SOLVENTS, solvent_density
 
-        if convention not in get_args(Convention):
+        if not isinstance(convention, str) or convention not in get_args(Convention):
             raise InputError("convention", "is not known", value=convention, allowed='"mass", "yarin2001"')
         kelvin, p = positive("temperature", temperature, "K"), positive("pressure", pressure, "Pa")
         if density is None and name not in SOLVENTS:

@@ -105,7 +105,7 @@ BAD = [
     (["run", "peo5-water", "--set", "jet.k=inf"], ["jet.k", "finite"]),
     (["run", "peo5-water", "--set", "solution.polymer=Nylon"], ["solution.polymer", "'Nylon'", "PEO, PMMA"]),
     (["run", "peo5-water", "--rtol", "7"], ["accuracy.rtol"]),
-    (["run", "peo5-water", "--model", "conformation"], ["network.model", "'conformation'"]),
+    (["run", "peo5-water", "--model", "conformation"], ["network.model", "solution.relaxation_time"]),
     (["run", "peo5-water", "-o", "none/a.nc"], ["none/a.nc", "folder does not exist"]),
     (["run", "peo5-water", "-o", "/proc/a.nc"], ["/proc/a.nc", "cannot be written"]),
     (["run", "peo5-water", "--figure", "a.bmp"], ["a.bmp", ".png"]),

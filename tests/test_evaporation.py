@@ -299,7 +299,7 @@ def test_air() -> None:
     ("call", "words"),
     [
         (lambda: vapour.vapour_pressure("limonene", 298.0), "vapour_pressure"), (lambda: vapour.vapour_pressure("HFIP", 400.0), "range of the vapour pressure of HFIP"),
-        (lambda: vapour.vapour_pressure("watr", 298.0), "did you mean 'water'"), (lambda: Volatile.build("HFIP", 298.15), "density of HFIP"),
+        (lambda: vapour.vapour_pressure("watr", 298.0), "did you mean 'water'"), (lambda: Volatile.build("HFIP", 320.0), "liquid range of HFIP"),
         (lambda: Volatile.build("water", 400.0), "boiling"), (lambda: Volatile.build("water", convention="mol"), "convention"),  # type: ignore[arg-type]
         (lambda: Volatile("x", 0.0, 1.0), "x.saturation"), (lambda: Volatile("x", 1.0, 1.0, ambient=1.0), "relative humidity"),
         (lambda: Volatile("x", 1.0, 1.0, chi=np.nan), "x.chi"), (lambda: vapour.equilibrium_fraction(1.0), "relative_humidity"),

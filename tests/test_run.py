@@ -147,8 +147,8 @@ def test_coupling_is_reported_with_its_viscosity() -> None:
     ("overrides", "words"),
     [
         (["solution.molar_mass=5 kDa"], "no network"),
-        (["solution.relaxation_time=1 ms"], "relaxation is left out"),
-        (["ambient.relative_humidity=0.4"], r"\[ambient\] is checked but not used"),
+        (["solution.relaxation_time=1 ms", "effects.relaxation=false"], "relaxation is left out: De"),
+        (["ambient.relative_humidity=0.4"], "evaporation is left out: leaving it out errs by about 0.00"),
         (["solution.mass_fraction=0.3", "jet.length=2 mm"], "compact"),
     ],
 )
@@ -161,7 +161,7 @@ def test_odd_scenes_are_warned_about(overrides: list[str], words: str) -> None:
 @pytest.mark.parametrize(
     ("overrides", "field"),
     [
-        (["network.model=conformation"], "network.model"), (["effects.evaporation=true"], "effects.evaporation"), (["network.force_law=fene"], "network.force_law"),
+        (["network.model=conformation"], "solution.relaxation_time"), (["effects.evaporation=true"], "ambient.relative_humidity"), (["network.force_law=fene"], "network.force_law"),
         (["solution.polymer=PE0"], "solution.polymer"), (["solution.solvent=vodka"], "solution.solvent"), (["solution.temperature=900 K"], "temperature"),
         (["jet={profile='table', path='none.csv', flow_rate='1 mL/h'}"], "jet.path"), (["jet={profile='jetspin', path='none'}"], "jet.path"),
         (["solution.viscosity=1 Pa s", "jet={profile='power-law', radius='1 um', flow_rate='1 mL/h', beta=0.5, length='1 mm'}"], "jet.k"),

@@ -152,15 +152,18 @@ def thin_mean_limit(radius: ArrayLike, contrast: ArrayLike, photons: ArrayLike, 
     """
     r, d, n = real("radius", radius, above=0.0, unit="m"), _contrast(contrast), real("photons", photons, above=0.0)
     p = real("pixel", pixel, above=0.0, unit="m")
-    value: FloatArray = 1.0 / (np.abs(d) * np.sqrt(16.0 * n * r**3 / (3.0 * p)))
-    return value
+    with np.errstate(over="ignore"):
+        value: FloatArray = np.sqrt(3.0) / 4.0 * (np.sqrt(p) / np.sqrt(n)) / r / np.sqrt(r) / np.abs(d)
+    return real("limit", value, remedy="it is beyond what a double holds")
 
 
 def thin_centre_limit(radius: ArrayLike, contrast: ArrayLike, photons: ArrayLike) -> FloatArray:
     """Thin limit of the mean along the centre chord alone, ``1/(2 R |D| sqrt(N))``; arguments as in `thin_mean_limit`."""
     r, n = real("radius", radius, above=0.0, unit="m"), real("photons", photons, above=0.0)
-    value: FloatArray = 1.0 / (2.0 * r * np.abs(_contrast(contrast)) * np.sqrt(n))
-    return value
+    d = _contrast(contrast)
+    with np.errstate(over="ignore"):
+        value: FloatArray = 0.5 / np.sqrt(n) / r / np.abs(d)
+    return real("limit", value, remedy="it is beyond what a double holds")
 
 
 def photons_needed(

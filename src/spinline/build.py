@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spinline.checks import FloatArray
 from spinline.errors import InputError
 from spinline.jetprofile.hyperbolic import Hyperbolic
 from spinline.jetprofile.k_estimate import estimate_k
@@ -32,7 +33,16 @@ if TYPE_CHECKING:
     from spinline.images import Images
     from spinline.jetprofile.lagrangian import LagrangianJet
 
-__all__ = ["build_jet", "build_solution", "coupling", "coupling_error", "jet_length"]
+__all__ = [
+    "bead_ages",
+    "build_jet",
+    "build_solution",
+    "coupling",
+    "coupling_error",
+    "drag_of_solvent",
+    "given",
+    "jet_length",
+]
 
 
 def build_solution(scene: "Scene | Images") -> Solution:
@@ -43,12 +53,12 @@ def build_solution(scene: "Scene | Images") -> Solution:
         data = Polymer(
             name=s.polymer.name,
             density=s.polymer.density.value,
-            repeat_unit_molar_mass=_value(s.polymer.repeat_unit_molar_mass, float("nan")),
+            repeat_unit_molar_mass=given(s.polymer.repeat_unit_molar_mass, float("nan")),
             backbone_bonds=s.polymer.backbone_bonds or 0,
         )
     else:
         data = polymer(s.polymer, "solution.polymer")
-    density = _value(s.solvent_density)
+    density = given(s.solvent_density)
     solvent: Any = s.solvent
     if isinstance(s.solvent, SolventData):
         density = s.solvent.density.value if density is None else density
@@ -56,15 +66,15 @@ def build_solution(scene: "Scene | Images") -> Solution:
     return Solution.build(
         data,
         solvent,
-        mass_fraction=_value(s.mass_fraction),
-        volume_fraction=_value(s.volume_fraction),
+        mass_fraction=given(s.mass_fraction),
+        volume_fraction=given(s.volume_fraction),
         temperature=s.temperature.value,
-        polymer_density=_value(s.polymer_density),
+        polymer_density=given(s.polymer_density),
         solvent_density=density,
         kuhn_length=s.kuhn_length.value,
-        molar_mass=_value(s.molar_mass),
-        viscosity=_value(s.viscosity),
-        relaxation_time=_value(s.relaxation_time),
+        molar_mass=given(s.molar_mass),
+        viscosity=given(s.viscosity),
+        relaxation_time=given(s.relaxation_time),
         field="solution.",
     )
 
@@ -73,7 +83,7 @@ def build_jet(scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet"
     """Jet of a scene: analytic, tabulated or imported."""
     j = scene.jet
     if isinstance(j, PowerLawJet):
-        k = _value(j.k)
+        k = given(j.k)
         if k is None:
             if solution.viscosity is None:
                 raise InputError("solution.viscosity", "is missing: the estimate of k needs it", remedy="give it, or k")
@@ -97,17 +107,34 @@ def build_jet(scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet"
     if isinstance(j, TableJet):
         from spinline.jetprofile.table import Table
 
-        return Table.from_csv(path, flow_rate=j.flow_rate.value, initial_radius=_value(j.radius))
+        return Table.from_csv(path, flow_rate=j.flow_rate.value, initial_radius=given(j.radius))
     from spinline.jetprofile.lagrangian import LagrangianJet
 
     beads: LagrangianJet
     if isinstance(j, LagrangianJetFile):
-        beads = LagrangianJet.from_csv(path, initial_radius=_value(j.radius))
+        beads = LagrangianJet.from_csv(path, initial_radius=given(j.radius))
     else:
         beads = LagrangianJet.from_dataset(_jet_dataset(j, path))
     if j.time == "all":
         return beads
     return beads.at(None if isinstance(j.time, str) else j.time.value)
+
+
+def bead_ages(jet: "LagrangianJet") -> tuple[FloatArray, float]:
+    """Age of the elements of a bead jet in s, and the flow rate (m3/s) behind it.
+
+    By what was fed since, at the flow rate that the motion implies; where there is none (NaN), by the time it takes along
+    the arc at the speed of the beads; NaN without velocities.
+    """
+    from spinline.jetprofile.bead_age import bead_flow_rate, element_age
+
+    rate = bead_flow_rate(jet)
+    if np.isfinite(rate):
+        return element_age(jet, rate), rate
+    between = 0.5 * (jet.bead_velocity[..., 1:] + jet.bead_velocity[..., :-1])
+    step = np.diff(jet.arc_length, axis=-1, prepend=0.0)
+    ages: FloatArray = np.cumsum(step / np.where(between > 0, between, np.nan), axis=-1)
+    return ages, rate
 
 
 def jet_length(scene: Scene, jet: StraightJet) -> float:
@@ -152,13 +179,19 @@ def _drag_viscosity(scene: Scene, solution: Solution) -> tuple[float, str]:
                 "solution.viscosity", 'is missing: network.drag_viscosity = "solution" needs it', remedy="give it"
             )
         return solution.viscosity, "viscosity of the solution"
-    given = scene.solution.solvent_viscosity
-    if given is not None:
-        return given.value, "viscosity of the solvent"
+    return drag_of_solvent(scene, solution, "alpha_v")
+
+
+def drag_of_solvent(scene: Scene, solution: Solution, what: str) -> tuple[float, str]:
+    """Viscosity of the solvent in Pa s, and where it comes from; `what` needs it, in an error."""
+    own = scene.solution.solvent_viscosity
+    if own is not None:
+        return own.value, "viscosity of the solvent"
     if isinstance(scene.solution.solvent, SolventData):
+        remedy = "give it, or network.coupling" if what == "alpha_v" else "give it"
         raise InputError(
-            "solution.solvent_viscosity", "is missing: alpha_v needs it for a solvent that is not built in",
-            remedy="give it, or network.coupling",
+            "solution.solvent_viscosity", f"is missing: {what} needs it for a solvent that is not built in",
+            remedy=remedy,
         )  # fmt: skip
     logs = [
         share * np.log(solvent_viscosity(name, solution.temperature, "solution.solvent"))
@@ -191,5 +224,6 @@ def _jet_dataset(section: JetspinJet, path: Path) -> "xr.Dataset":
     return read_jetspin(path, source=section.source, unit=section.unit)
 
 
-def _value(measured: Measured | None, default: Any = None) -> Any:
+def given(measured: Measured | None, default: Any = None) -> Any:
+    """Value in SI of an optional quantity of a scene, or the default."""
     return default if measured is None else measured.value

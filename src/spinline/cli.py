@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.cli_images import register
+from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli_trade import plan, trade
 from spinline.errors import InputError, SpinlineWarning
 
 if TYPE_CHECKING:
@@ -32,13 +34,6 @@ app = typer.Typer(
     help="The polymer network inside an electrospinning jet.",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")]
-ModelOption = Annotated[str | None, typer.Option("--model", help="Override network.model.")]
-RtolOption = Annotated[str | None, typer.Option("--rtol", help="Override accuracy.rtol.")]
-SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print names and SI values as JSON.")]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite files.")]
 
 
 class Along(StrEnum):
@@ -82,7 +77,7 @@ def run(
     set_: SetOption = None,
 ) -> None:
     """Jet, network and concentration of a scene: one file out, one figure."""
-    loaded = _load(scene, model, rtol, set_)
+    loaded = load(scene, model, rtol, set_)
     from spinline import results
     from spinline.outputs import writable
 
@@ -131,7 +126,7 @@ def crossover(
     set_: SetOption = None,
 ) -> None:
     """Where, and at which radius, the network is fully stretched: one line."""
-    loaded = _load(scene, model, rtol, set_)
+    loaded = load(scene, model, rtol, set_)
     from spinline import results
     from spinline.solve import run as solve
 
@@ -150,7 +145,7 @@ def crossover(
 @app.command()
 def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
     """What is wrong or odd with a scene, before anything runs."""
-    loaded = _load(scene, model, rtol, set_)
+    loaded = load(scene, model, rtol, set_)
     from spinline.solve import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
@@ -217,6 +212,10 @@ def schema(
     else:
         with replacing(out, force=force) as part:
             part.write_text(text + "\n", encoding="utf-8")
+
+
+app.command()(plan)
+app.command()(trade)
 
 
 @app.command("fit-jet", short_help="Fit k and beta of a power law to a radius profile.")
@@ -301,17 +300,6 @@ def main() -> None:
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
     typer.echo(f"warning: {message}", err=True)
-
-
-def _load(scene: str, model: str | None, rtol: str | None, overrides: list[str] | None) -> "Scene":
-    from spinline.scene import load_scene
-
-    forced = list(overrides or [])
-    if model is not None:
-        forced.append(f'network.model="{model}"')
-    if rtol is not None:
-        forced.append(f"accuracy.rtol={rtol}")
-    return load_scene(scene, forced)
 
 
 def _default_out(scene: str, loaded: "Scene") -> Path:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from spinline.cli_options import ForceOption, JsonOption, SetOption
 from spinline.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
 __all__ = ["register"]
 
 ImagesArgument = Annotated[str, typer.Argument(metavar="IMAGES", help="Images file, or the name of a bundled set.")]
-SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file.")]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print names and SI values as JSON.")]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite files.")]
 MethodOption = Annotated[str | None, typer.Option("--method", help="Override method: chord, row.")]
 
 

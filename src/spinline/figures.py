@@ -1,4 +1,4 @@
-"""The figure of a run: radius, stretch and orientation, concentration, with the crossover marked.
+"""The figure of a run: radius, stretch and orientation, concentration, with the crossover (S) and the glass (G) marked.
 
 Readable in grey: every curve has its own line style. Colours are those of Okabe and Ito, told apart by the colour-blind.
 """
@@ -41,11 +41,14 @@ def figure(result: xr.Dataset) -> Figure:
     """
     if "time" in result.dims:
         result = result.isel(time=-1)
-    sheet = Figure(figsize=(9.0, 6.6))
+    rows = 3 if "evaporated_fraction" in result or "deborah_number" in result else 2
+    height = 6.6 if rows == 2 else 9.4
+    sheet = Figure(figsize=(9.0, height))
     # fixed margins: laying out by trial draws takes as long as the rest of a run
-    sheet.subplots_adjust(left=0.075, right=0.985, bottom=0.07, top=0.915, wspace=0.2, hspace=0.05)
+    below, above = 0.46 / height, 1 - 0.56 / height
+    sheet.subplots_adjust(left=0.075, right=0.985, bottom=below, top=above, wspace=0.2, hspace=0.05)
     FigureCanvasAgg(sheet)
-    axes = sheet.subplots(2, 2, sharex=True)
+    axes = sheet.subplots(rows, 2, sharex=True)
     beads = "element" in result.dims
     if beads:
         result = result.isel(element=np.flatnonzero(np.isfinite(result["stretch_ratio"].values)))
@@ -54,15 +57,20 @@ def figure(result: xr.Dataset) -> Figure:
     _strands(axes[0, 1], place, result)
     _stretches(axes[1, 0], place, result)
     _fractions(axes[1, 1], place, result)
+    if rows == 3:
+        from spinline.figures_drying import across, along
+
+        across(axes[2, 0], place, result)
+        along(axes[2, 1], place, result)
     for axis in axes.flat:
-        _mark(axis, result)
+        _mark(axis, result, "white" if axis.collections else "black")
         axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
     if beads:
         axes[0, 0].set_xscale("log")
     else:
         axes[0, 0].set_xlim(place[0], place[-1])
-    for axis in axes[1]:
+    for axis in axes[-1]:
         axis.set_xlabel("arc length from the nozzle (mm)" if beads else "distance from the nozzle z (mm)")
     sheet.suptitle(f"{result.attrs['title']}\n{headline(result)}", fontsize=10.5, y=0.985)
     return sheet
@@ -135,6 +143,8 @@ def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
 
 def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.plot(place, result["stretch_ratio"], color=GREY, linewidth=2, label="solution, material stretch")
+    if "deborah_number" in result:
+        axis.plot(place, result["network_velocity_ratio"], color=GREEN, linestyle="-.", label="network $w$")
     axis.plot(place, result["axial_stretch"], color=BLUE, linestyle="--", label=r"strands $\xi_\parallel/\xi_0$")
     contour = float(result["crossover_velocity_ratio"])
     axis.axhline(
@@ -158,13 +168,17 @@ def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**_LEGEND, loc="upper left")
 
 
-def _mark(axis: "Axes", result: xr.Dataset) -> None:
-    for name, style, label in (("crossover", "-", "S"), ("crossover_extension", (0, (1, 3)), "")):
-        position = 1e3 * float(result[f"{name}_position"])
+def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:
+    for name, style, label in (
+        ("crossover", "-", "S"),
+        ("crossover_extension", (0, (1, 3)), ""),
+        ("frozen", "--", "G"),
+    ):
+        position = 1e3 * float(result[f"{name}_position"]) if f"{name}_position" in result else np.nan
         if np.isfinite(position):
-            axis.axvline(position, color="black", linewidth=0.9, linestyle=style)
+            axis.axvline(position, color=colour, linewidth=0.9, linestyle=style)
             if label:
                 axis.annotate(
                     label, (position, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points",
-                    va="top", fontsize=9, fontweight="bold",
+                    va="top", fontsize=9, fontweight="bold", color=colour,
                 )  # fmt: skip

@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    BaseModel,
-    ConfigDict,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
@@ -21,7 +19,9 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from spinline.scene import Length, Read, SolutionSection, explain, read_toml
+from spinline.scene import SolutionSection, explain, read_toml
+from spinline.scene_fields import Length, Read, Section
+from spinline.scene_rheology import refusal
 from spinline.units import Measured
 
 __all__ = ["KEV", "Images", "Source", "bundled_images", "images_from_dict", "images_schema", "load_images"]
@@ -104,10 +104,6 @@ def _words(problem: str, allowed: str) -> PydanticCustomError:
     return PydanticCustomError("range", "{problem}", {"problem": problem, "allowed": allowed, "remedy": ""})
 
 
-def _refusal(key: str, problem: str) -> PydanticCustomError:
-    return PydanticCustomError("refusal", "{problem}", {"key": key, "problem": problem, "allowed": "", "remedy": ""})
-
-
 def _span(value: Any) -> tuple[int, int]:
     if not (isinstance(value, list | tuple) and len(value) == 2 and all(type(i) is int for i in value)):
         raise _words("is not [first, last]", "two whole numbers, the second one after the last row")
@@ -131,10 +127,8 @@ FieldOrNumber = Annotated[Source, _ReadSource(number=True)]
 Rows = Annotated[tuple[int, int], _ReadSpan()]
 
 
-class Images(BaseModel):
+class Images(Section):
     """A checked images file. `text` and `folder` say where it came from."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
     title: str = ""
     counts: str
@@ -169,14 +163,14 @@ class Images(BaseModel):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if (self.pixel_size is None) == (self.nozzle_diameter is None):
-            raise _refusal("pixel_size", "give one of pixel_size and nozzle_diameter (with nozzle_rows)")
+            raise refusal("pixel_size", "give one of pixel_size and nozzle_diameter (with nozzle_rows)")
         if (self.nozzle_diameter is None) != (self.nozzle_rows is None):
-            raise _refusal("nozzle_rows", "goes with nozzle_diameter: the rows in which the nozzle is in view")
+            raise refusal("nozzle_rows", "goes with nozzle_diameter: the rows in which the nozzle is in view")
         given = self.polymer_attenuation is not None, self.solvent_attenuation is not None
         if given[0] != given[1]:
-            raise _refusal("polymer_attenuation", "goes with solvent_attenuation: give both or none")
+            raise refusal("polymer_attenuation", "goes with solvent_attenuation: give both or none")
         if not any(given) and (self.energy is None) == (self.spectrum is None):
-            raise _refusal("energy", "give one of energy and spectrum, or polymer_attenuation and solvent_attenuation")
+            raise refusal("energy", "give one of energy and spectrum, or polymer_attenuation and solvent_attenuation")
         return self
 
     @property

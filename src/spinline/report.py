@@ -56,8 +56,10 @@ def words(result: xr.Dataset) -> list[str]:
         here = int(np.nanargmin(np.where(known, np.abs(place - float(result["crossover_position"])), np.nan)))
         sentences.append(f"At the crossover {_state(result, here)}.")
     end = int(np.flatnonzero(known)[-1])
+    sentences += _dried(result, end)
     where = "At the free end" if result.attrs["model"] in ("manifold", "chain") else "At the end"
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
+    sentences += _frozen(result)
     return sentences
 
 
@@ -116,6 +118,54 @@ def save_report(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
     return Path(path)
 
 
+def _dried(result: xr.Dataset, end: int) -> list[str]:
+    """What has evaporated, what relaxed and the skin, at the end of the jet."""
+    sentences = []
+    if "evaporated_fraction" in result:
+        lost = 100 * float(result["evaporated_fraction"].values[end])
+        mean = float(result["mean_polymer_fraction"].values[end])
+        sentences.append(f"The jet loses {lost:.3g} % of its volume; its mean polymer fraction ends at {mean:.3g}.")
+    if "deborah_number" in result:
+        w, affine = (float(result[name].values[end]) for name in ("network_velocity_ratio", "stretch_ratio"))
+        sentences.append(
+            f"The strands relax while they are stretched: {w:.3g} times at the end, where the solution is stretched "
+            f"{affine:.3g} times."
+        )
+    if "skin_thickness" in result:
+        surface, axis = (float(result[f"{name}_polymer_fraction"].values[end]) for name in ("surface", "axis"))
+        skin = 1e6 * float(result["skin_thickness"].values[end])
+        sentences.append(
+            f"Drying leaves a fraction of {surface:.3g} at the surface against {axis:.3g} on the axis; the skin is "
+            f"{skin:.3g} µm thick."
+        )
+    return sentences
+
+
+def _frozen(result: xr.Dataset) -> list[str]:
+    """The structure that stays."""
+    if "frozen_position" not in result:
+        return []
+    sentences = []
+    for name, what in (("skin", "The surface"), ("frozen", "The jet, on average,"), ("core", "The axis")):
+        if f"{name}_position" not in result or not np.isfinite(float(result[f"{name}_position"])):
+            continue
+        at = {
+            key: float(result[f"{name}_{key}"]) for key in ("position", "radius", "orientation", "stretch", "relaxed")
+        }
+        text = f"{what} turns to glass at {1e3 * at['position']:.3g} mm, radius {1e6 * at['radius']:.3g} µm"
+        if name == "frozen":
+            text += (
+                f": what stays is O = {at['orientation']:.3g} and a stretch of {at['stretch']:.3g}; "
+                f"{100 * at['relaxed']:.3g} % of the affine stretch relaxed on the way"
+            )
+        else:
+            text += f", with O = {at['orientation']:.3g}"
+        sentences.append(text + ".")
+    if not sentences:
+        sentences.append(f"No structure is frozen in: {result.attrs['frozen_structure']}.")
+    return sentences
+
+
 _MODELS = (
     ("model", "model"),
     ("why", "model_reason"),
@@ -124,14 +174,25 @@ _MODELS = (
     ("solvent quality", "solvent_quality"),
     ("crossover, Eq. (38)", "crossover"),
     ("crossover by extension", "crossover_extension"),
+    ("evaporation", "evaporation_reason"),
+    ("relaxation", "relaxation_reason"),
+    ("radial gradients", "radial_reason"),
     ("left out", "effects_left_out"),
+    ("air and solvent", "evaporation"),
+    ("concentration laws", "concentration_laws"),
+    ("constitutive model", "constitutive_model"),
+    ("structure that stays", "frozen_structure"),
+    ("of the skin", "skin_structure"),
+    ("of the core", "core_structure"),
+    ("skin", "skin_criterion"),
     ("coupling alpha_v", "coupling"),
     ("viscosity in it", "drag_viscosity"),
     ("A of the solvent's drag alone", "affinity_of_solvent_drag"),
 )
 _INPUTS = (
     "polymer", "polymer_density", "solvent", "solvent_density", "solution_density", "mass_fraction", "temperature",
-    "kuhn_length", "strands_per_chain", "jet", "initial_radius", "initial_velocity", "flow_rate",
+    "kuhn_length", "strands_per_chain",
+    "zero_shear_viscosity", "relaxation_time_at_rest", "jet", "initial_radius", "initial_velocity", "flow_rate",
 )  # fmt: skip
 
 

@@ -69,6 +69,47 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "crossover_extension_radius": ("m", "jet radius where the extension passes the criterion"),
     "crossover_extension_radius_ratio": ("1", "the same over the initial radius"),
     "crossover_extension_velocity_ratio": ("1", "velocity ratio where the extension passes the criterion"),
+    "evaporated_fraction": ("1", "volume lost by evaporation over the volume at the nozzle"),
+    "reynolds_number": ("1", "Reynolds number of the air at the jet"),
+    "sherwood_number": ("1", "Sherwood number of the (first) solvent"),
+    "viscosity": ("Pa s", "zero-shear viscosity at the mean polymer fraction"),
+    "relaxation_time": ("s", "relaxation time theta at the mean polymer fraction"),
+    "weissenberg_number": ("1", "theta times the strain rate, theta at the mean polymer fraction"),
+    "deborah_number": ("1", "theta of the solution at the nozzle times the strain rate"),
+    "stress": ("Pa", "axial extra stress of the polymer; NaN where it is glass"),
+    "radial_stress": ("Pa", "radial extra stress of the polymer; NaN where it is glass"),
+    "tensile_force": ("N", "force of the polymer's stress on the cross-section; NaN where it is glass"),
+    "frozen": ("", "the section is glass on average: the network changes no more"),
+    "polymer_fraction": (
+        "1",
+        "polymer volume fraction across the jet: skin of drying and core of the contracted network",
+    ),
+    "drying_polymer_fraction": ("1", "polymer volume fraction across the jet by drying alone"),
+    "surface_polymer_fraction": ("1", "polymer volume fraction at the surface by drying alone"),
+    "axis_polymer_fraction": ("1", "polymer volume fraction on the axis by drying alone"),
+    "skin_thickness": ("m", "thickness of the skin, see the attribute skin_criterion"),
+    "drying_peclet": ("1", "evaporation against diffusion in the jet, D_a Sh C_sat/(2 D)"),
+    "drying_biot": ("1", "resistance of the surface: drying_peclet times the slope of the activity"),
+    "fourier_number": ("1", "time for diffusion across the jet, integral of D/r^2"),
+    "r": ("1", "distance from the axis over the jet radius"),
+    "vitrification_fraction": ("1", "polymer volume fraction that turns to glass"),
+    **{
+        f"{name}_{key}": (unit, f"{words} {what}")
+        for name, what in (
+            ("frozen", "where the mean of the section turns to glass"),
+            ("skin", "where the surface turns to glass"),
+            ("core", "where the axis turns to glass"),
+        )
+        for key, unit, words in (
+            ("position", "m", "position"),
+            ("time", "s", "time since the nozzle"),
+            ("radius", "m", "jet radius"),
+            ("stretch", "1", "stretch w of the strands"),
+            ("extension", "1", "extension of the strands over their contour"),
+            ("orientation", "1", "Hermans orientation"),
+            ("relaxed", "1", "part of the affine stretch that has relaxed"),
+        )
+    },
     "x": ("m", "position along the spinning axis"),
     "y": ("m", "position across the spinning axis"),
     "time": ("s", "time"),
@@ -83,7 +124,7 @@ def assemble(
     Parameters
     ----------
     fields : dict
-        Variable name to array along the jet.
+        Variable name to array along the jet, and across it (``r``) as the last dimension.
     numbers : dict
         Variable name to number (or array along time).
     attributes : dict
@@ -102,11 +143,14 @@ def assemble(
     along = (*lead, "element") if beads else ("z",)
     place = "arc_length" if beads else "z"
     coordinates[place] = (along, fields[place], _units(place))
-    data = {
-        name: ((*lead, "bead") if beads and name in ("x", "y", "z") else along, values, _units(name, beads))
-        for name, values in fields.items()
-        if name != place
-    }
+    if "r" in fields:
+        coordinates["r"] = ("r", fields["r"], _units("r"))
+    data = {}
+    for name, values in fields.items():
+        if name not in (place, "r"):
+            dims = (*lead, "bead") if beads and name in ("x", "y", "z") else along
+            across = ("r",) if np.ndim(values) > len(dims) else ()
+            data[name] = ((*dims, *across), values, _units(name, beads))
     data |= {name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
              for name, value in numbers.items()}  # fmt: skip
     return xr.Dataset(data, coordinates, {key: _storable(value) for key, value in attributes.items()})
@@ -180,11 +224,9 @@ def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
 
 
 def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
-    """Write the profile as a table, one row per place (and time), units in the header."""
-    if "element" in result.dims:
-        along = [name for name in result.variables if "element" in result[name].dims]
-    else:
-        along = [name for name in result.variables if "z" in result[name].dims]
+    """Write the profile as a table, one row per place (and time), units in the header; maps across the jet are left out."""
+    place = "element" if "element" in result.dims else "z"
+    along = [name for name in result.variables if place in result[name].dims and "r" not in result[name].dims]
     table = result[along].to_dataframe().reset_index()
     # an index that is only a count has no unit; everything else has
     units = {name: result[name].attrs.get("units", "") if name in result.variables else "" for name in table.columns}

@@ -11,11 +11,12 @@ from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.coupling import BOLTZMANN, strand_force
 from spinline.network.mesh import network_at_rest
-from spinline.network.state import network_state
+from spinline.network.state import dried_state, network_state
 from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
 if TYPE_CHECKING:
+    from spinline.extra import Extra
     from spinline.network.chain_profile import ChainProfile
     from spinline.network.manifold import Manifold
 
@@ -24,6 +25,7 @@ __all__ = [
     "Crossover",
     "SettledChain",
     "network_fields",
+    "network_stretch",
     "settled_chain",
     "slip_fields",
     "slipping_crossover",
@@ -50,6 +52,8 @@ class Crossover:
         r / r_0; NaN likewise.
     predicted : float
         Position if the profile went on beyond the jet's length; NaN where it cannot be said.
+    words : str
+        Why it is not reached, where the profile alone does not say.
     """
 
     velocity_ratio: float
@@ -57,6 +61,7 @@ class Crossover:
     radius: float
     radius_ratio: float
     predicted: float
+    words: str = ""
 
 
 def steady_state(scene: Scene, solution: Solution, jet: StraightJet) -> "Manifold":
@@ -242,22 +247,35 @@ def walk_fields(fields: dict[str, FloatArray], scene: Scene, solution: Solution)
 
 
 def network_fields(
-    profile: dict[str, FloatArray], scene: Scene, solution: Solution, network: "Manifold | SettledChain | None"
+    profile: dict[str, FloatArray],
+    scene: Scene,
+    solution: Solution,
+    network: "Manifold | SettledChain | None",
+    extra: "Extra | None" = None,
 ) -> dict[str, FloatArray]:
-    """Network variables wherever the stretch is known, NaN (or False) elsewhere."""
+    """Network variables wherever the stretch is known, NaN (or False) elsewhere.
+
+    Where the jet loses volume, the strands are those of the solution at the nozzle and every fraction is over what is left.
+    What relaxes moves with the solution: the network then slips by what the closure says of its own stretch.
+    """
     stretch = profile["stretch_ratio"]
     known = np.isfinite(stretch)
-    moved = stretch[known]
+    moved = flow = stretch[known]
     if network is not None:
-        s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
-        moved = network.stretch(np.clip(s, 0.0, network.length))
+        moved = network_stretch(profile, network)
+    left: FloatArray | float = 1.0
+    if extra is not None:
+        moved, left = extra.stretch[known], extra.remaining[known]
+        flow = moved if network is None else flow
     net = network_state(
         moved,
-        stretch[known],
+        flow,
         solution.volume_fraction,
         closure=scene.network.closure,
         solvent_quality=scene.network.solvent_quality,
     )
+    if extra is not None and extra.dries:
+        net = dried_state(net, flow, solution.volume_fraction, left, scene.network.solvent_quality)
     radius = profile["radius"][known]
     walk = net.conformation
     flat: dict[str, Any] = {
@@ -280,6 +298,12 @@ def network_fields(
         "contour_reached": net.contour_reached,
     }
     return {name: _spread(values, known) for name, values in flat.items()}
+
+
+def network_stretch(profile: dict[str, FloatArray], network: "Manifold | SettledChain") -> FloatArray:
+    """Stretch w of a network that slips, at the places of a straight jet's profile."""
+    s = (profile["z"] - profile["z"][0]) * (network.length / (profile["z"][-1] - profile["z"][0]))
+    return network.stretch(np.clip(s, 0.0, network.length))
 
 
 def _spread(values: FloatArray, known: Any) -> FloatArray:

@@ -7,95 +7,44 @@ A scene is TOML. Quantities are text with their unit; unknown keys are refused a
 import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    Tag,
-    ValidationError,
-    model_validator,
-)
-from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from spinline.errors import InputError
-from spinline.units import QUANTITIES, Measured, parse
+from spinline.scene_fields import (
+    Conductivity,
+    Density,
+    ElectricField,
+    Exponent,
+    FlowRate,
+    KuhnLength,
+    Length,
+    Lifetime,
+    MassFraction,
+    MolarMass,
+    Number,
+    NumberOrZero,
+    Section,
+    Temperature,
+    Time,
+    VapourPressure,
+    Viscosity,
+    VolumeFraction,
+)
+from spinline.scene_rheology import AmbientSection, EffectsSection, RheologySection, refusal
+from spinline.units import Measured
 
 __all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
 
 
-@dataclass(frozen=True)
-class Read:
-    """Reads a quantity: text with a unit, within a physical range (in SI)."""
-
-    kind: str
-    low: float
-    high: float
-    closed: bool = False
-    remedy: str = ""
-
-    @property
-    def allowed(self) -> str:
-        """The range in words."""
-        ends = "[]" if self.closed else "()"
-        return f"{ends[0]}{self.low:g}, {self.high:g}{ends[1]} {QUANTITIES[self.kind].unit}".strip()
-
-    def __call__(self, text: Any) -> Measured:
-        """Parse and check one value."""
-        try:
-            measured = parse(text, self.kind, "")
-        except InputError as error:
-            words = {"problem": error.problem, "allowed": error.allowed or self.allowed, "remedy": error.remedy}
-            raise PydanticCustomError("quantity", "{problem}", words) from None
-        value = measured.value
-        if not (self.low <= value <= self.high if self.closed else self.low < value < self.high):
-            raise PydanticCustomError("range", "is out of range", {"allowed": self.allowed, "remedy": self.remedy})
-        return measured
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        quantity = QUANTITIES[self.kind]
-        kinds: Any = "string" if quantity.unit else ["string", "number"]
-        return {"type": kinds, "description": f"{self.kind}, {self.allowed}", "examples": [quantity.example]}
-
-
 _LONGEST = 1_000_000  # characters of a scene
 
-Length = Annotated[Measured, Read("length", 1e-12, 1e3)]
-KuhnLength = Annotated[Measured, Read("length", 1e-11, 1e-6)]
-FlowRate = Annotated[Measured, Read("flow rate", 1e-30, 1.0)]
-Time = Annotated[Measured, Read("time", 0.0, 1e9, closed=True)]
-Lifetime = Annotated[Measured, Read("time", 0.0, 1e12)]
-Temperature = Annotated[Measured, Read("temperature", 50.0, 1000.0)]
-Density = Annotated[Measured, Read("density", 1.0, 3e4)]
-MolarMass = Annotated[Measured, Read("molar mass", 1e-3, 1e6)]
-Viscosity = Annotated[Measured, Read("viscosity", 1e-7, 1e15)]
-Velocity = Annotated[Measured, Read("velocity", -1e3, 1e3)]
-Pressure = Annotated[Measured, Read("pressure", 0.0, 1e9)]
-ElectricField = Annotated[Measured, Read("electric field", 0.0, 1e10)]
-Conductivity = Annotated[Measured, Read("conductivity", 0.0, 1e8)]
-MassFraction = Annotated[Measured, Read("mass fraction", 0.0, 1.0)]
-VolumeFraction = Annotated[Measured, Read("volume fraction", 0.0, 1.0)]
-Fraction = Annotated[Measured, Read("fraction", 0.0, 1.0, closed=True)]
-Exponent = Annotated[Measured, Read("number", 0.25, 1.0, closed=True, remedy="measured jets give 0.4 to 0.6")]
-Number = Annotated[Measured, Read("number", 0.0, 1e30)]
-NumberOrZero = Annotated[Measured, Read("number", 0.0, 1e30, closed=True)]
 
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
-class PolymerData(_Section):
+class PolymerData(Section):
     """A polymer that is not built in."""
 
     name: str = "polymer"
@@ -104,11 +53,13 @@ class PolymerData(_Section):
     backbone_bonds: Annotated[int, Field(ge=1, le=1000)] | None = None
 
 
-class SolventData(_Section):
-    """A solvent that is not built in."""
+class SolventData(Section):
+    """A solvent that is not built in; molar mass and vapour pressure matter to evaporation only."""
 
     name: str = "solvent"
     density: Density
+    molar_mass: MolarMass | None = None
+    vapour_pressure: VapourPressure | None = None
 
 
 def _form(value: Any) -> str:
@@ -130,7 +81,7 @@ SolventField = Annotated[
 ]
 
 
-class SolutionSection(_Section):
+class SolutionSection(Section):
     """``[solution]``: what is spun."""
 
     polymer: PolymerField
@@ -149,11 +100,11 @@ class SolutionSection(_Section):
     @model_validator(mode="after")
     def _one_fraction(self) -> Self:
         if (self.mass_fraction is None) == (self.volume_fraction is None):
-            raise _refusal("mass_fraction", "give one of mass_fraction and volume_fraction, not both and not none")
+            raise refusal("mass_fraction", "give one of mass_fraction and volume_fraction, not both and not none")
         return self
 
 
-class PowerLawJet(_Section):
+class PowerLawJet(Section):
     """``[jet]`` with ``profile = "power-law"``, Eq. (31)."""
 
     profile: Literal["power-law"]
@@ -169,13 +120,13 @@ class PowerLawJet(_Section):
     def _k_or_process(self) -> Self:
         process = (self.electric_field, self.conductivity)
         if self.k is None and None in process:
-            raise _refusal("k", "is missing; give k, or electric_field and conductivity for an estimate of it")
+            raise refusal("k", "is missing; give k, or electric_field and conductivity for an estimate of it")
         if self.k is not None and process != (None, None):
-            raise _refusal("k", "is given beside electric_field and conductivity; drop one or the other")
+            raise refusal("k", "is given beside electric_field and conductivity; drop one or the other")
         return self
 
 
-class HyperbolicJet(_Section):
+class HyperbolicJet(Section):
     """``[jet]`` with ``profile = "hyperbolic"``, Fig. 35."""
 
     profile: Literal["hyperbolic"]
@@ -185,7 +136,7 @@ class HyperbolicJet(_Section):
     p: Number
 
 
-class TableJet(_Section):
+class TableJet(Section):
     """``[jet]`` with ``profile = "table"``: a CSV file of (z, radius) or (z, velocity)."""
 
     profile: Literal["table"]
@@ -195,7 +146,7 @@ class TableJet(_Section):
     length: Length | None = None
 
 
-class JetspinJet(_Section):
+class JetspinJet(Section):
     """``[jet]`` with ``profile = "jetspin"``: a run directory, a file of it, or what ``import-jet`` wrote."""
 
     profile: Literal["jetspin"]
@@ -205,7 +156,7 @@ class JetspinJet(_Section):
     unit: str | None = None
 
 
-class LagrangianJetFile(_Section):
+class LagrangianJetFile(Section):
     """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator in a CSV file."""
 
     profile: Literal["lagrangian"]
@@ -219,38 +170,7 @@ JetSection = Annotated[
 ]
 
 
-class AmbientSection(_Section):
-    """``[ambient]``: the air; for evaporation."""
-
-    relative_humidity: Fraction | None = None
-    temperature: Temperature | None = None
-    pressure: Pressure | None = None
-    air_velocity: Velocity | None = None
-
-
-class RheologySection(_Section):
-    """``[rheology]``: how viscosity, relaxation and diffusion follow the concentration."""
-
-    law: str | None = None
-    B: Number | None = None
-    m: Number | None = None
-    n: float | None = None
-    convention: str | None = None
-    D_law: str | None = None
-
-
-Switch = Literal["auto", True, False]
-
-
-class EffectsSection(_Section):
-    """``[effects]``: which physics to include."""
-
-    evaporation: Switch = "auto"
-    relaxation: Switch = "auto"
-    radial: Switch = "auto"
-
-
-class NetworkSection(_Section):
+class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
     model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
@@ -265,16 +185,19 @@ class NetworkSection(_Section):
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 
 
-class AccuracySection(_Section):
-    """``[accuracy]``: how far from the finest model an answer may be, points to write, strands to walk at each."""
+class AccuracySection(Section):
+    """``[accuracy]``: how far from the finest model an answer may be, points to write and shells across
+    the jet, strands to walk at each point.
+    """
 
     rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 401
+    shells: Annotated[int, Field(ge=8, le=1000)] = 100
     strands: Annotated[int, Field(ge=2, le=100_000_000)] = 10_000
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
 
 
-class Scene(_Section):
+class Scene(Section):
     """A checked scene. `text` and `folder` say where it came from."""
 
     title: str = ""
@@ -403,10 +326,6 @@ def _override(data: dict[str, Any], override: str) -> None:
         if not isinstance(data, dict):
             raise InputError("--set", f"{step} is a value, not a section", value=override)
     data[steps[-1]] = parsed
-
-
-def _refusal(key: str, problem: str) -> PydanticCustomError:
-    return PydanticCustomError("refusal", "{problem}", {"key": key, "problem": problem, "allowed": "", "remedy": ""})
 
 
 def explain(error: ValidationError, name: str, data: Mapping[str, Any], root: type[BaseModel]) -> InputError:

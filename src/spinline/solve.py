@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spinline.build import build_jet, build_solution, coupling, coupling_error, jet_length
+from spinline.attributes import attributes_of, elsewhere
+from spinline.build import bead_ages, build_jet, build_solution, jet_length
 from spinline.checks import FloatArray
+from spinline.effects import choose_effects
 from spinline.errors import InputError, SpinlineWarning
-from spinline.jetprofile.power_law import PowerLaw
+from spinline.examine import SLIPPING, examine
 from spinline.jetprofile.straight import StraightJet
-from spinline.network.concentration import compaction_velocity_ratio
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
-from spinline.network.mesh import network_at_rest
-from spinline.rheology.solution import Solution
 from spinline.rungs import (
     BOND_STRENGTH,
     Crossover,
@@ -29,87 +28,16 @@ from spinline.rungs import (
     steady_state,
     walk_fields,
 )
-from spinline.scene import PowerLawJet, Scene
+from spinline.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from spinline.extra import Extra
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.network.manifold import Manifold
 
 __all__ = ["Crossover", "build_jet", "build_solution", "crossover", "examine", "run"]
-
-_MODELS = ("auto", "affine", "manifold", "chain", "walk")
-_SLIPPING = ("manifold", "chain")  # rungs whose network does not move with the solution
-
-
-def examine(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> list[str]:
-    """What is odd about a scene: every remark is a sentence with its number.
-
-    Raises
-    ------
-    InputError
-        For what this version cannot do.
-    """
-    n = scene.network
-    if n.model not in _MODELS:
-        allowed = ", ".join(f'"{name}"' for name in _MODELS)
-        raise InputError("network.model", "is not available", value=n.model, allowed=allowed, remedy=_TAKE)
-    if n.model in _SLIPPING and not isinstance(jet, StraightJet):
-        raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
-    if n.model == "walk" and n.closure != "force":
-        raise InputError("network.closure", "has no walk: strands are walked under a force", value=n.closure,
-                         allowed='"force"', remedy=_TAKE)  # fmt: skip
-    if n.model not in _SLIPPING and n.force_law != "lattice":
-        raise InputError(
-            "network.force_law", "is not used by the affine network", value=n.force_law, allowed='"lattice"',
-            remedy='take model = "manifold" or "chain" for other laws',
-        )  # fmt: skip
-    for name, switch in scene.effects:
-        if switch is True:
-            raise InputError(f"effects.{name}", "is not available", value=True, allowed='"auto", false', remedy=_TAKE)
-    phi = solution.volume_fraction
-    rest = network_at_rest(phi, n.solvent_quality)
-    remarks = []
-    if n.model in _SLIPPING and n.force_law != "linear" and n.closure == "force":
-        remarks.append(
-            'closure "force" holds the strands at 0.83 of their contour where the network is locked at it; closure '
-            '"stretch" gives the extension that the force law itself has'
-        )
-    strands = solution.strands_per_chain(float(rest.segments))
-    if strands < 2:
-        remarks.append(
-            f"no network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of {rest.segments:.3g} "
-            "Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
-        )
-    if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and isinstance(jet, PowerLaw):
-        remarks.append(f"k = {jet.k:.4g} is estimated from the process, to a factor of order one")
-    compact, full = float(compaction_velocity_ratio(phi, n.solvent_quality)), float(rest.full_stretch)
-    if compact < full:
-        remarks.append(
-            f"the core is compact (V = {compact:.4g}) before the network is fully stretched (V = {full:.4g})"
-        )
-    if isinstance(jet, StraightJet):
-        eps = coupling_error(scene, solution, jet)
-        if np.isnan(eps):
-            remarks.append(f"elastic slip is not estimated: {coupling(scene, solution, jet)[2]}")
-        if eps > scene.accuracy.rtol and n.model not in _SLIPPING:
-            remarks.append(
-                f"the affine network errs by about {eps:.2g} in its velocity (largest c V'/alpha_v), more than rtol = "
-                f"{scene.accuracy.rtol:g}: see --model manifold"
-            )
-        if solution.relaxation_time is not None:
-            place = float(np.fmin(jet.position_of(full), jet_length(scene, jet)))
-            deborah = solution.relaxation_time * float(jet.strain_rate(place))
-            if deborah < 1 / scene.accuracy.rtol:
-                remarks.append(
-                    f"relaxation is left out: De = {deborah:.3g} at the crossover (or the end of the jet), so the affine "
-                    f"stretch errs by about {min(1.0, 1 / deborah) if deborah else 1.0:.2g}"
-                )
-    for name in ("ambient", "rheology"):
-        if getattr(scene, name) is not None:
-            remarks.append(f"[{name}] is checked but not used: evaporation and relaxation are not modelled")
-    return remarks
 
 
 def crossover(scene: Scene, jet: "StraightJet | LagrangianJet", velocity_ratio: float) -> Crossover:
@@ -158,7 +86,8 @@ def run(scene: Scene) -> "xr.Dataset":
 
     solution = build_solution(scene)
     jet = build_jet(scene, solution)
-    remarks = examine(scene, solution, jet)
+    effects = choose_effects(scene, solution, jet)
+    remarks = examine(scene, solution, jet, effects)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     targets = {
         "crossover": float(crossover_velocity_ratio(phi, quality)),
@@ -174,7 +103,7 @@ def run(scene: Scene) -> "xr.Dataset":
     frames = _frames(jet)
     found = {name: [crossover(scene, frame, target) for frame in frames] for name, target in targets.items()}
     network: Manifold | SettledChain | None = None
-    if scene.network.model in _SLIPPING and isinstance(jet, StraightJet):
+    if scene.network.model in SLIPPING and isinstance(jet, StraightJet):
         solve = steady_state if scene.network.model == "manifold" else settled_chain
         network = solve(scene, solution, jet)
         if isinstance(network, SettledChain) and network.drift > scene.accuracy.rtol:
@@ -187,11 +116,22 @@ def run(scene: Scene) -> "xr.Dataset":
         profile = _straight_profile(scene, jet, [c[0].position for c in found.values()])
     else:
         profile = _bead_profile(jet)
-    fields = profile | network_fields(profile, scene, solution, network)
+    extra: Extra | None = None
+    if effects.any:
+        from spinline.extra import follow_frames
+
+        extra = follow_frames(scene, solution, jet, frames, effects, profile, network, found)
+        profile |= extra.profile
+        remarks += extra.remarks
+    fields = profile | network_fields(profile, scene, solution, network, extra)
     if network is not None and isinstance(jet, StraightJet):
         fields |= slip_fields(fields, network, scene, solution, jet)
     if scene.network.model == "walk":
         fields |= walk_fields(fields, scene, solution)
+    scalars: dict[str, Any] = {"volume_fraction": phi}
+    if extra is not None:
+        fields |= extra.across(fields["radial_contraction"])
+        scalars |= extra.scalars
     forces = fields["strand_force"]
     if np.nanmax(forces, initial=0.0) > BOND_STRENGTH:
         remarks.append(
@@ -200,15 +140,14 @@ def run(scene: Scene) -> "xr.Dataset":
         )
     for name, places in found.items():
         if len(places) == 1 and np.isnan(places[0].position):
-            remarks.append(f"{name.replace('_', ' by ')} is not reached: {_elsewhere(places[0])}")
+            remarks.append(f"{name.replace('_', ' by ')} is not reached: {elsewhere(places[0])}")
     for remark in remarks:
         warnings.warn(remark, SpinlineWarning, stacklevel=2)
-    scalars = {"volume_fraction": phi, **_crossover_scalars(found, single=not _has_times(jet))}
-    attributes = _attributes(scene, solution, jet, found, remarks, network)
+    scalars |= _crossover_scalars(found, single=not _has_times(jet))
+    attributes = attributes_of(scene, solution, jet, found, remarks, network, effects)
+    if extra is not None:
+        attributes |= extra.attributes
     return results.assemble(fields, scalars, attributes, jet)
-
-
-_TAKE = "take one of those"
 
 
 def _has_times(jet: "StraightJet | LagrangianJet") -> bool:
@@ -244,14 +183,13 @@ def _straight_profile(scene: Scene, jet: StraightJet, special: list[float]) -> d
 
 def _bead_profile(jet: "LagrangianJet") -> dict[str, FloatArray]:
     between = 0.5 * (jet.bead_velocity[..., 1:] + jet.bead_velocity[..., :-1])
-    step = np.diff(jet.arc_length, axis=-1, prepend=0.0)
     return {
         "arc_length": jet.arc_length,
         "radius": jet.element_radius,
         "velocity": between,
         "velocity_ratio": jet.stretch,
         "strain_rate": jet.element_strain_rate,
-        "residence_time": np.cumsum(step / np.where(between > 0, between, np.nan), axis=-1),
+        "residence_time": bead_ages(jet)[0],
         "stretch_ratio": jet.stretch,
         "x": jet.x,
         "y": jet.y,
@@ -266,105 +204,3 @@ def _crossover_scalars(found: dict[str, list[Crossover]], *, single: bool) -> di
             values = [getattr(place, quantity) for place in places]
             scalars[f"{name}_{quantity}"] = values[0] if single else np.array(values)
     return scalars
-
-
-def _elsewhere(place: Crossover) -> str:
-    if np.isnan(place.velocity_ratio):
-        return "the network never stretches that far"
-    if np.isnan(place.predicted):
-        return f"the jet never stretches to V = {place.velocity_ratio:.6g}"
-    return (
-        f"the profile predicts it at z = {place.predicted:.9g} m (V = {place.velocity_ratio:.6g}), beyond the jet's end"
-    )
-
-
-def _sentence(name: str, places: list[Crossover]) -> str:
-    if len(places) > 1:
-        reached = sum(not np.isnan(place.position) for place in places)
-        return f"reached at {reached} of {len(places)} times"
-    place = places[0]
-    if np.isnan(place.position):
-        return f"not reached: {_elsewhere(place)}"
-    return f"reached at {place.position:.9g} m, radius {place.radius:.9g} m, r/r0 = {place.radius_ratio:.9g}"
-
-
-def _attributes(
-    scene: Scene,
-    solution: Solution,
-    jet: "StraightJet | LagrangianJet",
-    found: dict[str, list[Crossover]],
-    remarks: list[str],
-    network: "Manifold | SettledChain | None",
-) -> dict[str, Any]:
-    from spinline import __version__
-
-    slip = "" if network else "elastic slip, inertia, "
-    why = "affine" if scene.network.model in ("auto", "affine") else f"{scene.network.model}, asked for"
-    attributes: dict[str, Any] = {
-        "title": scene.title or scene.name,
-        "Conventions": "CF-1.11",
-        "source": f"spinline {__version__}",
-        "spinline_version": __version__,
-        "scene": scene.text,
-        "model": "affine" if scene.network.model == "auto" else scene.network.model,
-        "model_requested": scene.network.model,
-        "closure": scene.network.closure,
-        "force_law": scene.network.force_law,
-        "solvent_quality": scene.network.solvent_quality,
-        "rtol": scene.accuracy.rtol,
-        "crossover": _sentence("crossover", found["crossover"]),
-        "crossover_extension": _sentence("crossover_extension", found["crossover_extension"]),
-        "crossover_extension_criterion": scene.network.crossover_extension.value,
-        "effects_left_out": slip + "relaxation, evaporation, radial gradients",
-        "polymer": solution.polymer.name,
-        "polymer_density": solution.polymer.density,
-        "solvent": ", ".join(f"{name} {share:g}" for name, share in solution.solvent.items()),
-        "solvent_density": solution.solvent_density,
-        "solution_density": solution.density,
-        "mass_fraction": solution.mass_fraction,
-        "temperature": solution.temperature,
-        "kuhn_length": solution.kuhn_length,
-        "strands_per_chain": solution.strands_per_chain(
-            float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).segments)
-        ),
-        "initial_radius": jet.initial_radius,
-        "warnings": "\n".join(remarks),
-        "references": (
-            "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31)-(40) of the review in the docs"
-            f"; polymer data: {solution.polymer.source}"
-        ),
-    }
-    if scene.network.model == "walk":
-        attributes |= {"strands": scene.accuracy.strands, "seed": scene.accuracy.seed}
-    if network is not None:
-        attributes |= {"locked_from": network.locked_from * jet.initial_radius, "inertia": network.inertia}
-    if isinstance(network, SettledChain):
-        attributes |= {
-            "coarse_grain": network.coarse_grain,
-            "drift": network.drift,
-            "beads": network.profile.beads.size,
-        }
-    if isinstance(jet, StraightJet):
-        alpha, a, viscosity = coupling(scene, solution, jet)
-        eps = coupling_error(scene, solution, jet)
-        attributes |= {
-            "jet": repr(jet) if len(repr(jet)) < 400 else type(jet).__name__,
-            "initial_velocity": jet.initial_velocity,
-            "flow_rate": jet.flow_rate,
-            "coupling": alpha,
-            "affinity_of_solvent_drag": a,
-            "drag_viscosity": viscosity,
-            "spring": scene.network.spring.value,
-            "coupling_error": eps,
-            "model_reason": (
-                f"{why}: elastic slip changes the network velocity by "
-                f"about {eps:.2g} (largest c V'/alpha_v, alpha_v = {alpha:.4g}; {viscosity}), rtol = {scene.accuracy.rtol:g}"
-            ),
-        }
-    else:
-        attributes |= {
-            "jet": str(jet.attributes.get("title", jet.attributes.get("source", "bead jet"))),
-            "model_reason": "affine: the material stretch of each element drives the network; elastic slip not estimated",
-            "jet_attributes": "\n".join(f"{key} = {value}" for key, value in jet.attributes.items()),
-        }
-    return attributes

@@ -53,6 +53,7 @@ QUANTITIES = {
         Quantity("molar mass", "kg/mol", "600 kDa"),
         Quantity("viscosity", "Pa*s", "2 Pa s"),
         Quantity("diffusivity", "m^2/s", "2.5e-5 m2/s"),
+        Quantity("intrinsic viscosity", "m^3/kg", "0.3 m3/kg", "an"),
         Quantity("pressure", "Pa", "1 atm"),
         Quantity("surface tension", "N/m", "21.1 dyn/cm"),
         Quantity("force", "N", "1 nN"),

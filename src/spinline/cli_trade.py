@@ -1,0 +1,109 @@
+"""Commands about which model to take: ``plan`` says, ``trade`` measures."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+
+if TYPE_CHECKING:
+    from spinline.plan import Plan
+    from spinline.trade import Trade
+
+__all__ = ["plan", "trade"]
+
+
+def plan(
+    scene: SceneArgument,
+    json: JsonOption = False,
+    model: ModelOption = None,
+    rtol: RtolOption = None,
+    set_: SetOption = None,
+) -> None:
+    """Which physics this scene needs, and the number that decides."""
+    loaded = load(scene, model, rtol, set_)
+    from spinline.build import build_jet, build_solution
+    from spinline.plan import plan_scene
+
+    solution = build_solution(loaded)
+    made = plan_scene(loaded, solution, build_jet(loaded, solution))
+    if json:
+        typer.echo(made.json())
+        return
+    typer.echo(made.reason)
+    for line in _listed(made):
+        typer.echo(line)
+    for remark in made.remarks:
+        typer.echo(f"warning: {remark}", err=True)
+
+
+def trade(
+    scene: SceneArgument,
+    quick: Annotated[bool, typer.Option("--quick", help="Only the rung next to the affine network.")] = False,
+    figure: Annotated[Path | None, typer.Option(help="Error against cost (.png, .pdf, .svg).")] = None,
+    json: JsonOption = False,
+    force: ForceOption = False,
+    rtol: RtolOption = None,
+    set_: SetOption = None,
+) -> None:
+    """Error against cost of every model, measured on this scene."""
+    import json as json_
+
+    from spinline.outputs import writable
+
+    loaded = load(scene, None, rtol, set_)
+    if figure is not None:
+        from spinline.figures import check_format
+
+        writable(check_format(figure), force=force)
+    from spinline.trade import trade as measure
+
+    measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
+    if figure is not None:
+        from spinline.trade_figure import save_trade_figure
+
+        save_trade_figure(measured, figure, force=force)
+    if json:
+        typer.echo(json_.dumps(_nested(measured.plain())))
+        return
+    typer.echo(_table(measured))
+    typer.echo(measured.recommendation)
+    if figure is not None:
+        typer.echo(f"wrote {figure}")
+
+
+def _nested(value: Any) -> Any:
+    from spinline.results import plain
+
+    if isinstance(value, dict):
+        return {key: _nested(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_nested(item) for item in value]
+    return plain(value)
+
+
+def _listed(made: "Plan") -> list[str]:
+    lines = [f"{'':9s}{'effect':22s}{'number':>10s}  {'what it is':26s}{'error without':>14s}  why"]
+    for effect in made.effects:
+        state = "in" if effect.name in made.used else "left out"
+        number = "-" if effect.number != effect.number else f"{effect.number:.3g}"
+        error = "not known" if effect.error != effect.error else f"{effect.error:.2g}"
+        lines.append(f"{state:9s}{effect.name:22s}{number:>10s}  {effect.symbol:26s}{error:>14s}  {effect.words}")
+    return lines
+
+
+def _table(measured: "Trade") -> str:
+    branches = list(measured.rungs[0].errors)
+    lines = [f"{branch} reference: {words}" for branch, words in measured.references.items()]
+    lines.append(
+        f"{'model':14s}{'setting':16s}{'time':>10s}" + "".join(f"{branch:>14s}" for branch in branches) + "  worst"
+    )
+    for rung in measured.rungs:
+        if rung.refused:
+            lines.append(f"{rung.model:14s}{rung.setting:16s}   refused: {rung.refused}")
+            continue
+        errors = "".join(f"{rung.errors[branch]:14.2g}" for branch in branches)
+        worst = ", ".join(dict.fromkeys(rung.worst.values()))
+        lines.append(f"{rung.model:14s}{rung.setting:16s}{1e3 * rung.seconds:7.3g} ms{errors}  {worst}")
+    return "\n".join(lines)

@@ -1,0 +1,191 @@
+"""What each effect would change in a scene's answer, from the scene's own numbers, before anything is solved.
+
+An estimate is the change of the reported quantities (`difference`) over the first nine tenths of the jet, by the first term
+that the effect adds:
+
+* elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``; nothing steady beyond eps V' = 1/4
+* inertia: the same with -I for eps
+* finite extensibility: the place from which a stiff network locks, ``int (V_S - V) ds = 0`` from there to the end
+* relaxation: ``ln(w/V) = -int (1 - V^-2) / (2 theta) dt``, what a strand stretched with the flow gives back
+* saturation: how far the walk's fraction passes 1
+
+Each costs a few evaluations of the closed forms.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spinline.build import coupling, jet_length
+from spinline.checks import FloatArray
+from spinline.jetprofile.straight import StraightJet
+from spinline.network.crossover import extension_velocity_ratio
+from spinline.network.mesh import network_at_rest
+from spinline.network.state import NetworkState, affine_network, network_state
+from spinline.rheology.solution import Solution
+from spinline.scene import Scene
+
+__all__ = [
+    "Effect",
+    "elastic_coupling_effect",
+    "extensibility_effect",
+    "inertia_effect",
+    "relaxation_effect",
+    "saturation_effect",
+]
+
+_KEPT = 0.9  # of the jet, as in `difference`
+_POINTS = 201
+_UNSTEADY = 0.25  # eps V' from which no steady network exists
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect: its number, and the error of an answer without it.
+
+    Attributes
+    ----------
+    name : str
+        As in `spinline plan`.
+    symbol : str
+        What the number is.
+    number, error : float
+        NaN where not known; an error of 1 or more is no answer.
+    words : str
+        The reason, a clause.
+    """
+
+    name: str
+    symbol: str
+    number: float
+    error: float
+    words: str
+
+
+def elastic_coupling_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
+    """Slip of the network against the solution at finite alpha_v."""
+    alpha, _, viscosity = coupling(scene, solution, jet)
+    eps = scene.network.spring.value / alpha
+    number, error = _slip(scene, solution, jet, eps)
+    if np.isnan(alpha):
+        words = f"alpha_v is {viscosity}"
+    elif number > _UNSTEADY:
+        words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
+    else:
+        words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
+    return Effect("elastic coupling", "c V'/alpha_v", number, error, words)
+
+
+def inertia_effect(scene: Scene, solution: Solution, jet: StraightJet, inertia: float) -> Effect:
+    """Mass of the strands; `inertia` is I, NaN where not known."""
+    number, error = _slip(scene, solution, jet, -inertia)
+    words = "I is not known" if np.isnan(inertia) else f"I = {inertia:.3g}"
+    return Effect("inertia", "I V'", abs(number), error, words)
+
+
+def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
+    """Contour length of the strands, as the network as a whole feels it."""
+    full = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).full_stretch)
+    z = _grid(scene, jet, 1.0)
+    v = jet.velocity_ratio(z)
+    number = float(v.max()) / full
+    name, symbol = "finite extensibility", "V/V_S at the end"
+    if number < 1:
+        return Effect(name, symbol, number, 0.0, f"the jet ends at {number:.2g} of full stretch")
+    step = np.diff(z) * (full - 0.5 * (v[1:] + v[:-1]))
+    room = np.append(np.cumsum(step[::-1])[::-1], 0.0)  # of the contour, from z to the end
+    first = int(np.flatnonzero(room <= 0)[0])
+    error = full / float(v[first]) - 1 if z[first] < _KEPT * z[-1] else 0.0
+    words = (
+        f"a steady network that cannot overstretch is locked from {1e3 * z[first]:.3g} mm (V = {v[first]:.3g}) to its free "
+        'end, if its strands hold: see model = "manifold" with a force_law'
+    )
+    return Effect(name, symbol, number, error, words)
+
+
+def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
+    """Strands that give back some of their stretch on the way; `deborah` is theta edot at the crossover."""
+    theta = solution.relaxation_time
+    name, symbol = "relaxation", "De"
+    if theta is None:
+        return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
+    z = _grid(scene, jet, _KEPT)
+    v, time = jet.velocity_ratio(z), jet.residence_time(z)
+    rate = (1 - v**-2.0) / 2
+    given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
+    w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
+    error = _moved(scene, solution, z, v, w)
+    return Effect(
+        name, symbol, deborah, error, f"a strand gives back {-np.expm1(-given_back[-1]):.2g} of its stretch on the way"
+    )
+
+
+def saturation_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
+    """Polymer fraction of the core held at 1."""
+    from spinline.network.concentration import log_fraction_walk
+
+    n, v = scene.network, jet.velocity_ratio(_grid(scene, jet, 1.0))
+    state = affine_network(v, solution.volume_fraction, closure=n.closure, solvent_quality=n.solvent_quality)
+    passed = float(np.max(log_fraction_walk(state.conformation, solution.volume_fraction)))
+    number = float(np.exp(min(passed, 700.0)))
+    words = "the core is compact polymer before the end" if number > 1 else "the core is not compact anywhere"
+    return Effect("saturation", "unbounded core fraction", number, max(1 - 1 / number, 0.0), words)
+
+
+def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tuple[float, float]:
+    """Largest eps V', and what w = V + eps V V' + ... changes."""
+    if not eps:
+        return 0.0, 0.0
+    if np.isnan(eps):
+        return eps, eps
+    z = _grid(scene, jet, _KEPT)
+    v = jet.velocity_ratio(z)
+    slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
+    number = float(np.abs(eps) * slope.max())
+    if number > _UNSTEADY:
+        return number, max(1.0, number)
+    first = eps * slope
+    return number, _moved(scene, solution, z, v, v * (1 + first + 2 * first**2))
+
+
+def _moved(scene: Scene, solution: Solution, z: FloatArray, v: FloatArray, w: FloatArray) -> float:
+    """What a stretch w in place of V changes: the network's state, and where it passes both criteria."""
+    n, phi = scene.network, solution.volume_fraction
+    rules = {"closure": n.closure, "solvent_quality": n.solvent_quality}
+    shift = change(network_state(w, v, phi, **rules), affine_network(v, phi, **rules))  # type: ignore[arg-type]
+    full = float(network_at_rest(phi, n.solvent_quality).full_stretch)
+    for target in (full, float(extension_velocity_ratio(n.crossover_extension.value, phi, **rules))):  # type: ignore[arg-type]
+        here, there = _passage(z, w, target), _passage(z, v, target)
+        if np.isnan(here) != np.isnan(there):
+            shift = max(shift, 1.0)
+        elif there > 0:
+            shift = max(shift, abs(here / there - 1))
+    return shift
+
+
+def _passage(z: FloatArray, stretch: FloatArray, target: float) -> float:
+    """First place where a stretch passes a value, NaN where it never does."""
+    above = np.flatnonzero(stretch >= target)
+    if not above.size:
+        return float("nan")
+    k = max(int(above[0]), 1)
+    return float(np.interp(np.log(target), np.log(stretch[k - 1 : k + 1]), z[k - 1 : k + 1]))
+
+
+def change(state: NetworkState, reference: NetworkState) -> float:
+    """Largest change of stretch and core fraction (relative) and orientation (absolute)."""
+    here, there = state.conformation, reference.conformation
+    return float(
+        max(
+            np.max(np.abs(here.axial_stretch / there.axial_stretch - 1)),
+            np.max(np.abs(here.orientation - there.orientation)),
+            np.max(np.abs(state.core_polymer_fraction / reference.core_polymer_fraction - 1)),
+        )
+    )
+
+
+def _grid(scene: Scene, jet: StraightJet, share: float) -> FloatArray:
+    """Places along the jet, fine at the nozzle, its kinks among them."""
+    r0, end = jet.initial_radius, jet.start + share * (jet_length(scene, jet) - jet.start)
+    z = jet.start + r0 * np.expm1(np.linspace(0.0, np.log1p((end - jet.start) / r0), _POINTS))
+    return np.unique(np.clip(np.append(z, [jet.start + kink * r0 for kink in jet.kinks()]), jet.start, end))
