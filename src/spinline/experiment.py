@@ -243,7 +243,7 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
             f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?"
         )
     words = (
-        f"{scale:.5g} +/- {scale_std:.2g} of the attenuation, from rows {first} to {last} at a fraction of {phi:.5g}"
+        f"{scale:.4f} +/- {scale_std:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"
     )
     return replace(
         experiment,
