@@ -172,6 +172,7 @@ def fit_frame(
     block_rows: int = 1,
     nuisances: Sequence[str] = ("radius", "axis", "amplitude", "slope"),
     track: Track | None = None,
+    one: Callable[..., RowFit] = fit_row,
     done: Callable[[int], None] | None = None,
 ) -> FrameFit:
     """Estimate the polymer fraction in the shells of every block of rows, by likelihood.
@@ -188,6 +189,9 @@ def fit_frame(
         As in `row.fit_row`.
     track : Track, optional
         From `track_jet`; found where left out.
+    one : callable
+        What fits a block: takes counts, absorber and detector, and by name shells, nuisances, good, radius and axis; as
+        `fit_row`.
     done : callable, optional
         Called with the number of blocks done so far.
 
@@ -220,7 +224,7 @@ def fit_frame(
             counts, detector, good = frame.block(start, stop)
             if smear > _SHARP:
                 detector = replace(detector, blur=float(np.hypot(frame.blur, smear * frame.pixel)))
-            row = fit_row(
+            row = one(
                 counts, absorber, detector, shells=edges, nuisances=nuisances, good=good,
                 radius=float(radius.mean()) * frame.pixel, axis=float(axis.mean()) * frame.pixel,
             )  # fmt: skip
@@ -249,8 +253,19 @@ def _fill(fit: FrameFit, block: int, row: RowFit) -> None:
     fit.fraction[block] = row.jet.fraction
     fit.covariance[block] = row.covariance[:shells, :shells]
     fit.mean[block], fit.mean_std[block], fit.limit_std[block] = row.mean_fraction, row.mean_fraction_std, row.limit_std
-    for name, value in row.values.items():
-        fit.values[name][block], fit.std[name][block] = value, row.std[name]
+    for name in fit.values:
+        fit.values[name][block], fit.std[name][block] = row.values[name], row.std[name]
     fit.misfit[block] = row.misfit
-    for name in row.flags:
+    for name in row.flags or _evident(row):
         fit.flag(block, name)
+
+
+def _evident(row: RowFit) -> list[str]:
+    """Flags of a fit that has none of its own."""
+    odd = {
+        "not_converged": not row.converged,
+        "noisy": row.mean_fraction_std > abs(row.mean_fraction),
+        "impossible": not -3 * row.mean_fraction_std <= row.mean_fraction <= 1 + 3 * row.mean_fraction_std,
+        "misfit": row.misfit > 4,
+    }
+    return [name for name, true in odd.items() if true]

@@ -71,10 +71,10 @@ class RowFit:
         Pearson's chi-square less its expectation, in its standard deviations; good at low counts too. Over 4 is a wrong model.
     converged : bool
     iterations : int
-    flags : tuple of str
-        What is odd, by name: keys of `FLAGS`.
     warnings : tuple of str
-        The same in words.
+        What is odd.
+    flags : tuple of str
+        The same by name: keys of `FLAGS`.
     """
 
     jet: RoundJet
@@ -92,8 +92,8 @@ class RowFit:
     misfit: float
     converged: bool
     iterations: int
-    flags: tuple[str, ...]
     warnings: tuple[str, ...]
+    flags: tuple[str, ...] = ()
 
 
 def fit_row(
@@ -254,7 +254,6 @@ def _result(
         misfit=float((pearson - freedom) / spread),
         converged=converged,
         iterations=iterations,
-        flags=(),
         warnings=(),
     )
     residual = np.where(lit, (data - expected) / np.sqrt(np.where(lit, expected, 1.0)), 0.0)

@@ -29,7 +29,7 @@ PACKAGES = [
     "spinline.xray", "spinline.scene", "spinline.solve", "spinline.results", "spinline.figures", "spinline.report",
     "spinline.units", "spinline.errors", "spinline.images", "spinline.reduce", "spinline.reduction", "spinline.preview",
     "spinline.exposure", "spinline.experiment", "spinline.fields", "spinline.frames", "spinline.checkpoint",
-    "spinline.figures_images",
+    "spinline.figures_images", "spinline.methods",
 ]  # fmt: skip
 
 

@@ -242,9 +242,7 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
         remarks.append(
             f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?"
         )
-    words = (
-        f"{scale:.4f} +/- {scale_std:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"
-    )
+    words = f"{scale:.4f} +/- {scale_std:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"
     return replace(
         experiment,
         absorber=Absorber(a.solvent * scale, a.contrast * scale, a.air * scale),

@@ -29,13 +29,12 @@ import numpy as np
 
 from spinline.checkpoint import Checkpoint, fingerprint
 from spinline.errors import InputError
-from spinline.experiment import Experiment, nuisances, prepare, require_signal
+from spinline.experiment import Experiment, prepare, require_signal
 from spinline.frames import FrameSum, Stack, open_stack, sum_frames
 from spinline.images import Images
+from spinline.methods import require_method
 from spinline.xray.chords import equal_shells
-from spinline.xray.frame import Frame, FrameFit, blocks_of, fit_frame
-from spinline.xray.quick import chord_frame
-from spinline.xray.track import Track
+from spinline.xray.frame import FrameFit, blocks_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -93,14 +92,14 @@ def reduce_images(
     from spinline.reduction import assemble
 
     said = progress or (lambda *_: None)
-    _method(images)
+    method = require_method(images.method)
     job = None if checkpoint is None else Checkpoint(Path(checkpoint), _job(images))
     experiment, frame, track, facts = prepare(images, lambda stack: _summed(stack, job, said))
     if not noisy:
         require_signal(experiment, frame, track)
     if images.frames == "sum" or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
-        fits = [_fit(experiment, frame, track, lambda done: said("blocks", done, blocks))]
+        fits = [method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks))]
     else:
         fits = _each(experiment, job, workers, said)
     result = assemble(experiment, fits, facts, each=images.frames == "each")
@@ -109,32 +108,6 @@ def reduce_images(
     if job is not None:
         job.clear()
     return result
-
-
-def _method(images: Images) -> None:
-    """Refuse what is not there yet before anything is read."""
-    if images.method in ("map", "phase"):
-        raise InputError(
-            "method",
-            "is not available yet",
-            value=images.method,
-            allowed='"chord", "row"',
-            remedy='take method = "row"',
-        )
-
-
-def _fit(
-    experiment: Experiment, frame: Frame, track: Track | None, done: Callable[[int], None] | None = None
-) -> FrameFit:
-    """One frame by the method of the file; where a new method is added."""
-    images = experiment.images
-    if images.method == "chord":
-        same = track if images.block_rows == 1 else None
-        return chord_frame(frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, track=same)
-    return fit_frame(
-        frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, nuisances=nuisances(images),
-        track=track, done=done,
-    )  # fmt: skip
 
 
 def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
@@ -252,7 +225,7 @@ def _one(experiment: Experiment, index: int) -> FrameFit:
     images = experiment.images
     try:
         frame, _ = experiment.frame(summed, (index + 0.5) / stack.frames)
-        return _fit(experiment, frame, None)
+        return require_method(images.method).reduce(experiment, frame, None, None)
     except InputError as error:
         rows = blocks_of(stack.rows, images.block_rows)
         fit = FrameFit.empty(images.method, equal_shells(images.shells), rows)

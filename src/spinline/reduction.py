@@ -8,6 +8,7 @@ import xarray as xr
 
 from spinline.checks import FloatArray
 from spinline.experiment import Experiment, nuisances
+from spinline.methods import METHODS
 from spinline.outputs import replacing
 from spinline.xray.frame import FRAME_FLAGS, FrameFit
 
@@ -67,10 +68,6 @@ _REFERENCES = (
     "Greenfeld et al., Macromolecules 45, 3616 (2012); Lauricella et al., Rev. Mod. Phys. 92, 035004 (2020), Eqs. (41)-(42); "
     "Schoonjans et al., Spectrochim. Acta B 66, 776 (2011)"
 )
-_MEANING = {
-    "chord": "Eqs. (41)-(42) on every chord: the published quick look; shells hold means along chords, not local values",
-    "row": "joint Poisson likelihood of shells, radius, axis, level and slope of every block of rows",
-}
 
 
 def assemble(
@@ -200,7 +197,7 @@ def _provenance(
         "spinline_version": __version__,
         "images": images.text,
         "method": fits[0].method,
-        "method_meaning": _MEANING.get(fits[0].method, ""),
+        "method_meaning": METHODS[fits[0].method].meaning,
         "fitted_beside_the_fractions": " ".join(nuisances(images))
         if fits[0].method == "row"
         else "radius axis amplitude slope",
