@@ -20,9 +20,10 @@ from spinline.xray.start import find_jet
 
 __all__ = ["Track", "track_jet"]
 
-_GROUPS = (24, 8, 3, 1)
+_GROUPS = (16, 6, 3, 1)
 _STEPS = 15
 _TOGETHER = 64  # rows: what the processor keeps at hand
+_FINE = 16  # pixels of the radius; of more, some are summed
 _SURE = 0.1  # of the radius: an error under this is a jet that was found
 
 
@@ -65,7 +66,7 @@ def track_jet(counts: FloatArray, flat: FloatArray, dark: FloatArray, good: Bool
 
     Notes
     -----
-    Under 0.15 ms a row of 400 pixels.
+    About 0.07 ms a row of 400 pixels.
     """
     rows = counts.shape[0]
     usable = good.sum(axis=1) >= 8
@@ -85,7 +86,8 @@ def track_jet(counts: FloatArray, flat: FloatArray, dark: FloatArray, good: Bool
     start = np.empty((rows, 5))
     start[:, 0], start[:, 1], start[:, 2] = depth, radius, axis
     start[:, 3], start[:, 4] = _air_level(ratio, radius, axis), 0.0
-    fitted, covariance, settled = _uniform(counts, flat, dark, good & usable[:, None], start)
+    together = int(np.clip(radius.min() // _FINE, 1, 4))
+    fitted, covariance, settled = _uniform(counts, flat, dark, good & usable[:, None], start, together)
     spread = np.sqrt(np.maximum(covariance[:, 1, 1], 0.0))
     off = np.abs(fitted[:, 1] - radius) > 0.25 * radius + 2.0 + 3.0 * spread
     found = settled & usable & (spread < _SURE * fitted[:, 1]) & ~off
@@ -158,11 +160,14 @@ def _air_level(ratio: FloatArray, radius: FloatArray, axis: FloatArray) -> Float
 
 
 def _uniform(
-    counts: FloatArray, flat: FloatArray, dark: FloatArray, good: BoolArray, start: FloatArray
+    counts: FloatArray, flat: FloatArray, dark: FloatArray, good: BoolArray, start: FloatArray, together: int = 1
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Uniform jets of the largest likelihood in all rows; parameters, covariance and whether the row settled."""
+    """Uniform jets of the largest likelihood in all rows; parameters, covariance and whether the row settled.
+
+    `together` pixels are summed to one: what a wide jet loses by that is far under its error.
+    """
     parts = [
-        _uniform_part(counts[part], flat[part], dark[part], good[part], start[part])
+        _uniform_part(counts[part], flat[part], dark[part], good[part], start[part], together)
         for part in (slice(i, i + _TOGETHER) for i in range(0, counts.shape[0], _TOGETHER))
     ]
     at, covariance, settled = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
@@ -170,41 +175,44 @@ def _uniform(
 
 
 def _uniform_part(
-    counts: FloatArray, flat: FloatArray, dark: FloatArray, good: BoolArray, start: FloatArray
+    counts: FloatArray, flat: FloatArray, dark: FloatArray, good: BoolArray, start: FloatArray, together: int
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     rows, n = counts.shape
-    at = start.copy()
-    weight = good.astype(np.float64)
+    limit = np.array([np.inf, 2.0 * n, 0.5 * n, np.inf, 0.9])
     u = np.linspace(-1.0, 1.0, n)
     edges = np.arange(n + 1) - 0.5 * n
-    limit = np.array([np.inf, 2.0 * n, 0.5 * n, np.inf, 0.9])
+    data, flat, dark = (np.where(good, array, 0.0) for array in (counts, flat, dark))
+    if together > 1:
+        n //= together
+        data, flat, dark = (a[:, : n * together].reshape(rows, n, together).sum(axis=2) for a in (data, flat, dark))
+        u = u[: n * together].reshape(n, together).mean(axis=1)
+        edges = edges[: n * together + 1 : together]
+        good = flat > 0
+    at = start.copy()
+    weight = good.astype(np.float64)
 
     def look(which: BoolArray, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Fisher matrix, gradient and deviance (less what does not depend on the parameters)."""
         m, r, a, level, slope = (p[:, i, None] for i in range(5))
         s = np.clip((edges - a) / r, -1.0, 1.0)
         root = np.sqrt((1.0 - s) * (1.0 + s))
         angle = np.arcsin(s)
-        chord = np.diff(s * root + angle, axis=1) * r**2
-        transmission = np.exp(np.minimum(-m * chord, 30.0))
-        beam = flat[which] * (1.0 + slope * u)
-        seen = beam * transmission
-        mean = np.maximum(level * seen + dark[which], 1e-12)
+        chord = np.diff(s * root + angle, axis=1) * (r**2 / together)
+        bend = 1.0 + slope * u
+        seen = flat[which] * bend * np.exp(np.minimum(-m * chord, 30.0))
+        lit = level * seen
+        mean = np.maximum(lit + dark[which], 1e-12)
         jacobian = np.empty((p.shape[0], 5, n))
-        jacobian[:, 0] = -level * seen * chord
-        jacobian[:, 1] = -level * seen * m * 2.0 * r * np.diff(angle, axis=1)
-        jacobian[:, 2] = level * seen * m * 2.0 * r * np.diff(root, axis=1)
+        np.multiply(lit, -chord, out=jacobian[:, 0])
+        np.multiply(lit, np.diff(angle, axis=1) * (-2.0 / together * m * r), out=jacobian[:, 1])
+        np.multiply(lit, np.diff(root, axis=1) * (2.0 / together * m * r), out=jacobian[:, 2])
         jacobian[:, 3] = seen
-        jacobian[:, 4] = level * flat[which] * u * transmission
-        w = weight[which] / mean
-        weighted = jacobian * w[:, None, :]
+        np.multiply(lit, u / bend, out=jacobian[:, 4])
+        w = weight[which]
+        weighted = jacobian * (w / mean)[:, None, :]
         fisher = weighted @ jacobian.transpose(0, 2, 1)
-        gradient = (weighted @ (counts[which] - mean)[:, :, None])[:, :, 0]
-        data = np.where(good[which], counts[which], mean)
-        safe = np.maximum(data, 1e-300)
-        deviance = 2.0 * (weight[which] * (np.where(data > 0, data * np.log(safe / mean), 0.0) - (data - mean))).sum(
-            axis=1
-        )
-        return fisher, gradient, deviance
+        gradient = (weighted @ (data[which] - mean)[:, :, None])[:, :, 0]
+        return fisher, gradient, 2.0 * (w * mean - data[which] * np.log(mean)).sum(axis=1)
 
     everyone = np.ones(rows, dtype=np.bool_)
     fisher, gradient, deviance = look(everyone, at)
@@ -229,8 +237,8 @@ def _uniform_part(
         moved = index[better]
         at[moved], fisher[moved], gradient[moved], deviance[moved] = new[better], nf[better], ng[better], nd[better]
         damping[index] = np.where(better, np.maximum(0.1 * damping[index], 1e-12), 10.0 * damping[index])
-        end = (gain < 1e-2) | (damping[index] > 1e6)
-        settled[index[end & (damping[index] < 1e3)]] = True
+        end = (gain < 1e-2) | (damping[index] > 10.0)  # at a kink, an edge on a pixel's, no step leads down
+        settled[index[end & (gain < 1.0)]] = True
         active[index[end]] = False
     covariance = np.full((rows, 5, 5), np.nan)
     sound = np.asarray((np.einsum("rii->ri", fisher) > 0).all(axis=1))
