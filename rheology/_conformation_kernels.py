@@ -23,7 +23,7 @@ _DENSE = np.linalg.inv(_NODES[:, np.newaxis] ** (_POWERS + 1))
 _MOST_STEPS = 200_000
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _slope(kind, parameter, y, rate, frequency, out):  # type: ignore[no-untyped-def]
     """Rates of ln A (Giesekus) or ln(f A) (FENE-P)."""
     if kind == 0:
@@ -40,7 +40,7 @@ def _slope(kind, parameter, y, rate, frequency, out):  # type: ignore[no-untyped
     out[1] += stiffer
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _jacobian(kind, parameter, y, rate, frequency, out):  # type: ignore[no-untyped-def]
     if kind == 0:
         for i in range(2):
@@ -62,7 +62,7 @@ def _jacobian(kind, parameter, y, rate, frequency, out):  # type: ignore[no-unty
         out[1, j] = d1 + stiffer
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _eliminate(matrix, right):  # type: ignore[no-untyped-def]
     """Solve in place, with pivots by rows; False if singular."""
     n = right.size
@@ -90,7 +90,7 @@ def _eliminate(matrix, right):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def follow(
     kind: int,
     parameter: float,

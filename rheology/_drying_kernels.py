@@ -36,7 +36,7 @@ MU, MU_PAIR, _T, _TI = _transformed()
 _DENSE = np.linalg.inv(NODES[:, np.newaxis] ** (_POWERS + 1))
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _law(phi: float, table: FloatArray) -> tuple[float, float]:
     """D and dD/dphi from cubic pieces of ln D on an even grid of [0, 1]."""
     pieces = table.shape[1]
@@ -47,7 +47,7 @@ def _law(phi: float, table: FloatArray) -> tuple[float, float]:
     return value, value * ((3 * c3 * t + 2 * c2) * t + c1)
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def fluxes(
     u: FloatArray,
     share: FloatArray,
@@ -91,10 +91,10 @@ def fluxes(
     flux[m - 1] = -transfer * (coefficient * solvent - air[2])
     inner[m - 1] = -transfer * coefficient * (1 - solvent * (1 + 2 * air[3] * phi)) * phi * phi
     outer[m - 1] = 0.0
-    return left
+    return float(left)
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _jacobian(
     inner: FloatArray,
     outer: FloatArray,
@@ -115,7 +115,7 @@ def _jacobian(
             low[i] = -pace * inner[i - 1] / share[i]
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _factor(low, mid, high, shift, pivots):  # type: ignore[no-untyped-def]
     """Pivots of shift - J, tridiagonal."""
     pivots[0] = shift - mid[0]
@@ -123,7 +123,7 @@ def _factor(low, mid, high, shift, pivots):  # type: ignore[no-untyped-def]
         pivots[i] = shift - mid[i] - low[i] * high[i - 1] / pivots[i - 1]
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _solve(low, high, pivots, right):  # type: ignore[no-untyped-def]
     """Solve (shift - J) x = right in place; the last of `right` is the loss, and stays."""
     m = pivots.size
@@ -134,7 +134,7 @@ def _solve(low, high, pivots, right):  # type: ignore[no-untyped-def]
         right[i] = (right[i] + high[i] * right[i + 1]) / pivots[i]
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _turn(matrix: FloatArray, values: FloatArray, out: FloatArray) -> None:
     """`matrix` (3, 3) times the three rows of `values`."""
     for i in range(values.shape[1]):
@@ -143,7 +143,7 @@ def _turn(matrix: FloatArray, values: FloatArray, out: FloatArray) -> None:
             out[k, i] = matrix[k, 0] * a + matrix[k, 1] * b + matrix[k, 2] * c
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _rates(flux: FloatArray, share: FloatArray, pace: float, out: FloatArray) -> None:
     m = share.size
     out[0] = pace * flux[0] / share[0]
@@ -152,7 +152,7 @@ def _rates(flux: FloatArray, share: FloatArray, pace: float, out: FloatArray) ->
     out[m] = -pace * flux[m - 1]
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def attempt(
     y: FloatArray,
     h: float,
@@ -238,7 +238,7 @@ def attempt(
     return done, contraction, _error_of(error, low, high, real, loss, h, scale)
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _error_of(
     error: FloatArray, low: FloatArray, high: FloatArray, pivots: FloatArray, loss: float, h: float, scale: FloatArray
 ) -> float:

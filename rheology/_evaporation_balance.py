@@ -6,6 +6,7 @@ position times a power of F: then ``J = int Re(F = 1)^(1/3) Lambda dt / r_0^2`` 
 equation without it remains, and profiles with kinks cost nothing.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Literal, get_args
 
@@ -99,7 +100,22 @@ class Balance:
             value: FloatArray = -factor * self.remaining(y) ** power * self.fall(y)
             return value
 
-        return self._solve(slope, 0.0, j, np.inf)
+        alone = self.start.size == 1 and bool(self.inside[0]) and self.activity == "flory-huggins"
+        return self._solve(self._alone(float(factor[0]), power) if alone else slope, 0.0, j, np.inf)
+
+    def _alone(self, factor: float, power: float) -> Callable[[float, FloatArray], FloatArray]:
+        """The slope of one solvent: the same, a fiftieth of the time."""
+        origin, ambient, chi = float(self.origin[0]), float(self.ambient[0]), float(self.chi[0])
+        strength, phi0 = factor * float(self.saturation[0]), self.phi0
+
+        def slope(_: float, y: FloatArray) -> FloatArray:
+            u = math.exp(origin + float(y[0]))
+            total = phi0 + u
+            polymer = phi0 / total
+            inside = math.exp(polymer * (1 + chi * polymer)) / total - (ambient / u if ambient > 0 else 0.0)
+            return np.array([-strength * total**power * inside])
+
+        return slope
 
     def along(self) -> FloatArray:
         path = self.path
@@ -127,10 +143,17 @@ class Balance:
             return float(state[0]) + _DRY
 
         dry.terminal = True  # type: ignore[attr-defined]
-        size = float(np.abs(slope(begin, np.zeros(self.start.size))).max() * (marks[-1] - begin))
+        span = float(marks[-1] - begin)  # the solver's own variable runs from 0 to 1: steps of 1e-300 are no trouble
+
+        def scaled(x: float, state: FloatArray) -> FloatArray:
+            value: FloatArray = span * slope(begin + span * x, state)
+            return value
+
+        size = float(np.abs(scaled(0.0, np.zeros(self.start.size))).max())
         found = solve_ivp(
-            slope, (begin, marks[-1]), np.zeros(self.start.size), method="LSODA", t_eval=marks[after], rtol=_RTOL,
-            atol=1e-13 * min(1.0, max(size, 1e-200)), max_step=longest, events=dry if self.activity == "unit" else None,
+            scaled, (0.0, 1.0), np.zeros(self.start.size), method="LSODA", t_eval=(marks[after] - begin) / span,
+            rtol=_RTOL, atol=1e-13 * min(1.0, max(size, 1e-200)), max_step=longest / span,
+            events=dry if self.activity == "unit" else None,
         )  # fmt: skip
         if not found.success:
             raise InputError("jet", f"cannot be dried: {found.message}", remedy="check the properties of the solvents")

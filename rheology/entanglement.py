@@ -132,7 +132,7 @@ def entanglement(
     segments_per_chain : float
         N >= 1.
     kuhn_length : float
-        m, > 0.
+        m, in (0, 1].
     molar_mass, entanglement_molar_mass : float
         M and M_e of the melt, kg/mol, > 0.
     solvent_quality : {"theta", "good"}
@@ -148,7 +148,7 @@ def entanglement(
     """
     phi = number("volume_fraction", volume_fraction, least=1e-100, most=1.0)
     n = number("segments_per_chain", segments_per_chain, least=1.0)
-    b = number("kuhn_length", kuhn_length, above=0.0, unit="m")
+    b = number("kuhn_length", kuhn_length, above=0.0, most=1.0, unit="m")
     chain = number("molar_mass", molar_mass, above=0.0, unit="kg/mol")
     melt = number("entanglement_molar_mass", entanglement_molar_mass, above=0.0, unit="kg/mol")
     quality = _quality(solvent_quality)

@@ -203,7 +203,7 @@ def polymer_property(data: Polymer | str, name: str) -> float:
     InputError
         Where it is not known.
     """
-    known = polymer(data) if isinstance(data, str) else data
+    known = data if isinstance(data, Polymer) else polymer(data)
     if not isinstance(name, str) or name not in _UNITS:
         raise InputError("property", "is not one of a polymer", value=name, allowed=", ".join(_UNITS))
     value = float(getattr(known, name))
@@ -223,7 +223,7 @@ def property_source(data: Polymer | str, name: str) -> str:
     >>> property_source("PLA", "entanglement_molar_mass")
     'Dorgan, Williams, Lewis, J. Rheol. 43, 1141 (1999)'
     """
-    known = polymer(data) if isinstance(data, str) else data
+    known = data if isinstance(data, Polymer) else polymer(data)
     polymer_property(known, name)
     built = POLYMERS.get(known.name)
     if built is None or getattr(built, name) != getattr(known, name):
@@ -259,7 +259,7 @@ def vitrification_fraction(
     InputError
         Where the glass transition is not known, or the dry polymer is no glass at this temperature.
     """
-    known = polymer(data) if isinstance(data, str) else data
+    known = data if isinstance(data, Polymer) else polymer(data)
     glass = polymer_property(known, "glass_transition")
     low = positive("solvent_glass_transition", solvent_glass_transition, "K")
     kelvin = positive("temperature", temperature, "K")

@@ -147,7 +147,7 @@ class Solution:
         >>> round(solution.volume_fraction, 5)
         0.04443
         """
-        known = polymer(polymer_data, f"{field}polymer") if isinstance(polymer_data, str) else polymer_data
+        known = polymer_data if isinstance(polymer_data, Polymer) else polymer(polymer_data, f"{field}polymer")
         if polymer_density is not None:
             known = replace(known, density=polymer_density, source="density given by the user")
         if not isinstance(solvent, str | Mapping):

@@ -18,7 +18,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
-COMMANDS = {"run", "crossover", "check", "scenes", "schema", "fit-jet", "import-jet", "preview", "reduce", "exposure"}
+COMMANDS = {
+    "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "preview", "reduce", "exposure",
+}  # fmt: skip
 
 
 def blocks(path, language):
@@ -102,7 +104,7 @@ def test_python_of_the_readme_prints_what_it_says(capsys):
     assert len(said) == 2
 
 
-@pytest.mark.parametrize("scene", ["peo5-water", "pvp-jetspin"])
+@pytest.mark.parametrize("scene", ["peo5-water", "pvp-jetspin", "pmma10-drying"])
 def test_output_in_the_readme_is_that_of_the_command(scene, spinline):
     command = "crossover" if scene == "peo5-water" else "run"
     shown = README.split(f"$ spinline {command} {scene}\n", 1)[1].split("```", 1)[0]

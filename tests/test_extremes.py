@@ -2,10 +2,11 @@
 
 import contextlib
 
+import mpmath
 import numpy as np
 import pytest
 
-from spinline import jetprofile, network, rheology
+from spinline import jetprofile, network, rheology, xray
 from spinline.errors import InputError
 
 VALUES = [
@@ -42,6 +43,8 @@ FUNCTIONS = [
     (network.elastic_coupling, ("effective_size", "velocity", "viscosity", "radius", "temperature")),
     (network.strand_force, ("force", "kuhn_length", "temperature")),
     (jetprofile.estimate_k, ("radius", "flow_rate", "conductivity", "viscosity", "electric_field")),
+    (xray.thin_mean_limit, ("radius", "contrast", "photons", "pixel")),
+    (xray.thin_centre_limit, ("radius", "contrast", "photons")),
     (rheology.polymer, ("name",)),
     (rheology.solvent_density, ("name", "temperature")),
 ]
@@ -63,3 +66,19 @@ def test_the_walk_where_the_force_cancels() -> None:
     walk = network.random_walk([1e-100, 1e-30, 1e-17], 0.05)
     np.testing.assert_allclose(walk.force, 0.15 * np.array([1e-100, 1e-30, 1e-17]), rtol=1e-15)
     assert (walk.axial_stretch > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("radius", "contrast"), [(1e-300, 1e-100), (1e-120, 1e100), (5e-5, 300.0), (1e120, 1e-100), (1e300, 1e-300)]
+)
+def test_thin_limits_do_not_pass_through_the_cube_of_the_radius(radius: float, contrast: float) -> None:
+    with mpmath.workdps(30):
+        r, d = mpmath.mpf(radius), mpmath.mpf(contrast)
+        mean = 1 / (d * mpmath.sqrt(16 * 1e4 * r**3 / 3))
+        centre = 1 / (2 * r * d * 100)
+    for law, exact, more in ((xray.thin_mean_limit, mean, (1.0,)), (xray.thin_centre_limit, centre, ())):
+        if exact > 1e308:
+            with pytest.raises(InputError, match="limit"):
+                law(radius, contrast, 1e4, *more)
+        else:
+            assert float(law(radius, contrast, 1e4, *more)) == pytest.approx(float(exact), rel=1e-14)

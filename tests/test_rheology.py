@@ -313,3 +313,19 @@ def test_vitrification_of_a_solution() -> None:
     assert min(one, expected) < two < max(one, expected)
     with pytest.raises(InputError, match="leaves dry PEO no glass"):
         Solution.build("PEO", "water", mass_fraction=0.05).vitrification_fraction()
+
+
+def test_hfip_evaporates_with_library_properties() -> None:
+    hfip = rheology.Volatile.build("HFIP", 298.15)
+    assert hfip.molar_volume == pytest.approx(0.1680378 / 1596, rel=1e-6)
+    assert hfip.saturation == pytest.approx(
+        rheology.vapour_pressure("HFIP", 298.15) * 0.1680378 / (8.314463 * 298.15 * 1596), rel=1e-6
+    )
+    solution = Solution.build("PLA", "HFIP", mass_fraction=0.1, temperature=298.15, molar_mass=200.0)
+    assert solution.require("solvent_viscosity") == pytest.approx(1.619e-3, rel=1e-14)
+    assert solution.entanglement("good").regime == "semidilute"  # 1.5 strands of 8.7 kg/mol to a chain at phi = 0.124
+    assert (
+        Solution.build("PLA", "HFIP", mass_fraction=0.15, temperature=298.15, molar_mass=200.0)
+        .entanglement("good")
+        .entangled
+    )

@@ -140,7 +140,9 @@ def test_coupling_is_reported_with_its_viscosity() -> None:
     assert solvent["affinity_of_solvent_drag"] == pytest.approx(solvent["coupling"] * 1e-9 / (3 * 125e-6), rel=1e-12)
     weak = quiet("peo5-water", "network.coupling=20")
     assert weak.attrs["coupling_error"] == pytest.approx(3 / 20 * 0.94, rel=1e-3)  # steepest where the jet starts
-    assert "affine network errs" in weak.attrs["warnings"]
+    assert weak.attrs["model"] == "manifold"
+    forced = quiet("peo5-water", "network.coupling=20", "network.model=affine")
+    assert "affine network errs" in forced.attrs["warnings"]
 
 
 @pytest.mark.parametrize(
@@ -161,7 +163,7 @@ def test_odd_scenes_are_warned_about(overrides: list[str], words: str) -> None:
 @pytest.mark.parametrize(
     ("overrides", "field"),
     [
-        (["network.model=conformation"], "solution.relaxation_time"), (["effects.evaporation=true"], "ambient.relative_humidity"), (["network.force_law=fene"], "network.force_law"),
+        (["network.model=conformation"], "solution.relaxation_time"), (["effects.evaporation=true"], "ambient.relative_humidity"), (["network.model=affine", "network.force_law=fene"], "network.force_law"),
         (["solution.polymer=PE0"], "solution.polymer"), (["solution.solvent=vodka"], "solution.solvent"), (["solution.temperature=900 K"], "temperature"),
         (["jet={profile='table', path='none.csv', flow_rate='1 mL/h'}"], "jet.path"), (["jet={profile='jetspin', path='none'}"], "jet.path"),
         (["solution.viscosity=1 Pa s", "jet={profile='power-law', radius='1 um', flow_rate='1 mL/h', beta=0.5, length='1 mm'}"], "jet.k"),
@@ -310,7 +312,7 @@ def test_manifold_rung_meets_the_affine_one_and_locks() -> None:
     assert locked["scission"].any() == (locked["strand_force"].max() > 5e-9)
     for scene, overrides in (
         ("pvp-jetspin", ["network.model=manifold"]),
-        ("peo5-water", ["network.force_law=fene"]),
+        ("peo5-water", ["network.model=affine", "network.force_law=fene"]),
         ("peo5-water", ["network.model=walk", "network.closure=stretch"]),
     ):
         with pytest.raises(InputError, match="network"):

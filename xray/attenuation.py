@@ -44,6 +44,7 @@ SOLVENT_FORMULAS: Mapping[str, str] = {
     "chloroform": "CHCl3",
     "THF": "C4H8O",
     "formic acid": "CH2O2",
+    "HFIP": "C3H2F6O",
 }
 
 Composition = str | Mapping[str, float]

@@ -16,7 +16,7 @@ import spinline
 from spinline.cli import app as command_line
 from spinline.reduction import REDUCTION_VARIABLES
 from spinline.results import VARIABLES
-from spinline.rheology import POLYMERS, SOLVENTS
+from spinline.rheology import POLYMERS, SOLVENTS, property_source
 from spinline.scene import bundled_scenes, json_schema
 from spinline.units import QUANTITIES
 from spinline.xray import FRAME_FLAGS
@@ -135,9 +135,25 @@ class Materials(Generated):
             )
             for p in POLYMERS.values()
         ]
+        chains = [
+            (
+                p.name,
+                *(
+                    f"{scale * getattr(p, name):.3g}: {property_source(p, name)}"
+                    for name, scale in (
+                        ("kuhn_length", 1e9),
+                        ("entanglement_molar_mass", 1.0),
+                        ("glass_transition", 1.0),
+                    )
+                ),
+            )
+            for p in POLYMERS.values()
+        ]
         solvents = [(name, cas, f"{low:g} to {high:g}") for name, (cas, low, high) in SOLVENTS.items()]
         heads = ("polymer", "density, kg/m³", "repeat unit", "its molar mass, g/mol", "backbone bonds", "source")
-        return self.parse([*_table(heads, polymers), "", *_table(("solvent", "CAS number", "range, K"), solvents)])
+        more = ("polymer", "Kuhn length, nm", "entanglement molar mass, kg/mol", "glass transition, K")
+        tables = [*_table(heads, polymers), "", *_table(more, chains), ""]
+        return self.parse([*tables, *_table(("solvent", "CAS number", "range, K"), solvents)])
 
 
 class Scenes(Generated):

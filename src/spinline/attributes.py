@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.build import bead_ages, coupling, coupling_error
-from spinline.effects import NAMES, Effects, model_of
+from spinline.effects import NAMES, Effects
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.mesh import network_at_rest
+from spinline.plan import Plan
 from spinline.rheology.solution import Solution
 from spinline.rungs import Crossover, SettledChain
 from spinline.scene import Scene
@@ -50,13 +51,14 @@ def attributes_of(
     remarks: list[str],
     network: "Manifold | SettledChain | None",
     effects: Effects,
+    plan: Plan,
 ) -> dict[str, Any]:
     """Attributes of a run's Dataset."""
     from spinline import __version__
 
     left_out = ([] if network else ["elastic slip", "inertia"]) + effects.left_out
-    model = model_of(scene, effects)
-    why = model if scene.network.model in ("auto", "affine") else f"{model}, asked for"
+    model = scene.network.model
+    why = f"{model}, asked for" if plan.forced and model != "affine" else model
     attributes: dict[str, Any] = {
         "title": scene.title or scene.name,
         "Conventions": "CF-1.11",
@@ -64,7 +66,8 @@ def attributes_of(
         "spinline_version": __version__,
         "scene": scene.text,
         "model": model,
-        "model_requested": scene.network.model,
+        "model_requested": model if plan.forced else "auto",
+        "plan": plan.json(),
         "closure": scene.network.closure,
         "force_law": scene.network.force_law,
         "solvent_quality": scene.network.solvent_quality,

@@ -41,6 +41,7 @@ __all__ = [
     "coupling_error",
     "drag_of_solvent",
     "given",
+    "jet_grid",
     "jet_length",
 ]
 
@@ -152,6 +153,19 @@ def jet_length(scene: Scene, jet: StraightJet) -> float:
     return min(length.value, jet.end)
 
 
+def jet_grid(jet: StraightJet, end: float, points: int) -> FloatArray:
+    """Places from the jet's start to `end`, even in the logarithm beyond where it begins to thin; its kinks among them.
+
+    The scale is r_0, or the first kink where that is nearer: a strong field (k >> 1) thins a jet long before z = r_0.
+    """
+    kinks = [kink * jet.initial_radius for kink in jet.kinks()]
+    inside = [jet.start + kink for kink in kinks if jet.start + kink < end]
+    scale = min([jet.initial_radius, *(kink for kink in kinks if kink > 0)])
+    grid = jet.start + scale * np.expm1(np.linspace(0.0, np.log1p((end - jet.start) / scale), points))
+    grid[-1] = end
+    return np.unique(np.concatenate((np.clip(grid, jet.start, end), inside)))
+
+
 def coupling(scene: Scene, solution: Solution, jet: StraightJet) -> tuple[float, float, str]:
     """alpha_v, A and the viscosity they were made with, in words; NaN where it is not known and not needed."""
     if scene.network.coupling is not None:
@@ -205,10 +219,7 @@ def coupling_error(scene: Scene, solution: Solution, jet: StraightJet) -> float:
     """Largest relative error of w = V along the jet, ``c V' / alpha_v`` (first term of the series of Eq. 33)."""
     alpha, _, _ = coupling(scene, solution, jet)
     length = jet_length(scene, jet)
-    z = jet.start + jet.initial_radius * np.expm1(
-        np.linspace(0, np.log1p((length - jet.start) / jet.initial_radius), 257)
-    )
-    z = np.clip(np.append(z, [jet.start + kink * jet.initial_radius for kink in jet.kinks()]), jet.start, length)
+    z = jet_grid(jet, length, 257)
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
     return float(scene.network.spring.value * slope.max() / alpha)
 

@@ -21,7 +21,17 @@ if TYPE_CHECKING:
     from spinline.rheology.drying import RadialDrying
     from spinline.rheology.element_path import ElementPath
 
-__all__ = ["Dried", "biot_number", "dry", "element_path", "fourier_number", "peclet_number", "where_mean_reaches"]
+__all__ = [
+    "Dried",
+    "biot_number",
+    "check_radial",
+    "dry",
+    "element_path",
+    "first_passage",
+    "fourier_number",
+    "peclet_number",
+    "where_mean_reaches",
+]
 
 _FARTHEST = 1e4  # lengths of the jet that a prediction looks beyond it
 
@@ -169,18 +179,34 @@ def where_mean_reaches(
         NaN where it does not, or cannot be said; `predicted` is that of flat drying beyond a straight jet of a law.
     """
     phi = solution.volume_fraction / dried.remaining
-    place = first_passage(dried.position, phi, fraction)
+    x, straight = dried.position, isinstance(jet, StraightJet)
+    place = first_passage(x, phi, fraction)
     if not np.isnan(place):
+        if straight and dried.radial is None:
+            place = _refined(air, solution, jet, x, place, fraction)
         return place, place
-    end = float(dried.position[-1])
     if not isinstance(jet, StraightJet) or not np.isinf(jet.end) or fraction >= air.equilibrium:
         return float("nan"), float("nan")
-    beyond = np.geomspace(end, _FARTHEST * end, 801)
+    beyond = np.geomspace(x[-1], _FARTHEST * x[-1], 801)
     try:
         flat = air.evaporate(element_path(jet, beyond), solution.volume_fraction)
+        predicted = first_passage(beyond, flat.polymer_fraction, fraction)
+        return float("nan"), _refined(air, solution, jet, beyond, predicted, fraction)
     except InputError:
         return float("nan"), float("nan")
-    return float("nan"), first_passage(beyond, flat.polymer_fraction, fraction)
+
+
+def _refined(
+    air: Air, solution: Solution, jet: "StraightJet | LagrangianJet", x: FloatArray, place: float, fraction: float
+) -> float:
+    """The place again, between the two samples around it."""
+    i = int(np.searchsorted(x, place))
+    if np.isnan(place) or i == 0:
+        return place
+    inner = np.linspace(x[i - 1], x[i], 17)
+    flat = air.evaporate(element_path(jet, inner), solution.volume_fraction)
+    better = first_passage(inner, flat.polymer_fraction, fraction)
+    return place if np.isnan(better) else better
 
 
 def first_passage(position: FloatArray, value: FloatArray, level: float) -> float:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.straight import StraightJet
     from spinline.numbers import EffectNumbers
 
-__all__ = ["NAMES", "Effects", "choose_effects", "model_of"]
+__all__ = ["NAMES", "Effects", "choose_effects"]
 
 NAMES = ("evaporation", "relaxation", "radial")
 _FIXED = ("manifold", "chain", "walk")  # rungs without relaxation
@@ -45,15 +45,10 @@ class Effects:
         return [words[name] for name in ("relaxation", "evaporation", "radial") if not getattr(self, name)]
 
 
-def model_of(scene: Scene, effects: Effects) -> str:
-    """Rung that a run takes."""
-    if scene.network.model == "auto":
-        return "conformation" if effects.relaxation else "affine"
-    return scene.network.model
-
-
-def choose_effects(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> Effects:
-    """Effects of a scene.
+def choose_effects(
+    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", numbers: "EffectNumbers | None" = None
+) -> Effects:
+    """Effects of a scene whose rung is chosen (`plan`); `numbers` if they are known.
 
     Raises
     ------
@@ -70,7 +65,7 @@ def choose_effects(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
         return Effects(why=why)
     from spinline.numbers import effect_numbers
 
-    numbers = effect_numbers(scene, solution, jet)
+    numbers = effect_numbers(scene, solution, jet) if numbers is None else numbers
     rtol, on, why = scene.accuracy.rtol, dict.fromkeys(NAMES, False), {}
     for name in NAMES:
         on[name], why[name] = _decide(getattr(asked, name), numbers.errors[name], numbers.missing.get(name, ""), rtol)
@@ -85,9 +80,25 @@ def choose_effects(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
         else:
             on["radial"], why["radial"] = False, "off: there is no evaporation"
     if on["evaporation"] and scene.ambient is None:
-        # a solvent without vapour in the room needs no more; water's humidity is asked for where the air is built
-        why["evaporation"] += "; air as in the property library, at the temperature of the solution"
+        why["evaporation"] += "; air of the property library, at the temperature of the solution"
+    _check_data(scene, solution, on)
     return Effects(on["evaporation"], on["relaxation"], on["radial"], why, numbers)
+
+
+def _check_data(scene: Scene, solution: Solution, on: dict[str, bool]) -> None:
+    """Refuse what a run would refuse, before it runs."""
+    from spinline.air import build_air
+    from spinline.drying_run import check_radial
+    from spinline.material import build_material, diffusion_law, glass_fraction
+
+    if on["evaporation"]:
+        air = build_air(scene, solution)
+        glass_fraction(scene, solution)
+        if on["radial"]:
+            diffusion_law(scene)
+            check_radial(air)
+    if any(on.values()):
+        build_material(scene, solution)
 
 
 def _decide(switch: object, error: float, missing: str, rtol: float) -> tuple[bool, str]:

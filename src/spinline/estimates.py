@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spinline.build import coupling, jet_length
+from spinline.build import coupling, jet_grid, jet_length
 from spinline.checks import FloatArray
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.crossover import extension_velocity_ratio
@@ -26,6 +26,7 @@ from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
 __all__ = [
+    "UNSTEADY",
     "Effect",
     "elastic_coupling_effect",
     "extensibility_effect",
@@ -36,7 +37,7 @@ __all__ = [
 
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
-_UNSTEADY = 0.25  # eps V' from which no steady network exists
+UNSTEADY = 0.25  # eps V' from which no steady network exists
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def elastic_coupling_effect(scene: Scene, solution: Solution, jet: StraightJet) 
     number, error = _slip(scene, solution, jet, eps)
     if np.isnan(alpha):
         words = f"alpha_v is {viscosity}"
-    elif number > _UNSTEADY:
+    elif number > UNSTEADY:
         words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
     else:
         words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
@@ -111,13 +112,39 @@ def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, debora
         return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
     z = _grid(scene, jet, _KEPT)
     v, time = jet.velocity_ratio(z), jet.residence_time(z)
-    rate = (1 - v**-2.0) / 2
+    rate = (1 - v**-2.0) / 2 * _stiffening(scene, solution, v)
     given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
+    contour = _contour(scene, solution)
+    if contour < v[-1]:  # never quite there
+        w = np.minimum(w, (1 - 1e-6) * contour)
     error = _moved(scene, solution, z, v, w)
     return Effect(
         name, symbol, deborah, error, f"a strand gives back {-np.expm1(-given_back[-1]):.2g} of its stretch on the way"
     )
+
+
+def _contour(scene: Scene, solution: Solution) -> float:
+    """Largest stretch of the constitutive model."""
+    from spinline.material import build_material, constitutive_model
+    from spinline.rheology.conformation import FENEP
+
+    model = constitutive_model(scene, build_material(scene, solution))
+    return float(np.sqrt(model.extensibility)) if isinstance(model, FENEP) else float("inf")
+
+
+def _stiffening(scene: Scene, solution: Solution, v: FloatArray) -> FloatArray:
+    """How much faster than Maxwell's the model gives stretch back, at an affine stretch."""
+    from spinline.material import build_material, constitutive_model
+    from spinline.rheology.conformation import FENEP, Giesekus
+
+    model = constitutive_model(scene, build_material(scene, solution))
+    if isinstance(model, Giesekus):
+        return 1 + model.mobility * np.maximum(v**2 - 1, 0.0)
+    if isinstance(model, FENEP):
+        room = np.maximum(1 - v**2 / model.extensibility, 1e-6)
+        return (1 - 3 / model.extensibility) / room
+    return np.ones_like(v)
 
 
 def saturation_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
@@ -142,7 +169,7 @@ def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tup
     v = jet.velocity_ratio(z)
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
     number = float(np.abs(eps) * slope.max())
-    if number > _UNSTEADY:
+    if number > UNSTEADY:
         return number, max(1.0, number)
     first = eps * slope
     return number, _moved(scene, solution, z, v, v * (1 + first + 2 * first**2))
@@ -186,6 +213,5 @@ def change(state: NetworkState, reference: NetworkState) -> float:
 
 def _grid(scene: Scene, jet: StraightJet, share: float) -> FloatArray:
     """Places along the jet, fine at the nozzle, its kinks among them."""
-    r0, end = jet.initial_radius, jet.start + share * (jet_length(scene, jet) - jet.start)
-    z = jet.start + r0 * np.expm1(np.linspace(0.0, np.log1p((end - jet.start) / r0), _POINTS))
-    return np.unique(np.clip(np.append(z, [jet.start + kink * r0 for kink in jet.kinks()]), jet.start, end))
+    end = jet.start + share * (jet_length(scene, jet) - jet.start)
+    return np.clip(jet_grid(jet, end, _POINTS), jet.start, end)

@@ -32,6 +32,10 @@ def examine(
     InputError
         For what this version cannot do.
     """
+    if scene.network.model == "auto":
+        from spinline.plan import plan_scene, resolved
+
+        scene = resolved(scene, plan_scene(scene, solution, jet))
     n = scene.network
     effects = choose_effects(scene, solution, jet) if effects is None else effects
     if n.model in SLIPPING and not isinstance(jet, StraightJet):

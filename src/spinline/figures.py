@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from spinline.errors import InputError
 from spinline.outputs import replacing
@@ -128,6 +129,7 @@ def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         place, 1e6 * result["network_radius_conservative"], color=ORANGE, linestyle=":", label="network, flux conserved"
     )
     axis.set_yscale("log")
+    axis.yaxis.set_minor_formatter(NullFormatter())
     axis.set_ylabel("radius (µm)")
     axis.legend(**_LEGEND)
 

@@ -18,6 +18,7 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     """Map of the polymer fraction; without radial drying, the volume that is left, or the stress."""
     if "polymer_fraction" in result:
         from matplotlib.colors import LogNorm
+        from matplotlib.patches import Rectangle
 
         values = np.asarray(result["polymer_fraction"].values)
         floor = max(1e-4, 0.2 * float(result["volume_fraction"]))
@@ -27,10 +28,16 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         )  # fmt: skip
         axis.set_ylim(0, 1)
         axis.set_ylabel("distance from the axis $r/R$")
-        inset = axis.inset_axes((0.12, 0.90, 0.42, 0.04))
+        # a pale ground, since the map may be bright or dark there
+        axis.add_patch(
+            Rectangle(
+                (0.09, 0.80), 0.48, 0.19, transform=axis.transAxes, color="white", alpha=0.8, linewidth=0, zorder=3
+            )
+        )
+        inset = axis.inset_axes((0.12, 0.88, 0.42, 0.04), zorder=4)
         bar = axis.figure.colorbar(picture, cax=inset, orientation="horizontal")
-        bar.ax.tick_params(labelsize=7, colors="white")
-        bar.ax.set_title("polymer volume fraction", fontsize=7, color="white", pad=2)
+        bar.ax.tick_params(labelsize=7)
+        bar.ax.set_title("polymer volume fraction", fontsize=7, pad=2)
         return
     if "evaporated_fraction" in result:
         axis.plot(place, 1 - result["evaporated_fraction"], color=GREY, linewidth=2, label="volume left")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spinline.build import jet_grid
 from spinline.checks import BoolArray, FloatArray
 from spinline.drying_run import Dried, dry, element_path, first_passage, where_mean_reaches
 from spinline.effects import Effects
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Followed", "follow"]
 
 IntArray = NDArray[np.intp]
-_LEAST = 401  # samples along a jet
+_LEAST, _COARSE = 401, 1e-2  # samples along a jet, from this rtol on
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,16 +168,15 @@ def spread(values: FloatArray, known: BoolArray) -> FloatArray:
 
 def _samples(scene: Scene, jet: "StraightJet | LagrangianJet", place: FloatArray) -> FloatArray:
     """The result's places, and more between them where they are few."""
-    if place.size >= _LEAST:
+    least = int(_LEAST * max(1.0, (_COARSE / scene.accuracy.rtol) ** 0.5))  # second order in the spacing
+    if not isinstance(jet, StraightJet) or place.size >= least:
         return place
-    r0 = jet.initial_radius
-    span = (place[-1] - place[0]) / r0
-    inner = place[0] + r0 * np.expm1(np.linspace(0.0, np.log1p(span), _LEAST)[1:-1])
+    inner = jet_grid(jet, float(place[-1]), least)[1:-1]
     # places of the result stay as they are; a sample closer than rounding to one of them is none
     near = place[np.clip(np.searchsorted(place, inner), 0, place.size - 1)]
     before = place[np.clip(np.searchsorted(place, inner) - 1, 0, place.size - 1)]
     gap = np.minimum(np.abs(near - inner), np.abs(inner - before))
-    return np.union1d(place, inner[gap > 1e-6 * r0])
+    return np.union1d(place, inner[gap > 1e-6 * np.minimum(inner - place[0], jet.initial_radius)])
 
 
 def _dried(

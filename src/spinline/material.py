@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Material", "build_material", "constitutive_model", "diffusion_law", "glass_fraction"]
 
-# glass transitions of solvents, K: Johari et al., Nature 330, 552 (1987); Haida et al., J. Chem. Thermodyn. 9, 815 (1977)
-_SOLVENT_GLASS = {"water": 136.0, "ethanol": 97.0}
-
 
 @dataclass(frozen=True)
 class Material:
@@ -180,8 +177,6 @@ def diffusion_law(scene: Scene) -> "DiffusionLaw":
 
 def glass_fraction(scene: Scene, solution: Solution) -> tuple[float, str]:
     """Polymer fraction that turns to glass, and where it comes from; NaN and the reason where it is not known."""
-    from spinline.rheology.materials import vitrification_fraction
-
     laws = scene.rheology or RheologySection()
     phi = solution.volume_fraction
     if laws.vitrification_fraction is not None:
@@ -192,17 +187,11 @@ def glass_fraction(scene: Scene, solution: Solution) -> tuple[float, str]:
                 allowed=f"({phi:.6g}, 1)", remedy="raise it",
             )  # fmt: skip
         return value, "given"
-    names = [name.strip().lower() for name in solution.solvent]
-    if len(names) > 1 or names[0] not in _SOLVENT_GLASS:
-        return float("nan"), f"not known for {', '.join(solution.solvent)}: give rheology.vitrification_fraction"
     try:
-        value = vitrification_fraction(
-            solution.polymer, _SOLVENT_GLASS[names[0]], solution.temperature, solution.solvent_density
-        )
+        value = solution.vitrification_fraction()
     except InputError as error:
         return float("nan"), f"not known ({error.field}: {error.problem}): give rheology.vitrification_fraction"
     if value <= phi:
-        return float(
-            "nan"
-        ), f"below the solution's by Fox's equation ({value:.3g}): give rheology.vitrification_fraction"
+        words = f"below the solution's by Fox's equation ({value:.3g}): give rheology.vitrification_fraction"
+        return float("nan"), words
     return value, "Fox's equation"

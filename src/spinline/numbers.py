@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.air import build_air
-from spinline.build import bead_ages, coupling, coupling_error, drag_of_solvent, jet_length
+from spinline.build import bead_ages, coupling, coupling_error, drag_of_solvent, jet_grid, jet_length
 from spinline.drying_run import biot_number, check_radial, dry, element_path, fourier_number, peclet_number
 from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
@@ -197,7 +197,7 @@ def _drying(
     scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", missing: dict[str, str]
 ) -> tuple[float, float, float, float, float]:
     """Evaporated fraction, Biot, Peclet and Fourier numbers, and how uneven the jet is."""
-    if scene.ambient is None:
+    if scene.ambient is None and True not in (scene.effects.evaporation, scene.effects.radial):
         missing["evaporation"] = missing["radial"] = "there is no [ambient]"
         return (_NAN,) * 5
     try:
@@ -228,8 +228,4 @@ def _drying(
 def _places(scene: Scene, jet: "StraightJet | LagrangianJet") -> np.ndarray:
     if not isinstance(jet, StraightJet):
         return np.asarray(jet.arc_length[jet.usable])
-    length, r0 = jet_length(scene, jet), jet.initial_radius
-    span = (length - jet.start) / r0
-    places = jet.start + r0 * np.expm1(np.linspace(0.0, np.log1p(span), _PLACES))
-    places[-1] = length
-    return places
+    return jet_grid(jet, jet_length(scene, jet), _PLACES)

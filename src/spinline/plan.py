@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.estimates import (
+    UNSTEADY,
     Effect,
     elastic_coupling_effect,
     extensibility_effect,
@@ -31,7 +32,7 @@ from spinline.scene import Scene
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
 
-__all__ = ["MARGIN", "Plan", "plan_scene"]
+__all__ = ["MARGIN", "Plan", "plan_scene", "resolved"]
 
 MARGIN = 1.2  # on every estimate
 _HELD = {  # by each rung
@@ -65,6 +66,8 @@ class Plan:
     used, left_out : tuple of str
         Names of effects.
     rtol : float
+    numbers : EffectNumbers
+        What the estimates are made from.
     reason : str
         A sentence.
     remarks : tuple of str
@@ -77,6 +80,7 @@ class Plan:
     used: tuple[str, ...]
     left_out: tuple[str, ...]
     rtol: float
+    numbers: EffectNumbers
     reason: str
     remarks: tuple[str, ...]
 
@@ -131,7 +135,7 @@ def plan_scene(
     effects = _effects(scene, solution, jet, known)
     rtol, asked = scene.accuracy.rtol, scene.network.model
     errors = {effect.name: effect.error for effect in effects}
-    wanted = _choice(scene, errors, rtol)
+    wanted = _choice(scene, errors, rtol, effects[0].number)
     model = wanted if asked == "auto" else asked
     used = [*_HELD[model], "saturation"]
     if not isinstance(jet, StraightJet):
@@ -152,9 +156,20 @@ def plan_scene(
         tuple(e.name for e in effects if e.name in used),
         left_out,
         rtol,
+        known,
         reason,
         remarks,
     )
+
+
+def resolved(scene: Scene, plan: Plan) -> Scene:
+    """The scene with the rung of its plan in place of "auto"."""
+    if scene.network.model == plan.model:
+        return scene
+    changes: dict[str, Any] = {"model": plan.model}
+    if plan.model == "manifold" and not _names_a_law(scene):
+        changes["force_law"] = "linear"
+    return scene.model_copy(update={"network": scene.network.model_copy(update=changes)})
 
 
 def _effects(
@@ -189,14 +204,19 @@ def _effects(
     )
 
 
-def _choice(scene: Scene, errors: dict[str, float], rtol: float) -> str:
+def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float) -> str:
+    """Rung for a scene; `steepest` is the largest eps V', beyond 1/4 of which nothing is steady."""
     elastic, relaxing = errors["elastic coupling"], errors["relaxation"]
-    slips, relaxes = MARGIN * elastic > rtol, MARGIN * relaxing > rtol and scene.effects.relaxation is not False
+    slips = MARGIN * elastic > rtol and steepest <= UNSTEADY
+    relaxes = MARGIN * relaxing > rtol and scene.effects.relaxation is not False
     if scene.effects.relaxation is True:
         return "conformation"
     if _names_a_law(scene) or (slips and not (relaxes and relaxing >= elastic)):
         return "manifold" if not np.isnan(elastic) else "affine"
-    return "conformation" if relaxes else "affine"
+    # a solution that dries relaxes by other times than it set out with: the rung that can hold that, if the time is known
+    dries = _switched(scene.effects.evaporation, errors["evaporation"], rtol) and MARGIN * errors["evaporation"] > rtol
+    knows = not np.isnan(relaxing) and scene.effects.relaxation is not False
+    return "conformation" if relaxes or (dries and knows) else "affine"
 
 
 def _names_a_law(scene: Scene) -> bool:

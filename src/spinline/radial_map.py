@@ -1,13 +1,15 @@
 """Fraction across the jet: the skin that drying leaves joined with the core that the network draws together (Fig. 37).
 
-Drying alone gives phi_d(r), highest at the surface. Its least value is the network that is everywhere; what exceeds it is the
-skin, which stays where drying put it. The network contracts to ``c = (xi_perp/xi_0)/(xi_perp/xi_0 at rest)`` of the radius, as
-Eq. (39) says of the whole, and there has the fraction ``phi/c^2``; where skin and core overlap and would be more than polymer
-alone, the core is full and reaches farther out. Polymer is conserved in every cross-section to rounding, and the fraction is
-at most 1.
+Drying alone gives phi_d(r), highest at the surface. What is dry cannot contract: of phi_d the skin, ``(phi_d - phi_a)/(1 -
+phi_a)``, stays where drying put it, phi_a being the least fraction, that of the axis; the rest, in proportion to the solvent
+there, is network that is drawn together. Its radii shrink to ``c = (xi_perp/xi_0)/(xi_perp/xi_0 at rest)`` of themselves, as
+Eq. (39) says of the whole, and its fraction grows by ``1/c^2``; where skin and core together would be more than polymer alone,
+the core is compact and reaches farther out. Polymer is conserved in every cross-section to rounding, and the fraction is at
+most 1. No contraction gives phi_d, no drying the core of Eq. (39) in clear solvent.
 
-What this leaves out: drying is solved without the contraction, so the solvent that the core squeezes out does not dry faster
-than the solution did; and the core has an edge, where a real one is a mesh or more wide.
+The division into skin and core is a model: one number, the stretch, cannot say more. What it leaves out: drying is solved
+without the contraction, so the solvent that the core squeezes out does not dry faster than the solution did; and the core
+has an edge, where a real one is a mesh or more wide.
 """
 
 from typing import TYPE_CHECKING
@@ -48,18 +50,21 @@ def contracted(dried: FloatArray, contraction: FloatArray) -> FloatArray:
     ndarray, (n, shells)
     """
     shells = dried.shape[1]
-    area = np.diff(np.linspace(0.0, 1.0, shells + 1) ** 2)
-    network = dried.min(axis=1, keepdims=True)
-    skin = dried - network
-    share = np.minimum(contraction, 1.0)[:, np.newaxis]
-    with np.errstate(over="ignore", divide="ignore"):  # a compact core is held by the room there is
-        wanted = network / share**2
-    room = np.minimum(wanted, 1.0 - skin) * area
-    # from the axis outwards, until all of the network has found its place
-    before = np.cumsum(room, axis=1) - room
-    core = np.clip(network - before, 0.0, room)
-    core[:, -1] += np.maximum(network[:, 0] - core.sum(axis=1), 0.0)  # rounding only
-    value: FloatArray = np.minimum(skin + core / area, 1.0)
+    inside = np.linspace(0.0, 1.0, shells + 1) ** 2
+    area = np.diff(inside)
+    axis = dried.min(axis=1, keepdims=True)
+    share = np.divide(dried - axis, 1 - axis, out=np.zeros_like(dried), where=axis < 1)
+    skin = np.where(axis < 1, share, dried)
+    mobile = np.concatenate((np.zeros((dried.shape[0], 1)), np.cumsum((dried - skin) * area, axis=1)), axis=1)
+    squeeze = np.clip(contraction, 1e-150, 1.0) ** 2  # an area; below any that matters a core is compact anyway
+    drawn = np.array([np.interp(inside, s * inside, held) for s, held in zip(squeeze, mobile, strict=True)])
+    wanted, room = np.diff(drawn, axis=1), (1 - skin) * area
+    core, over = np.empty_like(wanted), np.zeros(dried.shape[0])
+    for j in range(shells):  # what finds no room goes farther out
+        over = over + wanted[:, j]
+        core[:, j] = np.minimum(over, room[:, j])
+        over = over - core[:, j]
+    value: FloatArray = np.minimum(skin + core / area, 1.0)  # rounding only
     return value
 
 

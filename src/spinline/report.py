@@ -134,9 +134,9 @@ def _dried(result: xr.Dataset, end: int) -> list[str]:
     if "skin_thickness" in result:
         surface, axis = (float(result[f"{name}_polymer_fraction"].values[end]) for name in ("surface", "axis"))
         skin = 1e6 * float(result["skin_thickness"].values[end])
+        thick = f"the skin is {skin:.3g} µm thick" if skin > 0 else "there is no skin"
         sentences.append(
-            f"Drying leaves a fraction of {surface:.3g} at the surface against {axis:.3g} on the axis; the skin is "
-            f"{skin:.3g} µm thick."
+            f"Drying leaves a fraction of {surface:.3g} at the surface against {axis:.3g} on the axis; {thick}."
         )
     return sentences
 

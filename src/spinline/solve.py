@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.attributes import attributes_of, elsewhere
-from spinline.build import bead_ages, build_jet, build_solution, jet_length
+from spinline.build import bead_ages, build_jet, build_solution, jet_grid, jet_length
 from spinline.checks import FloatArray
 from spinline.effects import choose_effects
 from spinline.errors import InputError, SpinlineWarning
 from spinline.examine import SLIPPING, examine
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
+from spinline.plan import plan_scene, resolved
 from spinline.rungs import (
     BOND_STRENGTH,
     Crossover,
@@ -45,6 +46,8 @@ def crossover(scene: Scene, jet: "StraightJet | LagrangianJet", velocity_ratio: 
     if not isinstance(jet, StraightJet) and jet.time is not None:
         raise InputError("jet.time", "holds many times", remedy="take one")
     predicted = float(jet.position_of(velocity_ratio)) if velocity_ratio > 0 else float("nan")
+    if 0 < velocity_ratio <= 1:  # so at rest
+        predicted = jet.start if isinstance(jet, StraightJet) else 0.0
     end = jet_length(scene, jet) if isinstance(jet, StraightJet) else float("inf")
     if not predicted <= end * (1 + 1e-12):
         nan = float("nan")
@@ -86,7 +89,9 @@ def run(scene: Scene) -> "xr.Dataset":
 
     solution = build_solution(scene)
     jet = build_jet(scene, solution)
-    effects = choose_effects(scene, solution, jet)
+    plan = plan_scene(scene, solution, jet)
+    scene = resolved(scene, plan)
+    effects = choose_effects(scene, solution, jet, plan.numbers)
     remarks = examine(scene, solution, jet, effects)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     targets = {
@@ -105,7 +110,14 @@ def run(scene: Scene) -> "xr.Dataset":
     network: Manifold | SettledChain | None = None
     if scene.network.model in SLIPPING and isinstance(jet, StraightJet):
         solve = steady_state if scene.network.model == "manifold" else settled_chain
-        network = solve(scene, solution, jet)
+        try:
+            network = solve(scene, solution, jet)
+        except InputError as error:
+            if plan.forced:
+                raise
+            remedy = f"{error.remedy}; or" if error.remedy else "take"
+            raise InputError(error.field, f"{error.problem} (the rung that rtol = {plan.rtol:g} needs)", value=error.value,
+                             allowed=error.allowed, remedy=f'{remedy} model = "affine"') from None  # fmt: skip
         if isinstance(network, SettledChain) and network.drift > scene.accuracy.rtol:
             remarks.append(
                 f"the chain has not settled: its stretch still changed by {network.drift:.2g} over the last tenth of "
@@ -144,7 +156,7 @@ def run(scene: Scene) -> "xr.Dataset":
     for remark in remarks:
         warnings.warn(remark, SpinlineWarning, stacklevel=2)
     scalars |= _crossover_scalars(found, single=not _has_times(jet))
-    attributes = attributes_of(scene, solution, jet, found, remarks, network, effects)
+    attributes = attributes_of(scene, solution, jet, found, remarks, network, effects, plan)
     if extra is not None:
         attributes |= extra.attributes
     return results.assemble(fields, scalars, attributes, jet)
@@ -162,14 +174,9 @@ def _frames(jet: "StraightJet | LagrangianJet") -> "list[StraightJet | Lagrangia
 
 def _straight_profile(scene: Scene, jet: StraightJet, special: list[float]) -> dict[str, FloatArray]:
     """Jet variables on a grid that is fine at the nozzle and holds the special places exactly."""
-    length, r0 = jet_length(scene, jet), jet.initial_radius
-    span = length - jet.start
-    grid = jet.start + r0 * np.expm1(np.linspace(0.0, np.log1p(span / r0), scene.accuracy.points))
-    grid[-1] = length
-    extra = [
-        place for place in (*special, *(jet.start + kink * r0 for kink in jet.kinks())) if jet.start <= place <= length
-    ]
-    z = np.unique(np.concatenate((np.clip(grid, jet.start, length), extra)))
+    length = jet_length(scene, jet)
+    extra = [place for place in special if jet.start <= place <= length]
+    z = np.unique(np.concatenate((jet_grid(jet, length, scene.accuracy.points), extra)))
     return {
         "z": z,
         "radius": jet.radius(z),

@@ -19,6 +19,8 @@ from spinline.material import Material
 if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
 
+_RTOL = 1e-8  # far below what the closures differ by
+
 __all__ = ["Stretching", "stretch_strands"]
 
 
@@ -87,7 +89,7 @@ def stretch_strands(
     else:
         along, rate = [time, stretch_ratio, theta], strain_rate
     try:
-        state = conformation(along[0], along[1], along[2], model, strain_rate=rate)
+        state = conformation(along[0], along[1], along[2], model, strain_rate=rate, rtol=_RTOL)
     except InputError as error:
         remedy = f'{error.remedy or "see the jet"}; or rheology.constitutive = "FENE-P"'
         raise InputError(f"jet: {error.field}", error.problem, value=error.value, allowed=error.allowed,

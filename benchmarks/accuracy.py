@@ -1,0 +1,158 @@
+"""Whether `--rtol` is kept: random scenes, the rung the plan takes against the finest of its branch, and what it cost.
+
+    python benchmarks/accuracy.py --scenes 1000 --seed 1 -o benchmarks/accuracy.json
+
+Scenes are the straight ones of the atlas (`atlas.draw`), air and radial drying left out. Met: the reported quantities
+(`spinline.difference`) are within rtol of the reference of every branch that the rung claims to be good for; scenes where the
+plan says that no model holds both effects, or where a rung is refused, are counted apart. Cost: processor time of the rung over
+that of the cheapest that would have met rtol.
+"""
+
+import argparse
+import json
+import time
+import warnings
+from collections import Counter
+from pathlib import Path
+
+import atlas
+import numpy as np
+
+TOLERANCES = (1e-1, 1e-2, 1e-3)
+
+
+def scene_data(seed, index):
+    """Scene number `index` without air, or None if its jet is not straight."""
+    data, _ = atlas.draw(seed, index)
+    if data["jet"]["profile"] not in ("power-law", "hyperbolic"):
+        return None
+    network = {key: data["network"][key] for key in ("closure", "solvent_quality", "coupling")}
+    return {
+        "solution": data["solution"],
+        "jet": data["jet"],
+        "network": network,
+        "effects": {"evaporation": False, "radial": False},
+        "rheology": {"constitutive": data["rheology"]["constitutive"], "law": "constant"},
+        "accuracy": {"points": 401},
+    }
+
+
+def timed(scene):
+    """Result and processor time of a run, the best of two."""
+    from spinline.solve import run
+
+    spent = []
+    for _ in range(2):
+        began = time.process_time()
+        result = run(scene)
+        spent.append(time.process_time() - began)
+    return result, min(spent)
+
+
+def judge(seed, index, tolerances=TOLERANCES):
+    """Outcomes of one scene: for every tolerance the rung, its error, whether it met, and its cost over the cheapest."""
+    from spinline.build import build_jet, build_solution
+    from spinline.difference import difference, largest
+    from spinline.errors import InputError
+    from spinline.plan import plan_scene
+    from spinline.scene import scene_from_dict
+    from spinline.trade import variant
+
+    data = scene_data(seed, index)
+    if data is None:
+        return None
+    try:
+        scene = scene_from_dict(data)
+        affine, cost = timed(variant(scene, "affine"))
+    except InputError as error:
+        return [{"kind": "refused", "words": f"{error.field}: {error.problem}"}]
+    found = {"affine": (affine, cost)}
+    for model, changes in (("manifold", {"force_law": "linear", "rtol": 1e-5}), ("conformation", {})):
+        try:
+            found[model] = timed(variant(scene, model, **changes))
+        except InputError as error:
+            found[model] = (str(error), np.nan)
+    try:
+        finest = {
+            "elastic coupling": found["manifold"][0],
+            "relaxation": timed(variant(scene, "conformation", points=3201))[0],
+        }
+    except InputError as error:
+        finest = {"elastic coupling": found["manifold"][0], "relaxation": str(error)}
+    holds = {"manifold": "elastic coupling", "conformation": "relaxation"}
+
+    def error_of(model):
+        """Of a rung, against its own branch; of the affine network, against both."""
+        branches = [holds[model]] if model in holds else list(finest)
+        others = [branch for branch in finest if branch not in branches]
+        errors = []
+        for branch, result in [(b, found[model][0]) for b in branches] + [(b, affine) for b in others]:
+            if isinstance(finest[branch], str) or isinstance(result, str):
+                return np.nan
+            errors.append(largest(difference(result, finest[branch])))
+        return max(errors)
+
+    errors = {model: error_of(model) for model in found}
+    outcomes = []
+    for rtol in tolerances:
+        this = scene.model_copy(update={"accuracy": scene.accuracy.model_copy(update={"rtol": rtol})})
+        solution = build_solution(this)
+        plan = plan_scene(this, solution, build_jet(this, solution))
+        outcome = {"rtol": rtol, "model": plan.model, "error": float(errors[plan.model])}
+        if isinstance(found[plan.model][0], str):
+            outcome |= {"kind": "refused", "words": found[plan.model][0][:80]}
+        elif any("no model holds both" in remark or "left out and errs" in remark for remark in plan.remarks):
+            outcome["kind"] = "said not to hold"
+        elif np.isnan(errors[plan.model]):
+            outcome["kind"] = "no reference"
+        else:
+            good = [found[model][1] for model, error in errors.items() if error <= rtol]
+            outcome |= {"kind": "met" if errors[plan.model] <= rtol else "missed",
+                        "cost": found[plan.model][1] / min(good) if good else 1.0}  # fmt: skip
+        outcomes.append(outcome)
+    return outcomes
+
+
+def main():
+    """Run the campaign."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("-o", "--out", type=Path)
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore")
+    counts = {rtol: Counter() for rtol in TOLERANCES}
+    costs = {rtol: [] for rtol in TOLERANCES}
+    missed, index, done = [], 0, 0
+    began = time.perf_counter()
+    while done < asked.scenes:
+        outcomes = judge(asked.seed, index)
+        index += 1
+        if outcomes is None:
+            continue
+        done += 1
+        for outcome in outcomes:
+            for rtol in [outcome["rtol"]] if "rtol" in outcome else TOLERANCES:
+                counts[rtol][outcome["kind"]] += 1
+                counts[rtol][f"took {outcome.get('model', 'nothing')}"] += 1
+                if "cost" in outcome:
+                    costs[rtol].append(outcome["cost"])
+                if outcome["kind"] == "missed":
+                    missed.append({"index": index - 1, **outcome})
+    summary = {
+        "seed": asked.seed, "scenes": done, "drawn": index, "seconds": round(time.perf_counter() - began, 1),
+        "rtol": {f"{rtol:g}": {
+            **dict(sorted(counts[rtol].items())),
+            "met of those judged": round(counts[rtol]["met"] / max(counts[rtol]["met"] + counts[rtol]["missed"], 1), 4),
+            "within twice the cheapest": round(float(np.mean(np.array(costs[rtol]) <= 2)), 4) if costs[rtol] else None,
+        } for rtol in TOLERANCES},
+        "missed": missed,
+    }  # fmt: skip
+    text = json.dumps(summary, indent=1)
+    if asked.out:
+        asked.out.write_text(text + "\n", encoding="utf-8")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

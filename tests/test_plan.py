@@ -1,0 +1,196 @@
+"""The plan: its estimates against the finer rungs, its choices and words; trade; the difference of two results."""
+
+import importlib.util
+import json
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import spinline as sl
+from spinline.build import build_jet, build_solution
+from spinline.cli import app
+from spinline.difference import REPORTED, difference, largest
+from spinline.errors import InputError, SpinlineWarning
+from spinline.estimates import elastic_coupling_effect, extensibility_effect, relaxation_effect
+from spinline.plan import MARGIN, plan_scene, resolved
+from spinline.scene import load_scene
+from spinline.solve import run
+from spinline.trade import trade, variant
+
+BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
+
+
+def quiet(scene):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SpinlineWarning)
+        return run(scene)
+
+
+def parts(*overrides, name="peo5-water"):
+    scene = load_scene(name, overrides)
+    solution = build_solution(scene)
+    return scene, solution, build_jet(scene, solution)
+
+
+def planned(*overrides, name="peo5-water"):
+    return plan_scene(*parts(*overrides, name=name))
+
+
+@pytest.mark.parametrize("coupling", [200.0, 3000.0, 1e5])
+@pytest.mark.parametrize("beta", [0.3, 0.47, 0.8])
+def test_estimate_of_slip_against_the_manifold(coupling, beta):
+    overrides = (f"network.coupling={coupling}", f"jet.beta={beta}", "jet.length=1.5 mm")
+    scene, solution, jet = parts(*overrides)
+    effect = elastic_coupling_effect(scene, solution, jet)
+    error = largest(difference(quiet(variant(scene, "affine")), quiet(variant(scene, "manifold", force_law="linear"))))
+    assert 0.85 < effect.error / error < 1.5
+    slope = jet.strain_rate(np.linspace(jet.onset, 10.8, 500) * 125e-6) * jet.initial_radius / jet.initial_velocity
+    assert effect.number == pytest.approx(3 / coupling * slope.max(), rel=1e-3)
+
+
+@pytest.mark.parametrize("theta", [1.0, 10.0, 100.0])
+def test_estimate_of_relaxation_against_the_conformation(theta):
+    scene, solution, jet = parts(f"solution.relaxation_time={theta} s")
+    effect = relaxation_effect(scene, solution, jet, 1.0)
+    error = largest(difference(quiet(variant(scene, "affine")), quiet(variant(scene, "conformation"))))
+    assert 0.85 < effect.error / error < 1.1
+
+
+def test_place_of_locking_against_the_manifold():
+    scene, solution, jet = parts("network.coupling=1e9")
+    locked = quiet(variant(scene, "manifold", force_law="lattice", closure="stretch"))
+    words = extensibility_effect(scene, solution, jet).words
+    place = float(words.split("locked from ")[1].split(" mm")[0])
+    assert place == pytest.approx(1e3 * locked.attrs["locked_from"], rel=0.03)
+    short, one, two = parts("jet.length=1 mm")
+    assert extensibility_effect(short, one, two).error == 0
+
+
+def test_choices():
+    assert planned().model == "affine"
+    assert planned("accuracy.rtol=5e-4").model == "manifold"
+    assert planned("solution.relaxation_time=1 ms").model == "conformation"
+    assert planned("solution.relaxation_time=1 ms", "effects.relaxation=false").model == "affine"
+    assert planned("network.force_law=fene").model == "manifold"
+    both = planned("solution.relaxation_time=1 ms", "network.coupling=100")
+    assert both.model == "conformation"
+    assert "no model holds both" in both.remarks[0]
+    assert planned("network.coupling=5").model == "affine"  # no steady network: the chain alone can say
+    forced = planned("network.model=affine", "network.coupling=100")
+    assert forced.forced
+    assert "asked for" in forced.reason
+    assert "manifold" in forced.reason
+    assert "elastic coupling" in forced.remarks[0]
+    assert planned(name="pvp-jetspin").model == "affine"
+    assert "bending" in planned(name="pvp-jetspin").used
+
+
+def test_a_change_of_rung_is_in_the_result():
+    result = quiet(load_scene("pcl9-dcm"))
+    assert result.attrs["model"] == "manifold"
+    assert result.attrs["model_requested"] == "auto"
+    assert result.attrs["force_law"] == "linear"
+    plan = json.loads(result.attrs["plan"])
+    assert plan["model"] == "manifold"
+    assert {"elastic coupling"} <= {effect["name"] for effect in plan["effects_used"]}
+    for effect in plan["effects_used"] + plan["effects_left_out"]:
+        assert set(effect) == {"name", "symbol", "number", "estimated_error", "reason"}
+    names = [effect["name"] for effect in plan["effects_used"] + plan["effects_left_out"]]
+    assert sorted(names) == sorted(
+        ["elastic coupling", "inertia", "relaxation", "evaporation", "radial gradients", "finite extensibility",
+         "saturation", "bending"]
+    )  # fmt: skip
+    scene, solution, jet = parts(name="pcl9-dcm")
+    assert resolved(scene, plan_scene(scene, solution, jet)).network.model == "manifold"
+
+
+def test_difference():
+    scene = load_scene("peo5-water")
+    one = quiet(scene)
+    assert largest(difference(one, one)) == 0
+    assert set(difference(one, one)) == set(REPORTED)
+    moved = one.copy(deep=True)
+    moved["axial_stretch"] = moved["axial_stretch"] * 1.01
+    moved["crossover_extension_radius"] = moved["crossover_extension_radius"] * 0.98
+    errors = difference(moved, one)
+    assert errors["axial_stretch"] == pytest.approx(0.01, rel=1e-9)
+    assert errors["crossover_extension_radius"] == pytest.approx(0.02, rel=1e-9)
+    never = one.copy(deep=True)
+    never["crossover_extension_position"] = np.nan
+    assert difference(never, one)["crossover_extension_position"] == 1
+    finer = quiet(variant(scene, "affine", points=1601))
+    assert largest(difference(one, finer)) < 1e-9
+    with pytest.raises(InputError, match="length"):
+        difference(quiet(load_scene("peo5-water", ["jet.length=4 mm"])), one)
+
+
+def test_trade_measures_and_recommends():
+    measured = trade(load_scene("pcl9-dcm"), quick=True)
+    by_model = {rung.model: rung for rung in measured.rungs}
+    assert set(by_model) == {"affine", "manifold"}
+    assert by_model["affine"].errors["elastic"] > measured.rtol > by_model["manifold"].errors["elastic"]
+    assert by_model["manifold"].seconds > 0
+    assert measured.recommendation.startswith("manifold")
+    assert measured.references["relaxation"].startswith("none")
+    assert trade(load_scene("peo5-water"), quick=True).recommendation.startswith("affine")
+
+
+def test_commands(tmp_path):
+    runner = CliRunner()
+    text = runner.invoke(app, ["plan", "pcl9-dcm"])
+    assert text.exit_code == 0
+    assert text.stdout.startswith("manifold")
+    data = json.loads(runner.invoke(app, ["plan", "peo5-water", "--json"]).stdout)
+    assert data["model"] == "affine"
+    assert {"effects_used", "effects_left_out"} <= set(data)
+    picture = tmp_path / "trade.png"
+    done = runner.invoke(app, ["trade", "pcl9-dcm", "--quick", "--json", "--figure", str(picture)])
+    assert done.exit_code == 0
+    assert json.loads(done.stdout[done.stdout.index("{") :])["recommendation"].startswith("manifold")
+    assert picture.stat().st_size > 10_000
+    assert isinstance(runner.invoke(app, ["trade", "peo5-water", "--figure", "trade.txt"]).exception, InputError)
+    assert isinstance(runner.invoke(app, ["plan", "no-such-scene"]).exception, InputError)
+
+
+def benchmark(name):
+    spec = importlib.util.spec_from_file_location(name, BENCHMARKS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.slow
+def test_fifty_random_scenes_keep_rtol(monkeypatch):
+    """A replay of benchmarks/accuracy.py: scenes of another seed."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    accuracy = benchmark("accuracy")
+    judged, kept, index = 0, 0, 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SpinlineWarning)
+        while judged < 50:
+            outcomes = accuracy.judge(7, index, tolerances=(1e-2,))
+            index += 1
+            for outcome in outcomes or ():
+                if outcome["kind"] in ("met", "missed"):
+                    judged += 1
+                    kept += outcome["kind"] == "met"
+    assert kept >= 49
+    assert sl.__version__
+    assert MARGIN > 1
+
+
+@pytest.mark.slow
+def test_a_thousand_scenes_of_the_atlas():
+    """A replay of benchmarks/atlas.py: every scene a result within bounds or a named refusal."""
+    atlas = benchmark("atlas")
+    bad = []
+    for index in range(1000):
+        outcome = atlas.judge(2, index)
+        if outcome[1] not in ("result", "refused"):
+            bad.append(outcome[:4])
+    assert bad == []
