@@ -12,8 +12,27 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spinline import figures, jetprofile, network, report, results, rheology, scene, solve, units, xray
+    from spinline import (
+        exposure,
+        figures,
+        images,
+        jetprofile,
+        network,
+        preview,
+        reduce,
+        reduction,
+        report,
+        results,
+        rheology,
+        scene,
+        solve,
+        units,
+        xray,
+    )
     from spinline.errors import InputError, SpinlineWarning
+    from spinline.images import Images, load_images
+    from spinline.preview import preview_images
+    from spinline.reduce import reduce_images
     from spinline.results import open_result
     from spinline.scene import Scene, load_scene
     from spinline.solve import run
@@ -21,27 +40,56 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MODULES = frozenset(
-    ["figures", "jetprofile", "network", "report", "results", "rheology", "scene", "solve", "units", "xray"]
+    [
+        "exposure",
+        "figures",
+        "images",
+        "jetprofile",
+        "network",
+        "preview",
+        "reduce",
+        "reduction",
+        "report",
+        "results",
+        "rheology",
+        "scene",
+        "solve",
+        "units",
+        "xray",
+    ]
 )
 _NAMES = {
+    "Images": "images",
     "InputError": "errors",
     "Scene": "scene",
     "SpinlineWarning": "errors",
+    "load_images": "images",
     "load_scene": "scene",
     "open_result": "results",
+    "preview_images": "preview",
+    "reduce_images": "reduce",
     "run": "solve",
 }
 
 __all__ = [
+    "Images",
     "InputError",
     "Scene",
     "SpinlineWarning",
     "__version__",
+    "exposure",
     "figures",
+    "images",
     "jetprofile",
+    "load_images",
     "load_scene",
     "network",
     "open_result",
+    "preview",
+    "preview_images",
+    "reduce",
+    "reduce_images",
+    "reduction",
     "report",
     "results",
     "rheology",
