@@ -9,7 +9,7 @@ from spinline.xray.chords import shell_weights
 from spinline.xray.forward import RoundJet
 from spinline.xray.limit import covariance_bound
 from spinline.xray.model import RowModel
-from spinline.xray.row import RowFit
+from spinline.xray.row import FLAGS, RowFit
 
 __all__ = ["row_outcome"]
 
@@ -69,25 +69,29 @@ def row_outcome(
         warnings=(),
     )
     residual = np.where(lit, (data - expected) / np.sqrt(np.where(lit, expected, 1.0)), 0.0)
-    return replace(fit, warnings=(*said, *_remarks(fit, model, residual)))
-
-
-def _remarks(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
-    said = []
-    if not fit.converged:
-        said.append("the fit did not converge: give radius and axis, or fit fewer unknowns")
-    if fit.mean_fraction_std > abs(fit.mean_fraction):
-        said.append("the error of the mean fraction exceeds the fraction: sum more rows or frames")
-    if not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std:
-        said.append("the mean fraction lies outside [0, 1] by more than its error: check medium, distance and flat")
-    if fit.misfit > 4:
-        said.append(
+    flags = _flags(fit, model, residual)
+    worst = int(np.argmax(np.abs(residual)))
+    words = [FLAGS[name] for name in flags]
+    if "outlier" in flags:
+        words[flags.index("outlier")] = (
+            f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad"
+        )
+    if "misfit" in flags:
+        words[flags.index("misfit")] = (
             "the counts scatter more than Poisson about the model: check distance, blur, spectrum, flat and gain"
         )
-    worst = int(np.argmax(np.abs(residual)))
-    if abs(residual[worst]) > _FAR:
-        said.append(f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad")
+    return replace(fit, flags=tuple(flags), warnings=(*said, *words))
+
+
+def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
     half = 0.5 * model.pixel * model.flat.size
-    if abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel:
-        said.append("the jet reaches the end of the row: without air there, level and fraction are hard to tell apart")
-    return said
+    odd = {
+        "not_converged": not fit.converged,
+        "noisy": fit.mean_fraction_std > abs(fit.mean_fraction),
+        "not_gaussian": fit.mean_fraction_std > 0.2 and fit.std["radius"] > 0,
+        "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std,
+        "misfit": fit.misfit > 4,
+        "outlier": bool(np.abs(residual).max() > _FAR),
+        "no_air": abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel,
+    }
+    return [name for name, true in odd.items() if true]

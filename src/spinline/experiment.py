@@ -16,6 +16,7 @@ from spinline.errors import InputError
 from spinline.fields import Fields, build_fields, open_counts, photons_frame
 from spinline.frames import FrameSum, Stack, sample_frames
 from spinline.images import KEV, Images
+from spinline.phase_method import folded, fringe_remarks
 from spinline.xray.absorption import contrast
 from spinline.xray.attenuation import Composition, Material, mass_attenuation
 from spinline.xray.forward import Absorber, RoundJet
@@ -134,7 +135,11 @@ def prepare(
         notes["blur"] = f"{images.blur.text}, given"
     frame = _without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
     _require_upright(frame)
-    track = require_track(frame)
+    if images.method == "phase":
+        track = require_track(folded(images, solution, frame))
+    else:
+        track = require_track(frame)
+        remarks += fringe_remarks(images, solution, frame, track)
     _expect_fringes(images, pixel, blur, remarks)
     remarks += _odd(facts)
     if images.method == "chord" and blur > 0.5 * pixel:
@@ -346,7 +351,7 @@ def _smooth(values: FloatArray) -> FloatArray:
 
 
 def _expect_fringes(images: Images, pixel: float, blur: float, remarks: list[str]) -> None:
-    if images.propagation_distance is None or images.energy is None:
+    if images.propagation_distance is None or images.energy is None or images.method == "phase":
         return
     width = float(np.sqrt(_HC / images.energy.value * images.propagation_distance.value))
     if width > 0.5 * max(pixel, blur):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from spinline.errors import InputError
 from spinline.experiment import Experiment, nuisances
+from spinline.phase_method import phase_frame
 from spinline.xray.frame import Frame, FrameFit, fit_frame
 from spinline.xray.quick import chord_frame
 from spinline.xray.track import Track
@@ -47,10 +48,19 @@ def _row(experiment: Experiment, frame: Frame, track: Track | None, done: Done) 
     )  # fmt: skip
 
 
+def _phase(experiment: Experiment, frame: Frame, track: Track | None, done: Done) -> FrameFit:
+    images = experiment.images
+    return phase_frame(images, experiment.solution, experiment.absorber, frame, nuisances(images), track, done)
+
+
 METHODS = {
     "chord": Method(
         _chord,
         "Eqs. (41)-(42) on every chord: the published quick look; shells hold means along chords, not local values",
+    ),
+    "phase": Method(
+        _phase,
+        "joint Poisson likelihood with Fresnel fringes: shells, radius, axis, level, slope and distance of every block",
     ),
     "row": Method(_row, "joint Poisson likelihood of shells, radius, axis, level and slope of every block of rows"),
 }
