@@ -55,7 +55,7 @@ def test_against_quadrature_of_the_diffraction_integral(distance) -> None:
 
 def test_it_converges_with_the_cells_at_second_order() -> None:
     exact = wave_phantom(water_rate(), 25e-6, WATER.wavelength[0], 0.2, PIXEL, 110, nodes=1500)
-    detector, at = xray.Detector(np.ones(110), PIXEL), np.array([0.05, 25e-6, 0, 1, 0, 0, 0.2])
+    detector, at = xray.Detector(np.ones(110), PIXEL), np.array([0.05, 25e-6, 0, 1, 0, 0, 0.2, 1])
     errors = []
     for cells in (8, 16, 32, 64):
         model = WaveRowModel(detector, xray.equal_shells(1), WATER, 25e-6, cells=cells)
@@ -71,7 +71,7 @@ def test_the_shadow_of_an_opaque_strip_by_cornu() -> None:
     wave = black.wavelength[0]
     detector = xray.Detector(np.ones(400), 0.5e-6)
     model = WaveRowModel(detector, xray.equal_shells(1), black, radius, cells=64)
-    found = model.mean(np.array([0.0, radius, 0, 1, 0, 0, z]))
+    found = model.mean(np.array([0.0, radius, 0, 1, 0, 0, z, 1]))
     x = 0.5e-6 * (np.arange(400 * 40) - 0.5 * (400 * 40 - 1)) / 40
     s1, c1 = fresnel_integrals((x + radius) * np.sqrt(2 / (wave * z)))
     s0, c0 = fresnel_integrals((x - radius) * np.sqrt(2 / (wave * z)))
@@ -118,10 +118,10 @@ def test_near_field_obeys_the_transport_of_intensity() -> None:
 def test_derivatives_and_the_shorter_way_to_the_counts() -> None:
     lines = xray.solution_medium("PEO", "water", xray.harmonic_spectrum(10.0, {3: 0.1}))
     model = wave_model(lines, xray.Detector(np.full(100, 1e6), PIXEL, blur=1e-6), xray.equal_shells(3), 25e-6)
-    at = np.array([0.03, 0.05, 0.08, 25e-6, 2e-6, 1.01, 0.02, 1e-6, 0.05])
+    at = np.array([0.03, 0.05, 0.08, 25e-6, 2e-6, 1.01, 0.02, 1e-6, 0.05, 1.02])
     counts, jacobian = model.evaluate(at)
     assert model.mean(at) == pytest.approx(counts, rel=1e-12)
-    steps = [1e-4, 1e-4, 1e-4, 1e-10, 1e-10, 1e-4, 1e-4, 1e-9, 1e-5]
+    steps = [1e-4, 1e-4, 1e-4, 1e-10, 1e-10, 1e-4, 1e-4, 1e-9, 1e-5, 1e-5]
     for i, step in enumerate(steps):
         move = step * np.eye(at.size)[i]
         slope = (model.mean(at + move) - model.mean(at - move)) / (2 * step)
@@ -193,6 +193,22 @@ def test_a_wrong_distance_or_blur_is_costly_shows_and_is_cured_by_fitting_it() -
     jet = xray.RoundJet(np.array([0.05]), 50e-6, 2e-6)
     prices = [xray.phase_error_limit(jet, WATER, detector, 0.1, nuisances=n).mean for n in (NUISANCES, both)]
     assert 1.0 < prices[1] / prices[0] < 1.2
+
+
+def test_a_sheath_misleads_the_fringes_and_less_where_refraction_is_fitted() -> None:
+    """All polymer within 0.86 R: taken for uniform, its edges' fringes pull the mean down by 0.05."""
+    edges = np.array([0.0, 0.86, 1.0])
+    jet = xray.RoundJet(np.array([0.06, 0.0]), 46e-6, 0.0, edges)
+    detector = xray.Detector(np.full(200, 1e7), PIXEL)
+    counts = xray.fresnel_counts(jet, WATER, detector, 0.1)
+    held = xray.fit_row_phase(counts, WATER, detector, 0.1)
+    free = xray.fit_row_phase(counts, WATER, detector, 0.1, nuisances=(*NUISANCES, "distance", "refraction"))
+    assert held.mean_fraction - jet.mean_fraction < -0.03
+    assert abs(free.mean_fraction - jet.mean_fraction) < 0.025
+    assert held.misfit > 10
+    right = xray.fit_row_phase(counts, WATER, detector, 0.1, shells=edges)
+    assert abs(right.mean_fraction - jet.mean_fraction) < 0.25 * right.mean_fraction_std
+    assert right.mean_fraction_std < 2e-3
 
 
 def test_phase_lowers_the_limit_of_thin_jets() -> None:
@@ -283,12 +299,14 @@ def test_laws_in_the_form_of_the_row_fit() -> None:
     detector = xray.Detector(np.full(100, 1e6), PIXEL)
     jet = xray.RoundJet(np.array([0.05]), 20e-6)
     counts = xray.fresnel_counts(jet, WATER, detector, 0.1)
-    law = xray.phase_law(WATER, 0.1, distance_known=True)
+    law = xray.phase_law(WATER, 0.1, fitted=())
     fit = law(counts, WATER.absorber, detector, shells=np.array([0.0, 1.0]), radius=20.2e-6, axis=0.0)
     assert fit.mean_fraction == pytest.approx(0.05, abs=1e-6)
     scaled = xray.Absorber(1.05 * WATER.absorber.solvent, 1.05 * WATER.absorber.contrast, WATER.absorber.air)
     assert law(counts, scaled, detector, shells=1).mean_fraction != pytest.approx(0.05, abs=1e-4)
     free = xray.phase_law(WATER, 0.101)(counts, WATER.absorber, detector, shells=1, nuisances=NUISANCES)
     assert free.values["distance"] == pytest.approx(0.1, rel=1e-4)
+    assert free.values["refraction"] == pytest.approx(1.0, abs=1e-4)
+    assert free.mean_fraction_std > fit.mean_fraction_std
     plain = xray.spectral_law(WATER)(xray.spectral_counts(jet, WATER, detector), WATER.absorber, detector, shells=1)
     assert plain.mean_fraction == pytest.approx(0.05, abs=1e-6)

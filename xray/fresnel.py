@@ -32,7 +32,7 @@ from spinline.xray.model import NUISANCES, RowModel
 
 __all__ = ["PHASE_NUISANCES", "WaveRowModel", "cells_per_pixel", "edge_fringe_width", "fresnel_counts", "wave_model"]
 
-PHASE_NUISANCES = (*NUISANCES, "distance")
+PHASE_NUISANCES = (*NUISANCES, "distance", "refraction")
 _EDGE_PHASE = 0.35  # rad in the cell at the edge
 _FEWEST, _MOST = 16, 128
 _REACH = 5.5  # of the blur's kernel, in standard deviations
@@ -81,7 +81,8 @@ def cells_per_pixel(medium: Medium, radius: float, pixel: float, blur: float = 0
 
 
 class WaveRowModel(RowModel):
-    """Counts of one row behind a jet at a distance, with their derivatives; parameters as `RowModel`, then the distance.
+    """Counts of one row behind a jet at a distance, with their derivatives; parameters as `RowModel`, then the distance and a
+    factor on the refraction (1 as tabulated).
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ class WaveRowModel(RowModel):
             detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
             thin.solvent - thin.air, thin.contrast, detector.blur, widest_blur,
         )  # fmt: skip
-        self.names = (*self.names, "distance")
+        self.names = (*self.names, "distance", "refraction")
         self.medium = medium
         n = self.flat.size
         widest = max(detector.blur, widest_blur or 0.0) if detector.blur > 0.0 else 0.0
@@ -131,22 +132,23 @@ class WaveRowModel(RowModel):
         """Whether parameters have a meaning: as `RowModel.allows`, a jet inside the window, a distance >= 0."""
         radius, axis = parameters[self.shells], parameters[self.shells + 1]
         inside = abs(axis) + radius < 0.24 * self._x.size * self._step  # 1.2 times half the row
-        return inside and bool(parameters[-1] >= 0.0) and super().allows(parameters[:-1])
+        bends = bool(parameters[-2] >= 0.0) and bool(0.2 < parameters[-1] < 5.0)
+        return inside and bends and super().allows(parameters[:-2])
 
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean counts, shape (pixels,), and their derivatives, shape (pixels, shells + 6); as `RowModel.evaluate`."""
+        """Mean counts, shape (pixels,), and their derivatives, shape (pixels, shells + 7); as `RowModel.evaluate`."""
         k = self.shells
-        radius, axis, amplitude, slope, blur, distance = parameters[k:].tolist()
+        radius, axis, amplitude, slope, blur, distance, bend = parameters[k:].tolist()
         within, x = self._within(radius, axis)
         chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], x, axis)
         spread = _chord_spread(x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
         at = slice(self._skip, self._skip + self._seen)
-        columns = np.zeros((self._seen, k + 4))
+        columns = np.zeros((self._seen, k + 5))
         depth = np.diff(chords, axis=1, prepend=0.0).T
-        wave = np.zeros((k + 3, self._x.size - 1), dtype=np.complex128)
+        wave = np.zeros((k + 4, self._x.size - 1), dtype=np.complex128)
         wide = self._seen * self._step  # light of frequency f lands lambda z f aside
         for i, weight in enumerate(self.medium.weight):
-            wave[:, within], by_phase = self._wave(i, parameters[:k], chords, by_radius, by_axis, depth, spread)
+            wave[:, within], by_phase = self._wave(i, parameters[:k], bend, chords, by_radius, by_axis, depth, spread)
             spectrum = _fft(wave)
             lam = self.medium.wavelength[i]
             turned = spectrum * self._transfer(lam, distance, wide)
@@ -158,19 +160,20 @@ class WaveRowModel(RowModel):
             columns[:, 1:] += weight * changes.T
         blurred, by_blur = self._blurred(columns, blur)
         beam = self.flat * (amplitude * (1.0 + slope * self.u))
-        jacobian = np.empty((self.flat.size, k + 6))
+        jacobian = np.empty((self.flat.size, k + 7))
         jacobian[:, : k + 2] = beam[:, None] * blurred[:, 1 : k + 3]
         seen = self.flat * blurred[:, 0]
         jacobian[:, k + 2] = (1.0 + slope * self.u) * seen
         jacobian[:, k + 3] = amplitude * self.u * seen
         jacobian[:, k + 4] = beam * by_blur
-        jacobian[:, k + 5] = beam * blurred[:, k + 3]
+        jacobian[:, k + 5] = beam * blurred[:, k + 4]
+        jacobian[:, k + 6] = beam * blurred[:, k + 3]
         return beam * blurred[:, 0] + self._background, jacobian
 
     def mean(self, parameters: FloatArray) -> FloatArray:
         """Mean counts alone, shape (pixels,), at a fraction of the price of `evaluate`."""
         k = self.shells
-        radius, axis, amplitude, slope, blur, distance = parameters[k:].tolist()
+        radius, axis, amplitude, slope, blur, distance, bend = parameters[k:].tolist()
         within, x = self._within(radius, axis)
         chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], x, axis)
         variance, _, _ = _chord_spread(x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
@@ -179,7 +182,7 @@ class WaveRowModel(RowModel):
         seen = np.zeros((self._seen, 1))
         m = self.medium
         for i, weight in enumerate(m.weight):
-            turn = 2j * np.pi / m.wavelength[i]
+            turn = 2j * np.pi / m.wavelength[i] * bend
             base = 0.5 * (m.solvent[i] - m.air[i]) + turn * (m.delta_solvent[i] - m.delta_air[i])
             step = base + (0.5 * m.contrast[i] + turn * m.delta_contrast[i]) * parameters[:k]
             outer = step[-1]
@@ -201,15 +204,16 @@ class WaveRowModel(RowModel):
         self,
         line: int,
         fraction: FloatArray,
+        bend: float,
         chords: FloatArray,
         by_radius: FloatArray,
         by_axis: FloatArray,
         depth: FloatArray,
         spread: tuple[FloatArray, FloatArray, FloatArray],
     ) -> tuple[NDArray[np.complex128], complex]:
-        """The wave behind the jet less 1, with its derivatives (fractions short of a factor, radius, axis), cell by cell."""
+        """The wave less 1, cell by cell, and its derivatives (fractions short of a factor, radius, axis, bend)."""
         m = self.medium
-        turn = 2j * np.pi / m.wavelength[line]
+        turn = 2j * np.pi / m.wavelength[line] * bend
         base = 0.5 * (m.solvent[line] - m.air[line]) + turn * (m.delta_solvent[line] - m.delta_air[line])
         slope = complex(0.5 * m.contrast[line] + turn * m.delta_contrast[line])
         rate = base + slope * fraction
@@ -220,12 +224,16 @@ class WaveRowModel(RowModel):
         variance, variance_by_radius, variance_by_axis = spread
         half = 0.5 * step[-1] ** 2
         u = plain * (1.0 + half * variance)
-        out = np.empty((k + 3, u.size), dtype=np.complex128)
+        out = np.empty((k + 4, u.size), dtype=np.complex128)
         out[0] = u - 1.0
         out[1 : k + 1] = -u * depth
         out[k] += plain * (step[-1] * variance)
         out[k + 1] = -u * (by_radius @ (step * self.edges[1:])) + plain * (half * variance_by_radius)
         out[k + 2] = -u * (by_axis @ step) + plain * (half * variance_by_axis)
+        delta = turn / bend * (m.delta_solvent[line] - m.delta_air[line] + m.delta_contrast[line] * fraction)
+        by_bend = delta.copy()
+        by_bend[:-1] -= delta[1:]
+        out[k + 3] = -u * (chords @ by_bend) + plain * (step[-1] * variance * delta[-1])
         return out, slope
 
     def _transfer(self, wave: float, distance: float, wide: float) -> NDArray[np.complex128]:
@@ -278,7 +286,7 @@ def fresnel_counts(
     z = number("distance", distance, least=0.0, unit="m")
     a, s = positive("amplitude", amplitude), number("slope", slope, above=-1.0, below=1.0)
     model = wave_model(medium, detector, jet.shell_edges, jet.radius)
-    parameters = np.concatenate((jet.fraction, [jet.radius, jet.axis, a, s, detector.blur, z]))
+    parameters = np.concatenate((jet.fraction, [jet.radius, jet.axis, a, s, detector.blur, z, 1.0]))
     if not model.allows(parameters):
         raise InputError("jet", "does not lie in the row", value=jet.axis, remedy="a wider row, or another axis")
     return model.mean(parameters)

@@ -120,7 +120,7 @@ def detect_fringes(
     if absorption is not None:
         held = [absorption.values[name] for name in NUISANCES[:-1]]
         looks = [(np.array([*absorption.jet.fraction, *held, detector.blur]), z) for z in _DISTANCES]
-    astray = absorption is None or not wave.allows(np.append(looks[0][0], _DISTANCES[0]))
+    astray = absorption is None or not wave.allows(np.append(looks[0][0], [_DISTANCES[0], 1.0]))
     if astray or (
         absorption is not None and absorption.misfit > _ODD
     ):  # no guide to the jet: fold the fringes back instead
@@ -176,9 +176,9 @@ def _score(
     residual = (data[lit] - expected[lit]) / sd
     sane = at.copy()
     sane[: plain.shells] = np.clip(sane[: plain.shells], 0.0, 1.0)  # what took fringes for polymer is no guide to delta
-    if not wave.allows(np.append(sane, z)):
+    if not wave.allows(np.append(sane, [z, 1.0])):
         return -np.inf, 0.0
-    pattern = (wave.mean(np.append(sane, z))[lit] - plain.evaluate(sane)[0][lit]) / sd
+    pattern = (wave.mean(np.append(sane, [z, 1.0]))[lit] - plain.evaluate(sane)[0][lit]) / sd
     basis = _basis(jacobian[lit][:, free] / sd[:, None])
     pattern = pattern - basis @ (basis.T @ pattern)
     size = float(np.sqrt(pattern @ pattern))

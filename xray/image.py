@@ -173,7 +173,7 @@ def transmission_image(
         aslant = np.tan(turn) ** 2 + _taper(jet, out) ** 2
         for i in range(radius.size):
             far = z * (1.0 + aslant[i])
-            image[i] = wave.mean(np.array([*jet.fraction[i], radius[i], axes[i], 1.0, 0.0, spread, far]))
+            image[i] = wave.mean(np.array([*jet.fraction[i], radius[i], axes[i], 1.0, 0.0, spread, far, 1.0]))
     else:
         plain = SpectralRowModel(detector, edges, seen)
         for i in range(radius.size):

@@ -9,6 +9,10 @@ With it comes what must be known: an error of the solvent's density by 0.1 % cha
 of PEO in water does. A blur or a distance that is held wrong is mistaken for fringes of another size, and shows in the misfit:
 fit them.
 
+The fringes come from the edges: taken for uniform, a jet whose core holds all the polymer shows the fraction of its sheath (the
+result of a run at r_n/R = 0.86 comes out 0.05 too low). Where the profile is not known, fit the refraction too: then absorption
+says the fraction again, at absorption's precision (0.015 too low, there), and look at the misfit.
+
 The start: `contact_transmission` folds the fringes back, `start.find_jet` finds the jet to about a pixel, and the fringes of
 either edge, shifted until they fit, place it to a fraction of one.
 """
@@ -77,8 +81,9 @@ def fit_row_phase(
     shells, radius, axis, amplitude, slope, good, saturation
         As in `fit_row`.
     nuisances : sequence of str
-        Any of "radius", "axis", "amplitude", "slope", "blur", "distance". A distance held 1 % wrong costs up to 0.1 in the
-        fraction, a blur held 10 % wrong 0.5 (R = 50 um, 10 cm); to fit them costs a fifth of the precision, there.
+        Any of "radius", "axis", "amplitude", "slope", "blur", "distance", "refraction" (a factor on delta). A distance held
+        1 % wrong costs up to 0.1 in the fraction, a blur held 10 % wrong 0.5 (R = 50 um, 10 cm); to fit them costs a tenth
+        of the precision, there.
 
     Returns
     -------
@@ -116,7 +121,7 @@ def fit_row_phase(
     if "amplitude" in nuisances:
         level = _air_level(ratio, model, found_r, found_a)
     phi = np.full(edges.size - 1, _PLAUSIBLE)
-    held = [level, number("slope", slope, above=-1.0, below=1.0), detector.blur, z]
+    held = [level, number("slope", slope, above=-1.0, below=1.0), detector.blur, z, 1.0]
     start = np.array([*phi, found_r, found_a, *held])
     if not model.allows(start):
         raise InputError("jet", "does not lie in the row", value=found_a, remedy="a wider row, or give radius and axis")
@@ -133,7 +138,9 @@ def fit_row_phase(
     return fit
 
 
-def phase_law(medium: Medium, distance: float, *, distance_known: bool = False) -> Callable[..., RowFit]:
+def phase_law(
+    medium: Medium, distance: float, *, fitted: Sequence[str] = ("distance", "refraction")
+) -> Callable[..., RowFit]:
     """`fit_row_phase` in the form of `fit_row`, for what fits many rows with a law of counts, absorber and detector.
 
     Parameters
@@ -142,8 +149,9 @@ def phase_law(medium: Medium, distance: float, *, distance_known: bool = False) 
         Of one line, it takes the absorber's attenuation (calibrated, say) and keeps its own refraction; of many, its own.
     distance : float
         m, > 0.
-    distance_known : bool
-        False: the distance is fitted too, whatever `nuisances` says.
+    fitted : sequence of str
+        Nuisances that are free besides those that are asked for. With "refraction" the fraction is absorption's, the fringes
+        being fitted: safe for any density and profile. Without it refraction tells of the fraction too.
 
     Returns
     -------
@@ -155,8 +163,7 @@ def phase_law(medium: Medium, distance: float, *, distance_known: bool = False) 
     def law(counts: ArrayLike, absorber: Absorber, detector: Detector, **options: Any) -> RowFit:
         seen = medium.with_absorber(absorber) if medium.energy_kev.size == 1 else medium
         free = options.pop("nuisances", ("radius", "axis", "amplitude", "slope"))
-        if not distance_known and "distance" not in free:
-            free = (*free, "distance")
+        free = (*free, *(name for name in fitted if name not in free))
         return fit_row_phase(counts, seen, detector, z, nuisances=free, **options)
 
     return law
@@ -188,7 +195,7 @@ def phase_start(
     model = WaveRowModel(detector, equal_shells(1), medium, found_r, cells=cells)
     model.scale_exposure(rows)
     level = _air_level(ratio, model, found_r, found_a)
-    at = np.array([_PLAUSIBLE, found_r, found_a, level, 0.0, detector.blur, distance])
+    at = np.array([_PLAUSIBLE, found_r, found_a, level, 0.0, detector.blur, distance, 1.0])
     if not model.allows(at):
         return PhaseStart(found_r, found_a, np.inf)
     at = _placed(at, model, data, lit, True, True)
@@ -231,7 +238,7 @@ def phase_error_limit(
         raise InputError("blur", "cannot be unknown about 0", value=0.0, remedy="give Detector a blur > 0")
     model = wave_model(medium, detector, jet.shell_edges, jet.radius)
     beam = [number("amplitude", amplitude, above=0.0), number("slope", slope, above=-1.0, below=1.0), detector.blur]
-    at = np.concatenate((jet.fraction, [jet.radius, jet.axis, *beam, positive("distance", distance, "m")]))
+    at = np.concatenate((jet.fraction, [jet.radius, jet.axis, *beam, positive("distance", distance, "m"), 1.0]))
     if not model.allows(at):
         raise InputError("jet", "does not lie in the row", value=jet.axis, remedy="a wider row, or another axis")
     counts, jacobian = model.evaluate(at)
