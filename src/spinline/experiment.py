@@ -138,7 +138,11 @@ def prepare(
     if images.method == "phase":
         track = require_track(folded(images, solution, frame))
     else:
-        track = require_track(frame)
+        try:
+            track = require_track(frame)
+        except InputError as error:
+            said = fringe_remarks(images, solution, frame, None)
+            raise (InputError("counts", said[0]) if said else error) from None
         remarks += fringe_remarks(images, solution, frame, track)
     _expect_fringes(images, pixel, blur, remarks)
     remarks += _odd(facts)

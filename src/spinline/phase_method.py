@@ -1,7 +1,7 @@
 """Images with Fresnel fringes: found where nobody expects them, and reduced with them where asked for.
 
-Before any reduction by absorption, sums of rows from five places along the jet are tested for fringes (`xray.detect_fringes`), and
-what is found is said. ``method = "phase"`` fits each block with the wave's likelihood (`xray.fit_row_phase`), the distance
+Before any reduction by absorption, sums of rows from five places along the jet are tested for fringes (`xray.detect_fringes`),
+and what is found is said. ``method = "phase"`` fits each block with the wave's likelihood (`xray.fit_row_phase`), the distance
 included; the jet is tracked in the frame with its fringes folded back.
 """
 
@@ -44,10 +44,9 @@ def build_medium(images: Images, solution: "Solution") -> Medium:
     if images.energy is not None:
         beam: float | Spectrum = images.energy.value / KEV
     elif isinstance(images.spectrum, dict):
-        lines = sorted(
-            (parse(line, "energy", "spectrum").value / KEV, share) for line, share in images.spectrum.items()
-        )
-        beam = Spectrum(np.array([e for e, _ in lines]), np.array([share for _, share in lines]))
+        shares = {parse(line, "energy", "spectrum").value / KEV: share for line, share in images.spectrum.items()}
+        energies = sorted(shares)
+        beam = Spectrum(np.array(energies), np.array([shares[energy] for energy in energies]))
     else:
         raise InputError("energy", "is missing: refraction needs it", remedy='write energy = "10 keV"')
     polymer = solution.polymer
@@ -71,7 +70,7 @@ def folded(images: Images, solution: "Solution", frame: Frame) -> Frame:
     return replace(frame, counts=np.maximum(seen, 0.0) * frame.flat + frame.dark)
 
 
-def fringe_remarks(images: Images, solution: "Solution", frame: Frame, track: Track) -> list[str]:
+def fringe_remarks(images: Images, solution: "Solution", frame: Frame, track: Track | None) -> list[str]:
     """What is to be said of fringes in a frame that is to be reduced as absorption."""
     if images.energy is None:
         return []
@@ -83,8 +82,10 @@ def fringe_remarks(images: Images, solution: "Solution", frame: Frame, track: Tr
     high = min(_ROWS, rows)
     found = []
     for start in np.unique(np.linspace(0, rows - high, _PLACES).astype(int)).tolist():
-        smear = np.ptp(track.radius[start : start + high]) + np.ptp(track.axis[start : start + high])
-        stop = start + max(1, min(high, int(high / max(smear, 1.0))))  # a sum within which the edges stay put
+        stop = start + high
+        if track is not None:  # a sum within which the edges stay put
+            smear = np.ptp(track.radius[start:stop]) + np.ptp(track.axis[start:stop])
+            stop = start + max(1, min(high, int(high / max(smear, 1.0))))
         counts, detector, good = frame.block(start, stop)
         try:
             found.append(detect_fringes(counts, medium, detector, good=good))
