@@ -127,8 +127,8 @@ def detect_fringes(
         level = max(float(np.median(start_ratio(data, rows, lit, detector))), 1e-6)
         for z in _DISTANCES:
             place = phase_start(counts, medium, detector, z, good=good, saturation=saturation)
-            at = [*np.full(k, _PLAUSIBLE), place.radius, place.axis, level, 0.0, detector.blur]
-            looks.append((np.array(at), z))
+            numbers = [*np.full(k, _PLAUSIBLE), place.radius, place.axis, level, 0.0, detector.blur]
+            looks.append((np.array(numbers), z))
     significance, overshoot = -np.inf, 0.0
     for at, z in looks:
         score, over = _score(plain, wave, at, z, free, data, lit)
