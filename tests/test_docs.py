@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import spinline
+from spinline.images import bundled_images
 from spinline.scene import bundled_scenes, json_schema
 
 ROOT = Path(__file__).parents[1]
@@ -19,7 +20,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 COMMANDS = {
     "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "sweep", "window", "compare",
-    "fit", "compare-theory",
+    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image",
 }  # fmt: skip
 
 
@@ -52,11 +53,12 @@ def test_scenes_in_the_documents_are_bundled():
         name
         for path in TEXTS
         for name in re.findall(
-            r"spinline (?:run|crossover|check|scenes --copy) ([\w-]+)(?![\w.-])", path.read_text("utf-8")
+            r"spinline (?:run|crossover|check|preview|reduce|exposure|scenes --copy) ([\w-]+)(?![\w.-])",
+            path.read_text("utf-8"),
         )
     }
     assert {"peo5-water", "pvp-jetspin"} <= named
-    assert named <= set(bundled_scenes())
+    assert named <= set(bundled_scenes()) | set(bundled_images())
 
 
 def test_commands_in_the_documents_exist():
@@ -73,6 +75,14 @@ def test_every_command_has_its_help_on_the_page():
 
     assert set(typer.get_command(app).commands) == COMMANDS
     assert set(re.findall(r"```\{command-help\} (.+)", (ROOT / "docs/cli.md").read_text("utf-8"))) == COMMANDS
+
+
+def test_every_key_of_an_images_file_is_on_the_page():
+    from spinline.images import Images
+
+    page = (ROOT / "docs/howto/reduce.md").read_text("utf-8")
+    rows = {key for line in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE) for key in re.findall(r"`(\w+)`", line)}
+    assert set(Images.model_fields) <= rows
 
 
 def test_every_section_of_a_scene_is_on_the_page():

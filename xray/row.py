@@ -9,7 +9,7 @@ A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiase
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,22 @@ from spinline.xray.forward import Absorber, Detector, RoundJet, row_model
 from spinline.xray.limit import covariance_bound, free_parameters, require_contrast
 from spinline.xray.model import NUISANCES, RowModel
 from spinline.xray.scoring import largest_likelihood
-from spinline.xray.start import find_jet
+from spinline.xray.start import find_jet, jet_depth
 
-__all__ = ["RowFit", "fit_row"]
+__all__ = ["FLAGS", "RowFit", "fit_row"]
+
+FLAGS = {
+    "not_converged": "the fit did not converge: give radius and axis, or fit fewer unknowns",
+    "noisy": "the error of the mean fraction exceeds the fraction: sum more rows or frames",
+    "not_gaussian": (
+        "too few photons to hold radius and fraction at once: errors are not Gaussian; give the radius, or sum rows"
+    ),
+    "impossible": ("the mean fraction lies outside [0, 1] by more than its error: check attenuation, flat and fringes"),
+    "misfit": "the counts scatter more than Poisson about the model: fringes, an elliptic jet, or a wrong flat or gain",
+    "outlier": "a pixel lies 8 standard deviations off: mask it if it is bad",
+    "narrow_shells": "the shells are narrower than 2 pixels: use fewer",
+    "no_air": "the jet reaches the end of the row: without air there, beam level and fraction are hard to tell apart",
+}
 
 _MANY_MAXIMA = (
     0.04  # error of the mean from which on edges that cross pixels make several maxima: start from other radii too
@@ -59,6 +72,9 @@ class RowFit:
     converged : bool
     iterations : int
     warnings : tuple of str
+        What is odd.
+    flags : tuple of str
+        The same by name: keys of `FLAGS`.
     """
 
     jet: RoundJet
@@ -77,6 +93,7 @@ class RowFit:
     converged: bool
     iterations: int
     warnings: tuple[str, ...]
+    flags: tuple[str, ...] = ()
 
 
 def fit_row(
@@ -146,13 +163,15 @@ def fit_row(
     best = largest_likelihood(model, start, free, data, lit)
     fit = _result(model, best, free, data, lit)
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
+        first = best
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
             trial = largest_likelihood(model, other, free, data, lit)
             if trial[3] < best[3] - 1e-3:
                 best = trial
-        fit = _result(model, best, free, data, lit)
+        if best is not first:
+            fit = _result(model, best, free, data, lit)
     return fit
 
 
@@ -183,8 +202,11 @@ def _start(
     at = np.arange(data.size)
     clean = smoothed_outliers(data[lit])
     ratio = np.interp(at, at[lit], (clean - model.dark[lit]) / model.flat[lit] - model.veil[lit])
-    found_r, found_a, depth = find_jet(ratio, r, a)
-    found_r, found_a = (found_r if r is None else r), (found_a if a is None else a)
+    if r is not None and a is not None:
+        found_r, found_a, depth = r, a, jet_depth(ratio, r, a)
+    else:
+        found_r, found_a, depth = find_jet(ratio, r, a)
+        found_r, found_a = (found_r if r is None else r), (found_a if a is None else a)
     mu = -np.log1p(-min(max(depth, 1e-3), 0.99)) / (2.0 * found_r * p)
     phi = min(max((mu - model.base) / model.contrast, 0.0), 1.0)
     start = np.array([*np.full(k, phi), found_r * p, found_a * p, *held, detector.blur])
@@ -235,35 +257,27 @@ def _result(
         warnings=(),
     )
     residual = np.where(lit, (data - expected) / np.sqrt(np.where(lit, expected, 1.0)), 0.0)
-    object.__setattr__(fit, "warnings", _warnings(fit, model, residual))
-    return fit
-
-
-def _warnings(fit: RowFit, model: RowModel, residual: FloatArray) -> tuple[str, ...]:
-    """What is odd about a fit."""
-    said = []
-    if not fit.converged:
-        said.append("the fit did not converge: give radius and axis, or fit fewer unknowns")
-    if fit.mean_fraction_std > max(abs(fit.mean_fraction), 0.0):
-        said.append("the error of the mean fraction exceeds the fraction: sum more rows or frames")
-    if fit.mean_fraction_std > 0.2 and fit.std["radius"] > 0:
-        said.append(
-            "too few photons to hold radius and fraction at once: errors are not Gaussian; give the radius, or sum rows"
-        )
-    if not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std:
-        said.append("the mean fraction lies outside [0, 1] by more than its error: check attenuation, flat and fringes")
-    if fit.misfit > 4:
-        said.append(
-            "the counts scatter more than Poisson about the model: fringes, an elliptic jet, or a wrong flat or gain"
-        )
+    found = _flags(fit, model, residual)
     worst = int(np.argmax(np.abs(residual)))
-    if abs(residual[worst]) > 8:
-        said.append(f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad")
-    if fit.jet.radius < 2 * model.shells * model.pixel:
-        said.append("the shells are narrower than 2 pixels: use fewer")
-    half = 0.5 * model.pixel * model.flat.size
-    if abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel:
-        said.append(
-            "the jet reaches the end of the row: without air there, beam level and fraction are hard to tell apart"
+    words = [FLAGS[name] for name in found]
+    if "outlier" in found:
+        words[found.index("outlier")] = (
+            f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad"
         )
-    return tuple(said)
+    return replace(fit, flags=tuple(found), warnings=tuple(words))
+
+
+def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
+    """What is odd about a fit."""
+    half = 0.5 * model.pixel * model.flat.size
+    odd = {
+        "not_converged": not fit.converged,
+        "noisy": fit.mean_fraction_std > max(abs(fit.mean_fraction), 0.0),
+        "not_gaussian": fit.mean_fraction_std > 0.2 and fit.std["radius"] > 0,
+        "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std,
+        "misfit": fit.misfit > 4,
+        "outlier": bool(np.abs(residual).max() > 8),
+        "narrow_shells": fit.jet.radius < 2 * model.shells * model.pixel,
+        "no_air": abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel,
+    }
+    return [name for name, true in odd.items() if true]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spinline.checks import BoolArray, FloatArray
 
-__all__ = ["find_jet"]
+__all__ = ["find_jet", "jet_depth"]
 
 _Spectra = tuple[FloatArray, NDArray[np.complex128], FloatArray, BoolArray]
 
@@ -56,8 +56,23 @@ def find_jet(ratio: FloatArray, radius: float | None = None, axis: float | None 
     return found
 
 
+def jet_depth(ratio: FloatArray, radius: float, axis: float) -> float:
+    """Share of the beam that the centre chord takes, for a jet whose radius and axis are known; arguments as in `find_jet`."""
+    n = ratio.size
+    x = np.arange(n, dtype=np.float64) - 0.5 * (n - 1)
+    air = np.zeros(n, dtype=np.bool_)
+    end = max(3, n // 12)
+    air[:end] = air[-end:] = True
+    chord = np.sqrt(np.maximum(1.0 - ((x - axis) / radius) ** 2, 0.0))
+    return float(chord @ _missing(ratio, x, _outside(x, radius, axis, air)) / max(float(chord @ chord), 1e-300))
+
+
 def _missing(ratio: FloatArray, x: FloatArray, air: BoolArray) -> FloatArray:
-    slope, level = np.polyfit(x[air], ratio[air], 1) if air.sum() > 2 else (0.0, float(ratio.mean()))
+    at, seen = x[air], ratio[air]
+    level = float(seen.mean() if seen.size > 2 else ratio.mean())
+    off = at - at.mean() if seen.size > 2 else at
+    slope = float(off @ seen / (off @ off)) if seen.size > 2 else 0.0
+    level -= slope * float(at.mean()) if seen.size > 2 else 0.0
     line = level + slope * x
     if line.min() <= 0.1 * abs(level):  # too noisy for a slope
         line = np.full_like(x, max(float(np.mean(ratio[air])), 1e-12))

@@ -14,10 +14,12 @@ from sphinx.util.docutils import SphinxDirective
 
 import spinline
 from spinline.cli import app as command_line
+from spinline.reduction import REDUCTION_VARIABLES
 from spinline.results import VARIABLES
 from spinline.rheology import POLYMERS, SOLVENTS, property_source
 from spinline.scene import bundled_scenes, json_schema
 from spinline.units import QUANTITIES
+from spinline.xray import FRAME_FLAGS
 
 logger = logging.getLogger(__name__)
 os.environ.update(COLUMNS="96", TERM="dumb", NO_COLOR="1")
@@ -30,6 +32,9 @@ PACKAGES = [
     "spinline.observations", "spinline.observed_map", "spinline.fit_model", "spinline.fit_scene",
     "spinline.fit_problem", "spinline.fit_file", "spinline.inference",
     "spinline.fit_checks", "spinline.posterior", "spinline.fit_output", "spinline.fit_figure", "spinline.theory_overlay",
+    "spinline.images", "spinline.reduce", "spinline.reduction", "spinline.preview",
+    "spinline.exposure", "spinline.experiment", "spinline.fields", "spinline.frames", "spinline.checkpoint",
+    "spinline.figures_images", "spinline.methods",
 ]  # fmt: skip
 
 
@@ -93,6 +98,23 @@ class Variables(Generated):
     def run(self):
         rows = [(f"`{name}`", unit or "flag", words) for name, (unit, words) in VARIABLES.items()]
         return self.parse(_table(("name", "unit", "what it is"), rows))
+
+
+class ReductionVariables(Generated):
+    """Names in a reduction of images."""
+
+    def run(self):
+        rows = [(f"`{name}`", unit or "flag", words) for name, (unit, words) in REDUCTION_VARIABLES.items()]
+        return self.parse(_table(("name", "unit", "what it is"), rows))
+
+
+class ReductionFlags(Generated):
+    """Flags of a block of rows."""
+
+    def run(self):
+        return self.parse(
+            _table(("flag", "what it says"), [(f"`{name}`", words) for name, words in FRAME_FLAGS.items()])
+        )
 
 
 class Quantities(Generated):
@@ -226,6 +248,8 @@ def setup(app):
     app.add_directive("scene-keys", SceneKeys)
     app.add_directive("command-help", CommandHelp)
     app.add_directive("result-variables", Variables)
+    app.add_directive("reduction-variables", ReductionVariables)
+    app.add_directive("reduction-flags", ReductionFlags)
     app.add_directive("quantity-kinds", Quantities)
     app.add_directive("materials", Materials)
     app.add_directive("bundled-scenes", Scenes)

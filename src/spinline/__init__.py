@@ -14,9 +14,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from spinline import (
         compare,
+        exposure,
         figures,
+        images,
         jetprofile,
         network,
+        preview,
+        reduce,
+        reduction,
         report,
         results,
         rheology,
@@ -29,6 +34,9 @@ if TYPE_CHECKING:
         xray,
     )
     from spinline.errors import InputError, SpinlineWarning
+    from spinline.images import Images, load_images
+    from spinline.preview import preview_images
+    from spinline.reduce import reduce_images
     from spinline.results import open_result
     from spinline.scene import Scene, load_scene
     from spinline.solve import run
@@ -38,9 +46,14 @@ __version__ = "0.1.0"
 _MODULES = frozenset(
     [
         "compare",
+        "exposure",
         "figures",
+        "images",
         "jetprofile",
         "network",
+        "preview",
+        "reduce",
+        "reduction",
         "report",
         "results",
         "rheology",
@@ -54,25 +67,38 @@ _MODULES = frozenset(
     ]
 )
 _NAMES = {
+    "Images": "images",
     "InputError": "errors",
     "Scene": "scene",
     "SpinlineWarning": "errors",
+    "load_images": "images",
     "load_scene": "scene",
     "open_result": "results",
+    "preview_images": "preview",
+    "reduce_images": "reduce",
     "run": "solve",
 }
 
 __all__ = [
+    "Images",
     "InputError",
     "Scene",
     "SpinlineWarning",
     "__version__",
     "compare",
+    "exposure",
     "figures",
+    "images",
     "jetprofile",
+    "load_images",
     "load_scene",
     "network",
     "open_result",
+    "preview",
+    "preview_images",
+    "reduce",
+    "reduce_images",
+    "reduction",
     "report",
     "results",
     "rheology",

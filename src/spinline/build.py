@@ -30,6 +30,7 @@ from spinline.units import Measured
 if TYPE_CHECKING:
     import xarray as xr
 
+    from spinline.images import Images
     from spinline.jetprofile.lagrangian import LagrangianJet
 
 __all__ = [
@@ -45,8 +46,8 @@ __all__ = [
 ]
 
 
-def build_solution(scene: Scene) -> Solution:
-    """Solution of a scene, built-in properties filled in."""
+def build_solution(scene: "Scene | Images") -> Solution:
+    """Solution of a scene or an images file, built-in properties filled in."""
     s = scene.solution
     data: Polymer
     if isinstance(s.polymer, PolymerData):

@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.cli_fit import register as register_fit
+from spinline.cli_images import register as register_images
 from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
-from spinline.cli_sweep import register
+from spinline.cli_simulate import register as register_simulate
+from spinline.cli_sweep import register as register_sweep
 from spinline.cli_trade import plan, trade
 from spinline.errors import InputError, SpinlineWarning
 
@@ -163,17 +165,20 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
 
 @app.command()
 def scenes(
-    copy: Annotated[str | None, typer.Option(metavar="NAME", help="Copy this bundled scene, with its data.")] = None,
+    copy: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Copy this bundled scene or set of images, with its data.")
+    ] = None,
     to: Annotated[Path, typer.Option(help="Folder to copy to.")] = Path(),
     force: ForceOption = False,
 ) -> None:
-    """List the bundled scenes, or copy one to start from."""
+    """List the bundled scenes and images, or copy one to start from."""
     import tomllib
 
+    from spinline.images import bundled_images
     from spinline.outputs import writable
     from spinline.scene import bundled_scenes
 
-    known = bundled_scenes()
+    known = bundled_scenes() | bundled_images()
     if copy is None:
         for name, file in known.items():
             typer.echo(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
@@ -182,7 +187,8 @@ def scenes(
         raise InputError("--copy", "is not a bundled scene", value=copy, allowed=", ".join(known))
     source = known[copy]
     shutil.copyfile(source, writable(to / source.name, force=force))
-    data = tomllib.loads(source.read_text(encoding="utf-8"))["jet"].get("path")
+    content = tomllib.loads(source.read_text(encoding="utf-8"))
+    data = content["counts"] if "counts" in content else content["jet"].get("path")
     if data is not None:
         origin, target = source.parent / data, to / data
         if origin.is_dir():
@@ -277,8 +283,8 @@ def import_jet(
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-register(app)
-register_fit(app)
+for register in (register_sweep, register_fit, register_simulate, register_images):
+    register(app)
 
 
 def main() -> None:

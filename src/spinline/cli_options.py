@@ -12,7 +12,7 @@ __all__ = ["ForceOption", "JsonOption", "ModelOption", "RtolOption", "SceneArgum
 SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")]
 ModelOption = Annotated[str | None, typer.Option("--model", help="Override network.model.")]
 RtolOption = Annotated[str | None, typer.Option("--rtol", help="Override accuracy.rtol.")]
-SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")]
+SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print names and SI values as JSON.")]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite files.")]
 

@@ -253,7 +253,7 @@ def scene_from_dict(
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        raise _explain(error, name, data) from None
+        raise explain(error, name, data, Scene) from None
     scene._text, scene._folder, scene._name = text, folder or Path(), name
     return scene
 
@@ -277,28 +277,38 @@ def load_scene(source: str | Path, overrides: Sequence[str] = ()) -> Scene:
     InputError
         For an unreadable file, TOML that does not parse, or any key or value that cannot be right.
     """
+    data, text, path = read_toml(source, bundled_scenes(), overrides)
+    return scene_from_dict(data, text=text, folder=path.resolve().parent, name=path.stem)
+
+
+def read_toml(
+    source: str | Path, bundled: Mapping[str, Path], overrides: Sequence[str], noun: str = "scene"
+) -> tuple[dict[str, Any], str, Path]:
+    """Content, text and path of a TOML file or of a bundled one of that name, overrides applied."""
     path = Path(source)
     if not path.exists():
-        path = bundled_scenes().get(str(source), path)
+        path = bundled.get(str(source), path)
     try:
         with path.open(encoding="utf-8") as file:
             text = file.read(_LONGEST + 1)
     except (OSError, ValueError) as error:
-        near = difflib.get_close_matches(str(source), bundled_scenes(), n=1)
+        near = difflib.get_close_matches(str(source), bundled, n=1)
         hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
         reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError(str(source), f"cannot be read as a scene ({reason})", remedy=hint) from None
+        raise InputError(str(source), f"cannot be read as a {noun} ({reason})", remedy=hint) from None
     if len(text) > _LONGEST:
-        raise InputError(str(source), "is too long for a scene", allowed=f"up to {_LONGEST} characters")
+        raise InputError(str(source), f"is too long for a {noun}", allowed=f"up to {_LONGEST} characters")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(str(source), f"is not a TOML scene ({error})", remedy="see `spinline scenes --copy`") from None
+        raise InputError(
+            str(source), f"is not a TOML {noun} ({error})", remedy="see `spinline scenes --copy`"
+        ) from None  # fmt: skip
     for override in overrides:
         _override(data, override)
     if overrides:
         text = text.rstrip() + "\n" + "".join(f"# --set {override}\n" for override in overrides)
-    return scene_from_dict(data, text=text, folder=path.resolve().parent, name=path.stem)
+    return data, text, path
 
 
 def bundled_scenes() -> dict[str, Path]:
@@ -329,11 +339,11 @@ def _override(data: dict[str, Any], override: str) -> None:
     data[steps[-1]] = parsed
 
 
-def _explain(error: ValidationError, name: str, data: Mapping[str, Any]) -> InputError:
-    """One InputError from all that pydantic found."""
+def explain(error: ValidationError, name: str, data: Mapping[str, Any], root: type[BaseModel]) -> InputError:
+    """One InputError from all that pydantic found in a file whose top is `root`."""
     details = error.errors(include_url=False)
-    lines = list(dict.fromkeys(str(_problem(detail, data)) for detail in _foremost(details)))
-    first = _problem(_foremost(details)[0], data)
+    lines = list(dict.fromkeys(str(_problem(detail, data, root)) for detail in _foremost(details)))
+    first = _problem(_foremost(details)[0], data, root)
     if len(lines) == 1:
         return first
     return InputError(name, f"has {len(lines)} problems:\n  " + "\n  ".join(lines))
@@ -366,19 +376,19 @@ def _key(detail: ErrorDetails) -> str:
     return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
 
 
-def _problem(detail: ErrorDetails, data: Mapping[str, Any]) -> InputError:
+def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel]) -> InputError:
     key, kind, context = _key(detail), detail["type"], detail.get("ctx") or {}
     value = detail["input"]
     if isinstance(value, Measured):
         value = value.value
     if kind in ("quantity", "range", "refusal"):
         shown = None if kind == "refusal" else value
-        remedy = context["remedy"] or ("" if kind == "refusal" else _change(key))
+        remedy = context["remedy"] or ("" if kind == "refusal" else _change(key, root))
         return InputError(key, detail["msg"], value=shown, allowed=context["allowed"], remedy=remedy)
     if kind == "missing":
         return InputError(key, "is missing", remedy=f"add it to [{key.rpartition('.')[0]}]" if "." in key else "add it")
     if kind == "extra_forbidden":
-        known = _known_keys(key, data)
+        known = _known_keys(key, data, root)
         near = difflib.get_close_matches(key.rpartition(".")[2], known, n=1)
         hint = f"did you mean {near[0]!r}?" if near else "take it out"
         return InputError(key, "is not a known key", value=value, allowed=", ".join(known), remedy=hint)
@@ -387,21 +397,25 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any]) -> InputError:
         problem = "is not known" if "profile" in section else "is missing"
         profiles = '"power-law", "hyperbolic", "table", "jetspin", "lagrangian"'
         return InputError(
-            f"{key}.profile", problem, value=section.get("profile"), allowed=profiles, remedy=_change(f"{key}.profile")
+            f"{key}.profile",
+            problem,
+            value=section.get("profile"),
+            allowed=profiles,
+            remedy=_change(f"{key}.profile", root),
         )
     allowed = str(context.get("expected", "")).replace("True", "true").replace("False", "false")
     if not allowed:
         words = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
         allowed = ", ".join(f"{words[k]} {v}" for k, v in context.items() if k in words)
     message = "is not known" if kind == "literal_error" else detail["msg"].replace("Input should be", "should be")
-    return InputError(key, message, value=value, allowed=allowed, remedy=_change(key))
+    return InputError(key, message, value=value, allowed=allowed, remedy=_change(key, root))
 
 
-def _change(key: str) -> str:
-    return f"change it in the scene, or with --set {key}=VALUE"
+def _change(key: str, root: type[BaseModel]) -> str:
+    return f"change it in the {'scene' if root is Scene else 'file'}, or with --set {key}=VALUE"
 
 
-def _known_keys(key: str, data: Mapping[str, Any]) -> list[str]:
+def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> list[str]:
     models: dict[str, type[BaseModel]] = {
         "solution": SolutionSection,
         "solution.polymer": PolymerData,
@@ -420,4 +434,4 @@ def _known_keys(key: str, data: Mapping[str, Any]) -> list[str]:
     section = key.rpartition(".")[0]
     if section == "jet":
         section = f"jet {data['jet']['profile']}"
-    return list(models.get(section, Scene).model_fields)
+    return list(models.get(section, root).model_fields)

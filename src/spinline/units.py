@@ -57,6 +57,8 @@ QUANTITIES = {
         Quantity("pressure", "Pa", "1 atm"),
         Quantity("surface tension", "N/m", "21.1 dyn/cm"),
         Quantity("force", "N", "1 nN"),
+        Quantity("energy", "J", "10 keV", "an"),
+        Quantity("mass attenuation", "m^2/kg", "5.1 cm2/g"),
         Quantity("volume", "m^3", "1 pL"),
         Quantity("electric field", "V/m", "0.6 kV/cm", "an"),
         Quantity("potential", "V", "9 kV"),

@@ -1,0 +1,267 @@
+"""X-ray reduction against what the photons allow: scatter, error bars, bias, few photons, speed, long stacks.
+
+    python benchmarks/bench_xray.py scatter coverage bias low speed      about 2 minutes on one core
+    python benchmarks/bench_xray.py stream [FOLDER]                      6 GB of frames in FOLDER (default: temporary)
+    python benchmarks/bench_xray.py each [FOLDER]                        200 frames, killed and resumed
+
+Phantoms come from the brute-force forward model of the tests, which shares no code with the package: 10 keV, PEO in water,
+0.67 um pixels, three shells of 0.03, 0.05, 0.08, off centre by 3 pixels, beam drifted by 1 % and tilted by 1 %.
+"""
+
+import importlib.util
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from spinline import xray
+from spinline.xray.frame import Frame, fit_frame
+from spinline.xray.quick import chord_frame
+
+PIXEL = 0.67e-6
+SOLUTION = xray.Absorber(531.9, -137.44, 0.6)
+FITTED = ("radius", "axis", "amplitude", "slope")
+PHI = np.array([0.03, 0.05, 0.08])
+MEAN = float(xray.shell_weights(xray.equal_shells(3)) @ PHI)
+
+_spec = importlib.util.spec_from_file_location("conftest", Path(__file__).parents[1] / "tests" / "conftest.py")
+_conftest = importlib.util.module_from_spec(_spec)
+sys.modules["conftest"] = _conftest
+_spec.loader.exec_module(_conftest)
+
+
+def phantom(radius, photons, fraction=PHI, width=3.0, blur=0.0, parts=32):
+    """Mean counts of a row, and its flat."""
+    fraction = np.asarray(fraction)
+    flat = np.full(int(width * radius / PIXEL), float(photons))
+    mean = _conftest.round_jet_counts(
+        lambda r: fraction[np.minimum((r * fraction.size).astype(int), fraction.size - 1)], radius, flat=flat, pixel=PIXEL,
+        solvent=531.9, contrast=-137.44, air=0.6, axis=3 * PIXEL, amplitude=1.01, slope=0.01, blur=blur, parts=parts,
+    )  # fmt: skip
+    return mean, flat
+
+
+def replicates(mean, flat, count, seed, blur=0.0):
+    """A frame whose rows are replicates of one row."""
+    counts = np.random.default_rng(seed).poisson(mean, (count, mean.size)).astype(float)
+    flats = np.broadcast_to(flat, counts.shape).copy()
+    return Frame(counts, flats, np.zeros_like(flats), flats > 0, PIXEL, blur)
+
+
+def bound(radius, flat, blur=0.0):
+    """Cramer-Rao bound with the same unknowns."""
+    jet = xray.RoundJet(PHI, radius, 3 * PIXEL)
+    detector = xray.Detector(flat, PIXEL, blur=blur)
+    return xray.error_limit(jet, SOLUTION, detector, nuisances=FITTED, amplitude=1.01, slope=0.01)
+
+
+def scatter():
+    """500 replicates at R = 100, 50, 25 um."""
+    print(
+        "scatter over the bound with the same unknowns, 500 replicates: mean; shells from the axis; bias in sd of the average"
+    )
+    for um, photons in ((100, 1e5), (50, 1e6), (25, 1e7)):
+        mean, flat = phantom(um * 1e-6, photons)
+        fit, limit = fit_frame(replicates(mean, flat, 500, um), SOLUTION), bound(um * 1e-6, flat)
+        ratio = fit.fraction.std(axis=0, ddof=1) / limit.fraction
+        bias = (fit.mean.mean() - MEAN) / (limit.mean / np.sqrt(500))
+        print(
+            f"  R = {um:3d} um, N = {photons:.0e}: {fit.mean.std(ddof=1) / limit.mean:.3f}; {ratio.round(3)}; {bias:+.2f}"
+        )
+
+
+def coverage():
+    """1,000 replicates: z-scores and 95 % intervals."""
+    print("error bars, 1,000 replicates: sd of z, share within 1.96; method row with 3 shells, chord with its mean")
+    for um, photons in ((100, 1e5), (50, 1e6), (25, 1e7)):
+        mean, flat = phantom(um * 1e-6, photons)
+        fit = fit_frame(replicates(mean, flat, 1000, 7 + um), SOLUTION)
+        z = (fit.mean - MEAN) / fit.mean_std
+        shells = (fit.fraction - PHI) / np.sqrt(np.einsum("bii->bi", fit.covariance))
+        radius = (fit.values["radius"] - um * 1e-6) / fit.std["radius"]
+        print(
+            f"  R = {um:3d} um, N = {photons:.0e}: {z.std():.3f}, {100 * np.mean(abs(z) < 1.96):.1f} %; shells "
+            f"{shells.std(axis=0).round(3)}; radius {radius.std():.3f}; misfit "
+            f"{fit.misfit.mean():+.3f} +/- {fit.misfit.std():.2f}"
+        )
+        uniform, flat = phantom(um * 1e-6, photons, [MEAN])
+        quick = chord_frame(replicates(uniform, flat, 1000, 8 + um), SOLUTION)
+        z = (quick.mean - MEAN) / quick.mean_std
+        print(f"      chord, uniform jet: {z.std():.3f}, {100 * np.mean(abs(z) < 1.96):.1f} %, bias {z.mean():+.2f} sd")
+
+
+def bias():
+    """Mean counts of 1e7 photons: what the model itself gets wrong."""
+    print("bias of the mean fraction at N = 1e7, R = 50 um, nothing known, in its standard deviation:")
+    for name, fraction in (
+        ("uniform", [0.05]),
+        ("shells", PHI),
+        ("parabola", 0.03 + 0.06 * ((np.arange(400) + 0.5) / 400) ** 2),
+    ):
+        for blur in (0.0, 1.2e-6):
+            mean, flat = phantom(50e-6, 1e7, fraction, blur=blur)
+            true = (
+                float(xray.shell_weights(xray.equal_shells(len(fraction))) @ fraction) if len(fraction) < 400 else 0.06
+            )
+            for shells in (1,) if name == "uniform" else (3, 6):
+                fit = fit_frame(
+                    Frame(mean[None], flat[None], 0 * flat[None], flat[None] > 0, PIXEL, blur), SOLUTION, shells=shells
+                )
+                error = fit.mean[0] - true
+                print(
+                    f"  {name}, {shells} fitted, blur {1e6 * blur:.1f} um: {error:+.2e} = {error / fit.mean_std[0]:+.3f} sd"
+                )
+
+
+def low():
+    """2,000 rows of few photons."""
+    print(
+        "2,000 rows, R = 50 um: all in one block, all unknown; and one by one with the geometry known, averaged (in sd)"
+    )
+    for photons in (20, 5, 1):
+        mean, flat = phantom(50e-6, photons)
+        frame = replicates(mean, flat, 2000, photons)
+        fit = fit_frame(frame, SOLUTION, block_rows=2000)
+        z = (fit.mean[0] - MEAN) / fit.mean_std[0]
+        known = {"nuisances": ("amplitude", "slope"), "radius": 50e-6, "axis": 3 * PIXEL, "shells": 1}
+        detector = xray.Detector(flat, PIXEL)
+        each = np.array([xray.fit_row(row, SOLUTION, detector, **known).mean_fraction for row in frame.counts])
+        alone = (each.mean() - MEAN) / (each.std() / np.sqrt(2000))
+        print(
+            f"  {photons:2d} photons: block {fit.mean[0]:.3f} +/- {fit.mean_std[0]:.3f} ({z:+.2f}); "
+            f"one by one {each.mean():.3f} ({alone:+.2f})"
+        )
+
+
+def speed():
+    """Milliseconds of processor time per row, best of five."""
+    print("ms of processor time a row (wall), 400 rows of 402 pixels, R = 50 um")
+    for photons in (1e5, 1e7):
+        mean, flat = phantom(50e-6, photons, width=5.4)
+        frame = replicates(mean, flat, 400, 1)
+        for name, run in (("chord", lambda f: chord_frame(f, SOLUTION)), ("row", lambda f: fit_frame(f, SOLUTION))):
+            best = (np.inf, np.inf)
+            for _ in range(5):
+                cpu, wall = time.process_time(), time.perf_counter()
+                run(frame)
+                best = min(best, (time.process_time() - cpu, time.perf_counter() - wall))
+            print(f"  {name:5s} N = {photons:.0e}: {1e3 * best[0] / 400:.3f} ({1e3 * best[1] / 400:.3f})")
+
+
+TOML = """
+counts = "counts.npy"
+flat = "flat.npy"
+dark = 20
+gain = 1
+pixel_size = "0.67 um"
+energy = "10 keV"
+frames = "{frames}"
+block_rows = {block_rows}
+shells = 1
+[solution]
+polymer = "PEO"
+solvent = "water"
+volume_fraction = 0.06
+"""
+
+RUN = """
+import resource, time, warnings
+warnings.simplefilter("ignore")
+from spinline.images import load_images
+from spinline.reduce import reduce_images
+marks = []
+def said(what, done, total): marks.append((what, done, time.perf_counter()))
+if __name__ == "__main__":
+    begun = time.perf_counter()
+    result = reduce_images(load_images("images.toml"), checkpoint="job", workers={workers}, progress=said)
+    summed = max((t for what, _, t in marks if what == "frames"), default=begun) - begun
+    status = open("/proc/self/status").read()  # of this program alone: what getrusage says is handed down
+    peak = int(status.split("VmHWM:")[1].split()[0]) / 1024
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    own = resource.getrusage(resource.RUSAGE_SELF)
+    used = own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
+    total = time.perf_counter() - begun
+    print(f"sum {{summed:.1f}} s, all {{total:.1f}} s, processor {{used:.1f}} s, peak {{peak:.0f}} MB")
+    result.to_netcdf("result.nc", engine="h5netcdf")
+"""
+
+
+def frames(folder, count, rows, columns, photons, each, block_rows):
+    """Frames of a jet on disk, 16 different ones over and over."""
+    rng = np.random.default_rng(2)
+    mean, _ = phantom(50e-6, photons, [0.06], width=columns * PIXEL / 50e-6 + 1e-9)
+    some = rng.poisson(mean + 20, (16, rows, columns)).astype(np.uint16)
+    with (folder / "counts.npy").open("wb") as file:
+        header = {"descr": "<u2", "fortran_order": False, "shape": (count, rows, columns)}
+        np.lib.format.write_array_header_1_0(file, header)
+        for i in range(count):
+            frame = some[i % 16] if count > 500 else rng.poisson(mean + 20, (rows, columns)).astype(np.uint16)
+            file.write(frame.tobytes())
+    np.save(folder / "flat.npy", rng.poisson(photons + 20, (64, rows, columns)).astype(np.uint16))
+    text = TOML.format(frames="each" if each else "sum", block_rows=block_rows)
+    (folder / "images.toml").write_text(text, encoding="utf-8")
+
+
+def forget(path):
+    """Drop a file from the page cache, so that the disk is read."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+def stream(folder):
+    """10,000 frames of 1000 x 300, summed and reduced, against reading the file alone."""
+    frames(folder, 10_000, 1000, 300, 2000, each=False, block_rows=4)
+    size = (folder / "counts.npy").stat().st_size
+    for when in ("from disk", "from the page cache"):
+        if when == "from disk":
+            forget(folder / "counts.npy")
+        begun = time.perf_counter()
+        with (folder / "counts.npy").open("rb", buffering=0) as file:
+            while file.read(1 << 24):
+                pass
+        plain = time.perf_counter() - begun
+        if when == "from disk":
+            forget(folder / "counts.npy")
+        print(f"stream, {when}: {size / 1e9:.1f} GB; reading alone {plain:.1f} s;", end=" ", flush=True)
+        subprocess.run([sys.executable, "-c", RUN.format(workers=1)], cwd=folder, check=True)
+
+
+def each(folder):
+    """200 frames of 200 x 300, each on its own: one process, two, and two killed half way and run again."""
+    frames(folder, 200, 200, 300, 60000, each=True, block_rows=4)
+    script = folder / "run.py"
+    for workers in (1, 2):
+        script.write_text(RUN.format(workers=workers), encoding="utf-8")
+        print(f"each, {workers} processes:", end=" ", flush=True)
+        subprocess.run([sys.executable, script], cwd=folder, check=True)
+        (folder / "result.nc").rename(folder / f"result-{workers}.nc")
+    job = subprocess.Popen([sys.executable, script], cwd=folder, start_new_session=True)
+    while len(list((folder / "job").glob("frame-*.npz"))) < 80 and job.poll() is None:
+        time.sleep(0.05)
+    os.killpg(job.pid, signal.SIGKILL)
+    job.wait()
+    done = len(list((folder / "job").glob("frame-*.npz")))
+    print(f"killed after {done} frames, run again:", end=" ", flush=True)
+    subprocess.run([sys.executable, script], cwd=folder, check=True)
+    from spinline.results import open_dataset
+
+    one, two, resumed = (open_dataset(folder / name) for name in ("result-1.nc", "result-2.nc", "result.nc"))
+    print(f"identical: one and two processes {one.equals(two)}, whole and resumed {two.equals(resumed)}")
+
+
+if __name__ == "__main__":
+    asked = sys.argv[1:] or ["scatter", "coverage", "bias", "low", "speed"]
+    for name in (a for a in asked if a in ("scatter", "coverage", "bias", "low", "speed")):
+        globals()[name]()
+    where = [Path(a) for a in asked if Path(a).is_dir()]
+    for name in (a for a in asked if a in ("stream", "each")):
+        with tempfile.TemporaryDirectory(dir=where[0] if where else None) as scratch:
+            globals()[name](Path(scratch))
+    print(f"peak memory of this process {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")

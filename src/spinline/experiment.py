@@ -1,0 +1,414 @@
+"""What a set of images needs before it is reduced: size of a pixel, attenuation, the track of the jet, and what to expect.
+
+`prepare` refuses what cannot be reduced, with the key that would change it; `expected_errors` says what the photons allow
+before anyone waits; `calibrated` scales the attenuation so that the polymer fraction at the nozzle is the known one.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spinline.build import build_solution
+from spinline.checks import FloatArray
+from spinline.errors import InputError
+from spinline.fields import Fields, build_fields, open_counts, photons_frame
+from spinline.frames import FrameSum, Stack, sample_frames
+from spinline.images import KEV, Images
+from spinline.phase_method import folded, fringe_remarks
+from spinline.xray.absorption import contrast
+from spinline.xray.attenuation import Composition, Material, mass_attenuation
+from spinline.xray.forward import Absorber, RoundJet
+from spinline.xray.frame import Frame, fit_frame, require_track
+from spinline.xray.limit import error_limit, require_contrast
+from spinline.xray.solution import solution_absorber
+from spinline.xray.track import Track, track_jet
+
+if TYPE_CHECKING:
+    from spinline.rheology.solution import Solution
+
+__all__ = ["Calibration", "Experiment", "build_absorber", "calibrated", "expected_errors", "nuisances", "prepare"]
+
+_FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
+_HC = 1.98644586e-25  # J m
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Attenuation against that at the nozzle.
+
+    Attributes
+    ----------
+    scale, std : float
+        Measured over assumed attenuation, and its standard deviation; 1 and 0 without a calibration.
+    """
+
+    scale: float = 1.0
+    std: float = 0.0
+
+    def shift(self, absorber: Absorber, fraction: FloatArray) -> FloatArray:
+        """What one standard deviation of the scale does to a polymer fraction."""
+        mu = absorber.solvent - absorber.air + absorber.contrast * fraction
+        return mu / absorber.contrast * self.std / self.scale
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A set of images, ready to reduce.
+
+    Attributes
+    ----------
+    images, stack, fields, solution
+        The file, its frames, flat and dark, and the solution.
+    pixel, pixel_std, blur : float
+        m.
+    absorber : Absorber
+        Calibrated, where rows were given.
+    calibration : Calibration
+    notes : dict of str
+        How each of these was come by.
+    remarks : tuple of str
+        What is odd.
+    """
+
+    images: Images
+    stack: Stack
+    fields: Fields
+    solution: "Solution"
+    pixel: float
+    pixel_std: float
+    blur: float
+    absorber: Absorber
+    calibration: Calibration
+    notes: dict[str, str]
+    remarks: tuple[str, ...]
+
+    def frame(self, summed: FrameSum, moment: float = 0.5) -> tuple[Frame, dict[str, float]]:
+        """Photons of one frame or of a sum."""
+        frame, facts = photons_frame(self.images, self.fields, summed, self.pixel, self.blur, moment)
+        return _without_nozzle(frame, self.images), facts
+
+
+def nuisances(images: Images) -> tuple[str, ...]:
+    """What is fitted beside the fractions."""
+    return ("radius", "axis", "amplitude", "slope", *(("blur",) if images.blur == "fit" else ()))
+
+
+def prepare(
+    images: Images, summing: Callable[[Stack], FrameSum] = sample_frames
+) -> tuple[Experiment, Frame, Track, dict[str, float]]:
+    """Open, check and calibrate a set of images.
+
+    Parameters
+    ----------
+    images : Images
+    summing : callable
+        How the frames are added up: a sample of them for a preview, all of them for a reduction.
+
+    Returns
+    -------
+    experiment : Experiment
+    frame, track, facts
+        The summed frame, the jet in it, and its numbers.
+
+    Raises
+    ------
+    InputError
+        For whatever cannot be reduced.
+    """
+    solution = build_solution(images)
+    absorber, words = build_absorber(images, solution)
+    stack = open_counts(images)
+    fields = build_fields(images, stack)
+    notes = {"attenuation": words, **fields.notes}
+    remarks = list(fields.remarks)
+    summed = summing(stack)
+    rough, facts = photons_frame(images, fields, summed, 1.0, 0.0)
+    pixel, pixel_std = _pixel(images, rough, notes)
+    blur = 0.0
+    if images.blur == "fit":
+        blur = _FIRST_BLUR * pixel
+        notes["blur"] = "fitted, row by row"
+    elif images.blur is not None:
+        blur = images.blur.value
+        notes["blur"] = f"{images.blur.text}, given"
+    frame = _without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
+    _require_upright(frame)
+    if images.method == "phase":
+        track = require_track(folded(images, solution, frame))
+    else:
+        try:
+            track = require_track(frame)
+        except InputError as error:
+            said = fringe_remarks(images, solution, frame, None)
+            raise (InputError("counts", said[0]) if said else error) from None
+        remarks += fringe_remarks(images, solution, frame, track)
+    _expect_fringes(images, pixel, blur, remarks)
+    remarks += _odd(facts)
+    if images.method == "chord" and blur > 0.5 * pixel:
+        remarks.append(
+            "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
+        )
+    experiment = Experiment(
+        images, stack, fields, solution, pixel, pixel_std, blur, absorber, Calibration(), notes, tuple(remarks)
+    )
+    if images.calibration_rows is not None:
+        experiment = calibrated(experiment, frame, track)
+    elif images.polymer_attenuation is None:
+        experiment = replace(experiment, remarks=(*remarks, _uncalibrated(images, solution, absorber)))
+    return experiment, frame, track, facts
+
+
+def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, str]:
+    """Attenuation of the solution, and in words where it comes from.
+
+    Raises
+    ------
+    InputError
+        Near zero contrast, or for a polymer or solvent without a formula.
+    """
+    if images.spectrum is not None:
+        raise InputError(
+            "spectrum", "is not reduced yet", value=images.spectrum,
+            remedy="give energy, or the effective polymer_attenuation and solvent_attenuation of the spectrum",
+        )  # fmt: skip
+    energy = None if images.energy is None else images.energy.value / KEV
+    polymer = solution.polymer
+    if images.polymer_attenuation is not None and images.solvent_attenuation is not None:
+        s_p, s_s = images.polymer_attenuation, images.solvent_attenuation
+        d = float(contrast(s_p.value, polymer.density, s_s.value, solution.solvent_density))
+        absorber = Absorber(s_s.value * solution.solvent_density, d)
+        require_contrast(absorber)
+        return absorber, f"given: polymer {s_p.text}, solvent {s_s.text}; air neglected"
+    assert energy is not None
+    heavy = _matter("solution.polymer", polymer.repeat_unit or polymer.name, polymer.density)
+    light = _matter("solution.solvent", solution.solvent, solution.solvent_density)
+    try:
+        absorber = solution_absorber(heavy, light, energy, coherent=images.coherent, temperature=solution.temperature)
+    except InputError as error:
+        if error.field != "energy_kev":
+            raise
+        raise InputError(
+            "energy", error.problem, value=f"{energy:g} keV", allowed=error.allowed, remedy=error.remedy
+        ) from None
+    part = "total" if images.coherent else "without coherent scatter"
+    return (
+        absorber,
+        f"xraylib at {energy:.6g} keV, {part}: solvent {absorber.solvent:.5g} 1/m, contrast {absorber.contrast:.5g} 1/m",
+    )
+
+
+def _matter(key: str, what: Composition, density: float) -> Material:
+    try:
+        return Material(what, density)
+    except InputError as error:
+        raise InputError(
+            key, "has no chemical formula, so that its attenuation is not known", value=error.value,
+            remedy="name it by its formula, or give polymer_attenuation and solvent_attenuation",
+        ) from None  # fmt: skip
+
+
+def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment:
+    """The experiment with its attenuation scaled to the known fraction in the calibration rows.
+
+    Notes
+    -----
+    ``scale = (mu_s - mu_air + phi D)/(mu_s - mu_air + phi_0 D)`` with phi the fraction that a uniform jet has there; it
+    multiplies solvent, contrast and air alike, as an error of energy or of coefficient nearly does.
+    """
+    first, last = experiment.images.calibration_rows or (0, 0)
+    rows = slice(first, last)
+    part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
+    here = Track(
+        *(getattr(track, n)[rows] for n in ("radius", "axis", "level", "slope", "attenuation", "covariance", "found"))
+    )
+    height = min(experiment.images.block_rows, last - first)
+    fit = fit_frame(
+        part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here
+    )
+    known = np.isfinite(fit.mean)
+    weight = fit.mean_std[known] ** -2.0
+    found, std = float((weight * fit.mean[known]).sum() / weight.sum()), float(weight.sum() ** -0.5)
+    a, phi = experiment.absorber, experiment.solution.volume_fraction
+    base = a.solvent - a.air
+    nominal = base + phi * a.contrast
+    scale = (base + found * a.contrast) / nominal
+    given = _fraction_std(experiment)
+    scale_std = abs(a.contrast) * float(np.hypot(std, given)) / nominal
+    if not scale > 0 or scale_std > 0.1:
+        raise InputError(
+            "calibration_rows", f"do not tell the attenuation: {scale:.3g} +/- {scale_std:.2g} of the tables'",
+            value=[first, last], allowed="known to 10 %", remedy="take more rows",
+        )  # fmt: skip
+    remarks = list(experiment.remarks)
+    if abs(scale - 1.0) > 0.2:
+        remarks.append(f"the calibration scales the attenuation by {scale:.3g}: check energy, pixel_size and solution")
+    scatter = (
+        float(np.sqrt(np.mean(((fit.mean[known] - found) / fit.mean_std[known]) ** 2))) if known.sum() > 2 else 1.0
+    )
+    if scatter > 1.5:
+        remarks.append(
+            f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?"
+        )
+    words = f"{scale:.4f} +/- {scale_std:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"
+    return replace(
+        experiment,
+        absorber=Absorber(a.solvent * scale, a.contrast * scale, a.air * scale),
+        calibration=Calibration(scale, scale_std),
+        notes={**experiment.notes, "calibration": words},
+        remarks=tuple(remarks),
+    )
+
+
+def expected_errors(
+    experiment: Experiment, frame: Frame, track: Track, block_rows: int | None = None, samples: int = 7
+) -> tuple[FloatArray, FloatArray]:
+    """Standard deviation of the mean fraction that the photons allow, all nuisances unknown, before anything is fitted.
+
+    Returns
+    -------
+    row, std : ndarray
+        Some rows along the frame, and the bound for a block of `block_rows` there (one uniform shell: the mean alone; with the
+        shells of the file where they are to be fitted).
+    """
+    height = min(block_rows or experiment.images.block_rows, frame.counts.shape[0])
+    starts = np.unique(np.linspace(0, frame.counts.shape[0] - height, samples).astype(int))
+    shells = experiment.images.shells if experiment.images.method == "row" else 1
+    phi = np.full(shells, experiment.solution.volume_fraction)
+    std = np.full(starts.size, np.nan)
+    for i, start in enumerate(starts.tolist()):
+        inside = slice(start, start + height)
+        radius, axis = float(np.median(track.radius[inside])), float(np.median(track.axis[inside]))
+        try:
+            _, detector, good = frame.block(start, start + height)
+            jet = RoundJet(phi, radius * frame.pixel, axis * frame.pixel)
+            names = nuisances(experiment.images)
+            std[i] = error_limit(jet, experiment.absorber, detector, nuisances=names, good=good).mean
+        except InputError:
+            continue  # this block cannot be fitted: the reduction says so in its place
+    return starts + 0.5 * (height - 1), std
+
+
+def _fraction_std(experiment: Experiment) -> float:
+    """Standard deviation of the solution's volume fraction, where its mass or volume fraction has one."""
+    s = experiment.images.solution
+    if s.volume_fraction is not None:
+        return s.volume_fraction.std
+    if s.mass_fraction is None or s.mass_fraction.std == 0:
+        return 0.0
+    rho_p, rho_s, w = experiment.solution.polymer.density, experiment.solution.solvent_density, s.mass_fraction.value
+    return s.mass_fraction.std * rho_p * rho_s / (w * rho_s + (1 - w) * rho_p) ** 2
+
+
+def _pixel(images: Images, frame: Frame, notes: dict[str, str]) -> tuple[float, float]:
+    if images.pixel_size is not None:
+        notes["pixel_size"] = f"{images.pixel_size.text}, given"
+        return images.pixel_size.value, images.pixel_size.std
+    assert images.nozzle_diameter is not None
+    assert images.nozzle_rows is not None
+    from spinline.xray.edges import opaque_edges
+
+    rows = slice(*images.nozzle_rows)
+    good = frame.good[rows]
+    signal = np.where(good, frame.counts[rows] - frame.dark[rows], 0.0).sum(axis=0)
+    flat = np.where(good, frame.flat[rows], 0.0).sum(axis=0)
+    lit = flat > 0
+    ratio = np.where(lit, signal / np.where(lit, flat, 1.0), np.nan)
+    left, right, std = opaque_edges(ratio, float(np.median(flat[lit])) ** -0.5 if lit.any() else 0.0)
+    width, nozzle = right - left, images.nozzle_diameter
+    pixel = nozzle.value / width
+    spread = pixel * float(np.hypot(nozzle.std / nozzle.value, std / width))
+    notes["pixel_size"] = f"{pixel:.6g} +/- {spread:.2g} m: {nozzle.text} over {width:.2f} pixels"
+    return pixel, spread
+
+
+def _without_nozzle(frame: Frame, images: Images) -> Frame:
+    """The frame with the nozzle's rows left out."""
+    if images.nozzle_rows is None:
+        return frame
+    good = frame.good.copy()
+    good[slice(*images.nozzle_rows)] = False
+    return replace(frame, good=good)
+
+
+def _require_upright(frame: Frame) -> None:
+    """Refuse frames in which the jet runs along the rows."""
+    ratio = np.where(frame.good, (frame.counts - frame.dark) / np.where(frame.good, frame.flat, 1.0), np.nan)
+    rows, columns = frame.good.any(axis=1), frame.good.any(axis=0)
+    if rows.sum() < 16 or columns.sum() < 16:
+        return
+    seen = ratio[rows][:, columns]
+    across, along = _smooth(np.nanmedian(seen, axis=0)), _smooth(np.nanmedian(seen, axis=1))
+    if along.std() < 2.0 * across.std():
+        return
+    sideways = track_jet(frame.counts.T, frame.flat.T, frame.dark.T, frame.good.T)
+    if sideways is not None and float(np.median(sideways.radius)) < 0.45 * frame.counts.shape[0]:
+        raise InputError(
+            "transpose", "seems wrong: the jet runs along the rows, it has to run down the columns",
+            remedy="set transpose = true, or take it out",
+        )  # fmt: skip
+
+
+def _smooth(values: FloatArray) -> FloatArray:
+    return np.convolve(values, np.full(5, 0.2), mode="valid")
+
+
+def _expect_fringes(images: Images, pixel: float, blur: float, remarks: list[str]) -> None:
+    if images.propagation_distance is None or images.energy is None or images.method == "phase":
+        return
+    width = float(np.sqrt(_HC / images.energy.value * images.propagation_distance.value))
+    if width > 0.5 * max(pixel, blur):
+        remarks.append(
+            f"fringes: at {images.propagation_distance.text} they are {1e6 * width:.2g} um wide, pixels {1e6 * pixel:.2g} um; "
+            "left out, they shift the fraction by -0.25 (1 cm) to -1.9 (10 cm) at 10 keV and R = 50 um"
+        )
+
+
+def _odd(facts: dict[str, float]) -> list[str]:
+    said = []
+    if facts["saturated_pixels"]:
+        said.append(f"{facts['saturated_pixels']:.0f} saturated pixels are masked")
+    if facts["outlying_pixels"]:
+        said.append(f"{facts['outlying_pixels']:.0f} pixels far off their neighbours are masked")
+    if facts["flat_noise"] > 1.05:
+        said.append(
+            f"the flats are few: their noise makes errors {np.sqrt(facts['flat_noise']):.3g} times larger (accounted for)"
+        )
+    if facts["added_noise"]:
+        said.append("counts under the dark level by more than the read noise: more read noise is assumed")
+    return said
+
+
+def _uncalibrated(images: Images, solution: "Solution", absorber: Absorber) -> str:
+    """What the choice of coefficient is worth."""
+    assert images.energy is not None
+    other = float(mass_attenuation(solution.solvent, images.energy.value / KEV, coherent=not images.coherent))
+    shift = (other * solution.solvent_density - absorber.solvent) / absorber.contrast
+    word = "without coherent scatter" if images.coherent else "total"
+    return (
+        f"the attenuation is not calibrated: with coefficients {word} the fraction would be {abs(shift):.2g} "
+        f"{'lower' if shift > 0 else 'higher'}; give calibration_rows if the nozzle's end is in view"
+    )
+
+
+def require_signal(experiment: Experiment, frame: Frame, track: Track) -> FloatArray:
+    """Refuse a reduction whose errors are expected to exceed the fraction everywhere; the errors otherwise."""
+    _, std = expected_errors(experiment, frame, track)
+    phi = experiment.solution.volume_fraction
+    if not np.isfinite(std).any() or np.nanmin(std) <= phi:
+        return std
+    best = float(np.nanmin(std))
+    rows = int(np.ceil(experiment.images.block_rows * (3.0 * best / phi) ** 2))
+    enough = rows <= frame.counts.shape[0]
+    remedy = (
+        f"block_rows = {rows} gives a third of the fraction"
+        if enough
+        else (
+            f"{(3.0 * best / phi) ** 2:.2g} times the photons give a third of the fraction; `spinline exposure` plans them"
+        )
+    )
+    raise InputError(
+        "block_rows", f"the error expected, {best:.2g}, exceeds the polymer fraction, {phi:.3g}, in every block",
+        value=experiment.images.block_rows, remedy=f"{remedy}; or --noisy",
+    )  # fmt: skip
