@@ -4,6 +4,7 @@
 before anyone waits; `calibrated` scales the attenuation so that the polymer fraction at the nozzle is the known one.
 """
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -211,9 +212,7 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
     first, last = experiment.images.calibration_rows or (0, 0)
     rows = slice(first, last)
     part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
-    here = Track(
-        *(getattr(track, n)[rows] for n in ("radius", "axis", "level", "slope", "attenuation", "covariance", "found"))
-    )
+    here = Track(*(getattr(track, item.name)[rows] for item in dataclasses.fields(Track)))
     height = min(experiment.images.block_rows, last - first)
     fit = fit_frame(
         part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here
