@@ -19,7 +19,7 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 COMMANDS = {
-    "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "preview", "reduce", "exposure",
+    "check", "crossover", "exposure", "fit-jet", "import-jet", "plan", "preview", "reduce", "run", "scenes", "schema", "simulate-image", "trade",
 }  # fmt: skip
 
 

@@ -1,25 +1,35 @@
 """What the beam sees: absorption of a polymer solution, its image, and what can be read back from it.
 
-==============  ==========================================================================
-module          law
-==============  ==========================================================================
-`attenuation`   mass attenuation of a formula or mixture; contrast against photon energy
-`energy`        where the contrast vanishes, the best energy for a jet
-`solution`      names and an energy to the attenuation of solution and air
-`chords`        paths through the shells of a round jet, averaged over pixels
-`forward`       what a detector row counts behind a round jet
-`model`         the same with its derivatives
-`limit`         what the photons allow: Cramer-Rao bound, photons needed
-`track`         the jet in every row of a frame: edges to a part of a pixel, level of the beam
-`frame`         a frame by likelihood, row by row or in blocks
-`quick`         a frame by Eqs. (41)-(42), all rows at once
-`edges`         edges of an opaque nozzle, for the size of a pixel
-`row`           shells, radius, axis and beam from one row of counts, by likelihood
-`start`         where the jet is in a noisy row
-`scoring`       the largest Poisson likelihood
-`absorption`    Eqs. (41)-(42): what a change of attenuation says
-`chord`         the same on every chord of a row: the quick look, and its price
-==============  ==========================================================================
+=================  ==============================================================================
+module             law
+=================  ==============================================================================
+`attenuation`      mass attenuation of a formula or mixture; contrast against photon energy
+`energy`           where the contrast vanishes, the best energy for a jet
+`solution`         names and an energy to the attenuation of solution and air
+`chords`           paths through the shells of a round jet, averaged over pixels
+`forward`          what a detector row counts behind a round jet
+`model`            the same with its derivatives
+`limit`            what the photons allow: Cramer-Rao bound, photons needed
+`track`            the jet in every row of a frame: edges to a part of a pixel, level of the beam
+`frame`            a frame by likelihood, row by row or in blocks
+`quick`            a frame by Eqs. (41)-(42), all rows at once
+`edges`            edges of an opaque nozzle, for the size of a pixel
+`row`              shells, radius, axis and beam from one row of counts, by likelihood
+`start`            where the jet is in a noisy row
+`scoring`          the largest Poisson likelihood
+`absorption`       Eqs. (41)-(42): what a change of attenuation says
+`chord`            the same on every chord of a row: the quick look, and its price
+`refraction`       decrement of the refractive index
+`spectrum`         lines, harmonics, broad spectra, what the detector makes of them
+`medium`           attenuation and refraction of a solution at every line
+`spectral`         a row's fit for a beam of many energies
+`fresnel`          what a row counts at a distance: fringes
+`fringes`          whether there are any
+`phase_fit`        a row's fit with fringes, and its bound
+`phase_retrieval`  fringes folded back (Paganin)
+`image`            a whole jet, tilted, blurred, moving
+`several_jets`     several jets in one scan, from many sides
+=================  ==============================================================================
 """
 
 if __name__ != "spinline.xray":
@@ -43,10 +53,20 @@ if TYPE_CHECKING:
     from spinline.xray.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
     from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
     from spinline.xray.frame import FRAME_FLAGS, Frame, FrameFit, fit_frame
+    from spinline.xray.fresnel import edge_fringe_width, fresnel_counts
+    from spinline.xray.fringes import FringeTest, detect_fringes
+    from spinline.xray.image import JetField, core_and_sheath, expected_image, transmission_image
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
+    from spinline.xray.medium import Medium, solution_medium
+    from spinline.xray.phase_fit import fit_row_phase, phase_error_limit, phase_law
+    from spinline.xray.phase_retrieval import contact_transmission
     from spinline.xray.quick import chord_frame
+    from spinline.xray.refraction import delta_over_mu, refraction_decrement, wavelength
     from spinline.xray.row import RowFit, fit_row
+    from spinline.xray.several_jets import Section, SectionsFit, fit_sections, section_chord
     from spinline.xray.solution import solution_absorber
+    from spinline.xray.spectral import fit_row_spectrum, spectral_counts, spectral_law
+    from spinline.xray.spectrum import Spectrum, gaussian_spectrum, harmonic_spectrum, scintillator_response
     from spinline.xray.track import Track, track_jet
 
 _NAMES = {
@@ -57,36 +77,64 @@ _NAMES = {
     "FRAME_FLAGS": "frame",
     "Frame": "frame",
     "FrameFit": "frame",
+    "FringeTest": "fringes",
+    "JetField": "image",
     "Limit": "limit",
     "Material": "attenuation",
+    "Medium": "medium",
     "RoundJet": "forward",
     "RowFit": "row",
     "SOLVENT_FORMULAS": "attenuation",
+    "Section": "several_jets",
+    "SectionsFit": "several_jets",
+    "Spectrum": "spectrum",
     "Track": "track",
     "attenuation_contrast": "attenuation",
     "best_energy": "energy",
     "chord_fractions": "chord",
     "chord_frame": "quick",
+    "contact_transmission": "phase_retrieval",
     "contrast": "absorption",
+    "core_and_sheath": "image",
+    "delta_over_mu": "refraction",
+    "detect_fringes": "fringes",
+    "edge_fringe_width": "fresnel",
     "equal_shells": "chords",
     "error_limit": "limit",
     "expected_counts": "forward",
+    "expected_image": "image",
     "fit_frame": "frame",
     "fit_row": "row",
+    "fit_row_phase": "phase_fit",
+    "fit_row_spectrum": "spectral",
+    "fit_sections": "several_jets",
     "fraction_change": "absorption",
+    "fresnel_counts": "fresnel",
+    "gaussian_spectrum": "spectrum",
+    "harmonic_spectrum": "spectrum",
     "linear_attenuation": "absorption",
     "mass_attenuation": "attenuation",
     "material": "attenuation",
     "noisy_counts": "forward",
     "opaque_edges": "edges",
+    "phase_error_limit": "phase_fit",
+    "phase_law": "phase_fit",
     "photons_needed": "limit",
+    "refraction_decrement": "refraction",
+    "scintillator_response": "spectrum",
+    "section_chord": "several_jets",
     "shell_chords": "chords",
     "shell_weights": "chords",
     "solution_absorber": "solution",
+    "solution_medium": "medium",
+    "spectral_counts": "spectral",
+    "spectral_law": "spectral",
     "thin_centre_limit": "limit",
     "thin_mean_limit": "limit",
     "track_jet": "track",
+    "transmission_image": "image",
     "usable_contrast": "energy",
+    "wavelength": "refraction",
     "zero_contrast_energies": "energy",
 }
 
@@ -99,35 +147,63 @@ __all__ = [
     "Detector",
     "Frame",
     "FrameFit",
+    "FringeTest",
+    "JetField",
     "Limit",
     "Material",
+    "Medium",
     "RoundJet",
     "RowFit",
+    "Section",
+    "SectionsFit",
+    "Spectrum",
     "Track",
     "attenuation_contrast",
     "best_energy",
     "chord_fractions",
     "chord_frame",
+    "contact_transmission",
     "contrast",
+    "core_and_sheath",
+    "delta_over_mu",
+    "detect_fringes",
+    "edge_fringe_width",
     "equal_shells",
     "error_limit",
     "expected_counts",
+    "expected_image",
     "fit_frame",
     "fit_row",
+    "fit_row_phase",
+    "fit_row_spectrum",
+    "fit_sections",
     "fraction_change",
+    "fresnel_counts",
+    "gaussian_spectrum",
+    "harmonic_spectrum",
     "linear_attenuation",
     "mass_attenuation",
     "material",
     "noisy_counts",
     "opaque_edges",
+    "phase_error_limit",
+    "phase_law",
     "photons_needed",
+    "refraction_decrement",
+    "scintillator_response",
+    "section_chord",
     "shell_chords",
     "shell_weights",
     "solution_absorber",
+    "solution_medium",
+    "spectral_counts",
+    "spectral_law",
     "thin_centre_limit",
     "thin_mean_limit",
     "track_jet",
+    "transmission_image",
     "usable_contrast",
+    "wavelength",
     "zero_contrast_energies",
 ]
 

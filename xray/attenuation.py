@@ -29,6 +29,7 @@ __all__ = [
     "SOLVENT_FORMULAS",
     "Material",
     "attenuation_contrast",
+    "composition_formulas",
     "mass_attenuation",
     "material",
 ]
@@ -179,6 +180,14 @@ def attenuation_contrast(
     """
     p, s = material(polymer, temperature=temperature), material(solvent, temperature=temperature)
     return p.attenuation(energy_kev, coherent=coherent) - s.attenuation(energy_kev, coherent=coherent)
+
+
+def composition_formulas(composition: Composition) -> dict[str, float]:
+    """Mass fraction of each chemical formula of a checked composition."""
+    found: dict[str, float] = {}
+    for name, weight in _weights(composition).items():
+        found[_formula(name)] = found.get(_formula(name), 0.0) + weight
+    return found
 
 
 def _weights(composition: Composition) -> dict[str, float]:

@@ -15,6 +15,7 @@ import typer
 
 from spinline.cli_images import register
 from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli_simulate import register as register_simulate
 from spinline.cli_trade import plan, trade
 from spinline.errors import InputError, SpinlineWarning
 
@@ -281,6 +282,7 @@ def import_jet(
 
 
 register(app)
+register_simulate(app)
 
 
 def main() -> None:
