@@ -17,6 +17,7 @@ module             law
 `row`              shells, radius, axis and beam from one row of counts, by likelihood
 `start`            where the jet is in a noisy row
 `scoring`          the largest Poisson likelihood
+`map_fit`          phi(r, z), radius, axis and beam of all rows at once; its parts are `map_*`
 `absorption`       Eqs. (41)-(42): what a change of attenuation says
 `chord`            the same on every chord of a row: the quick look, and its price
 `refraction`       decrement of the refractive index
@@ -57,6 +58,8 @@ if TYPE_CHECKING:
     from spinline.xray.fringes import FringeTest, detect_fringes
     from spinline.xray.image import JetField, core_and_sheath, expected_image, transmission_image
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
+    from spinline.xray.map_fit import fit_map
+    from spinline.xray.map_result import MapDraws, MapFit
     from spinline.xray.medium import Medium, solution_medium
     from spinline.xray.phase_fit import fit_row_phase, phase_error_limit, phase_law
     from spinline.xray.phase_retrieval import contact_transmission
@@ -80,6 +83,8 @@ _NAMES = {
     "FringeTest": "fringes",
     "JetField": "image",
     "Limit": "limit",
+    "MapDraws": "map_result",
+    "MapFit": "map_result",
     "Material": "attenuation",
     "Medium": "medium",
     "RoundJet": "forward",
@@ -104,6 +109,7 @@ _NAMES = {
     "expected_counts": "forward",
     "expected_image": "image",
     "fit_frame": "frame",
+    "fit_map": "map_fit",
     "fit_row": "row",
     "fit_row_phase": "phase_fit",
     "fit_row_spectrum": "spectral",
@@ -150,6 +156,8 @@ __all__ = [
     "FringeTest",
     "JetField",
     "Limit",
+    "MapDraws",
+    "MapFit",
     "Material",
     "Medium",
     "RoundJet",
@@ -173,6 +181,7 @@ __all__ = [
     "expected_counts",
     "expected_image",
     "fit_frame",
+    "fit_map",
     "fit_row",
     "fit_row_phase",
     "fit_row_spectrum",

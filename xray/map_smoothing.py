@@ -1,0 +1,160 @@
+"""How smooth a map is, told by its own counts: restricted maximum likelihood.
+
+Coefficients c with roughness ``c^T S_j c`` and weights lambda_j are the mode of a posterior whose prior has the precision
+``S = sum_j lambda_j S_j``. The weights maximise the likelihood with the coefficients integrated out (Laplace's approximation,
+exact for a quadratic one). Near a working point with curvature A and ``V = (A + S)^-1`` its slope vanishes where
+
+    lambda_j c^T S_j c = lambda_j (tr(S^- S_j) - tr(V S_j)) = e_j,
+
+the roughness that is there against the degrees of freedom e_j that the counts leave term j. One thing is added: a prior of
+the weights, flat in the variance ``1/lambda_j`` of the differences (Gelman), for without it a term whose signal is near
+the noise is often put to nothing (lambda_j -> infinity), and its errors with it. So ``lambda_j c^T S_j c + 2 = e_j``,
+found by (Wood)
+
+    lambda_j <- lambda_j e_j/(lambda_j c^T S_j c + 2)
+
+whose steps in ln lambda are stretched by secants.
+
+References
+----------
+Gelman, Bayesian Anal. 1, 515 (2006), on such priors.
+Wood and Fasiolo, Biometrics 73, 1071 (2017), without it; Fellner, Technometrics 28, 51 (1986).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spinline.checks import FloatArray
+from spinline.xray.map_band import factorised
+from spinline.xray.map_basis import AxialBasis, RadialBasis
+
+__all__ = ["Penalty"]
+
+_LEAST_FREEDOM = 2.0  # from the prior, flat in 1/lambda
+_GONE = 0.02  # degrees of freedom that do not matter
+_CLOSE = 0.1  # of the error of ln lambda
+
+
+@dataclass(frozen=True, eq=False)
+class Penalty:
+    """Roughness of a map: of the fraction across and along the jet, and of each nuisance along it.
+
+    Attributes
+    ----------
+    radial, axial : RadialBasis, AxialBasis
+    names : tuple of str
+        Of the terms: "fraction across", then, with more than one spline along z, "fraction along" and the nuisances.
+    """
+
+    radial: RadialBasis
+    axial: AxialBasis
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, radial: RadialBasis, axial: AxialBasis, nuisances: Sequence[str]) -> "Penalty":
+        """Terms for these fitted nuisances."""
+        return cls(radial, axial, ("fraction across", *(("fraction along", *nuisances) if axial.size > 1 else ())))
+
+    def added(self, matrix: FloatArray, weights: FloatArray) -> FloatArray:
+        """A band, as in `map_band.assembled`, with the roughness added."""
+        out = matrix.copy()
+        n = self.radial.size
+        out[:, 0, :n, :n] += weights[0] * self.radial.penalty
+        for term, columns in self._along():
+            out[:, :, columns, columns] += weights[term] * self.axial.penalty[:, :, None]
+        return out
+
+    def applied(self, coefficients: FloatArray, weights: FloatArray) -> FloatArray:
+        """S c, shape (splines, n)."""
+        out = np.zeros_like(coefficients)
+        n = self.radial.size
+        out[:, :n] = weights[0] * coefficients[:, :n] @ self.radial.penalty
+        for term, columns in self._along():
+            c = coefficients[:, columns]
+            out[:, columns] += weights[term] * self.axial.penalty[:, :1] * c
+            for d in range(1, self.axial.order + 1):
+                band = weights[term] * self.axial.penalty[:-d, d : d + 1]
+                out[:-d, columns] += band * c[d:]
+                out[d:, columns] += band * c[:-d]
+        return out
+
+    def roughness(self, coefficients: FloatArray) -> FloatArray:
+        """``c^T S_j c`` of each term."""
+        fraction = coefficients[:, : self.radial.size]
+        across = float(((fraction @ self.radial.differences.T) ** 2).sum())
+        return np.array([across, *(self.axial.quadratic(coefficients[:, c]).sum() for _, c in self._along())])
+
+    def prior(self, weights: FloatArray) -> FloatArray:
+        """``lambda_j tr(S^- S_j)`` of each term: its degrees of freedom before there are counts."""
+        out = np.full(len(self.names), float(self.axial.size - self.axial.order))
+        if len(self.names) == 1:
+            out[0] = np.count_nonzero(self.radial.roughness)
+            return out
+        across = weights[0] * self.radial.roughness[:, None]
+        total = across + weights[1] * self.axial.roughness
+        share = np.divide(across, total, out=np.zeros_like(total), where=total > 0.0)
+        out[0] = share.sum()
+        out[1] = np.count_nonzero(total) - out[0]
+        return out
+
+    def traces(self, covariance: FloatArray) -> FloatArray:
+        """``tr(V S_j)`` of each term, from the inverse within the band."""
+        n = self.radial.size
+        across = float((covariance[:, 0, :n, :n].sum(axis=0) * self.radial.penalty).sum())
+        diagonal = np.diagonal(covariance, axis1=2, axis2=3).copy()
+        diagonal[:, 1:] *= 2.0
+        sums = (diagonal * self.axial.penalty[:, :, None]).sum(axis=(0, 1))
+        return np.array([across, *(sums[c].sum() for _, c in self._along())])
+
+    def improved(
+        self, matrix: FloatArray, right: FloatArray, coefficients: FloatArray, weights: FloatArray, sweeps: int
+    ) -> tuple[FloatArray, FloatArray, bool]:
+        """Better weights for a quadratic likelihood, by up to `sweeps` updates.
+
+        Parameters
+        ----------
+        matrix, right : ndarray
+            Curvature and slope of the log-likelihood at the coefficients.
+        coefficients : ndarray, shape (splines, n)
+        weights : ndarray, shape (terms,)
+        sweeps : int
+            0 leaves the weights as they are.
+
+        Returns
+        -------
+        weights, proposed, settled
+            With the mode for these weights.
+        """
+        weights = weights.copy()
+        last_gap = last_step = None
+        for sweep in range(sweeps + 1):
+            factor = factorised(self.added(matrix, weights))
+            proposed = coefficients + factor.solve(right - self.applied(coefficients, weights))
+            if sweep == sweeps:
+                break
+            taken = weights * self.traces(factor.covariance())
+            freedom = np.maximum(self.prior(weights) - taken, 0.0)
+            rough = weights * self.roughness(proposed)
+            close = np.abs(rough + _LEAST_FREEDOM - freedom) < _CLOSE * np.sqrt(freedom + _GONE)
+            idle = (rough + _LEAST_FREEDOM > freedom) & (taken < _GONE)  # a smaller weight would change nothing
+            if (close | idle).all():
+                return weights, proposed, True
+            gap = np.log((freedom + 1e-6) / (rough + _LEAST_FREEDOM))
+            stretch = np.ones_like(gap)
+            if last_gap is not None and last_step is not None:
+                change = last_gap - gap
+                ratio = np.divide(last_step, change, out=np.ones_like(gap), where=np.abs(change) > 1e-9)
+                stretch = np.where(
+                    (ratio > 0.0) & (gap * last_gap > 0.0), np.clip(ratio, 1.0, 5.0), np.clip(ratio, 0.3, 1.0)
+                )
+            last_gap, last_step = gap, np.where(idle, 0.0, np.clip(stretch * gap, -4.0, 4.0))
+            weights *= np.exp(last_step)
+        return weights, proposed, False
+
+    def _along(self) -> list[tuple[int, FloatArray]]:
+        n = self.radial.size
+        if len(self.names) == 1:
+            return []
+        return [(1, np.arange(n)), *((t, np.array([n + t - 2])) for t in range(2, len(self.names)))]
