@@ -208,7 +208,8 @@ def fit_frame(
     -----
     1 to 2 ms a block of 400 pixels.
     """
-    require_contrast(absorber)
+    if one is fit_row:
+        require_contrast(absorber)
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     path = require_track(frame) if track is None else track
     half = 0.5 * frame.counts.shape[1] - 1.0

@@ -9,8 +9,8 @@ method      what it does                                               price
 ==========  =========================================================  ==============
 `chord`     Eqs. (41)-(42), every chord on its own: the quick look     0.2 ms a row
 `row`       Poisson likelihood of shells, radius, axis, beam, blur     1 to 2 ms a row
-`map`       penalised likelihood over (r, z)
-`phase`     frames with fringes
+`map`       penalised likelihood of all rows, smooth in (r, z)         1 ms a row
+`phase`     as `row`, of the wave with its fringes                     60 ms a block
 ==========  =========================================================  ==============
 
 Work is kept beside the result while it goes on: interrupted, it goes on where it stopped, and ends in the same numbers.
