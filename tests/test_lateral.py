@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+import spinline as sl
 from spinline.errors import InputError
 from spinline.jetprofile import PowerLaw
 from spinline.network import affine_network, lateral_network, radial_mesh
 from spinline.network.lateral import _march
+from spinline.scene import load_scene
 
 JET = PowerLaw(radius=125e-6, flow_rate=8.9e-10, k=1.0, beta=0.47)
 Z = np.linspace(0.0, 10e-3, 401)
@@ -138,3 +140,17 @@ def test_random_stations_end_in_numbers_or_a_named_error():
         flux = (np.diff(network.edges**2, axis=1) * network.polymer_fraction).sum(axis=1) * w
         np.testing.assert_allclose(flux, 0.1, rtol=1e-9)
     assert answered > 8
+
+
+def test_in_a_run():
+    """`network.lateral`: one more radius, and the fraction across the network, its flux that of the polymer."""
+    result = sl.run(load_scene("peo5-water", ["network.lateral=true", "accuracy.points=201"]))
+    radius, jet = result["lateral_network_radius"].values, result["radius"].values
+    assert (radius <= jet * (1 + 1e-12)).all()
+    assert radius[-1] < jet[-1]
+    assert (radius >= 0.9 * jet).all()  # F is 1e-3: no time to contract as Eq. (39) says
+    assert result["lateral_polymer_fraction"].dims == ("z", "layer")
+    still = result["lateral_polymer_fraction"].values[0]
+    np.testing.assert_allclose(still, float(result["volume_fraction"]), rtol=1e-9)
+    with pytest.raises(InputError, match="straight"):
+        sl.run(load_scene("pvp-jetspin", ["network.lateral=true"]))

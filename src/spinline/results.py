@@ -59,6 +59,9 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "orientation_std_error": ("1", "standard error of orientation"),
     "slip_velocity": ("m s-1", "velocity of the solution past the network"),
     "drag_force": ("N", "drag of the solution on one bead of the network"),
+    "lateral_network_radius": ("m", "radius of the network by Eq. (32b) in motion"),
+    "lateral_polymer_fraction": ("1", "polymer volume fraction of the layers of that network, not held at 1"),
+    "layer": ("1", "radius of a layer of the network at rest, over the initial radius"),
     "scission": ("", "strand_force is beyond what a covalent bond holds, 5 nN"),
     "volume_fraction": ("1", "polymer volume fraction of the solution"),
     "crossover_position": ("m", "where the network is fully stretched, Eq. (38)"),
@@ -116,6 +119,10 @@ VARIABLES: dict[str, tuple[str, str]] = {
 }
 
 
+_ACROSS = ("r", "layer")  # dimensions across the jet
+_LAYERED = {"lateral_polymer_fraction": "layer"}  # variables that are not along r
+
+
 def assemble(
     fields: dict[str, Any], numbers: dict[str, Any], attributes: dict[str, Any], jet: "StraightJet | LagrangianJet"
 ) -> xr.Dataset:
@@ -124,7 +131,7 @@ def assemble(
     Parameters
     ----------
     fields : dict
-        Variable name to array along the jet, and across it (``r``) as the last dimension.
+        Variable name to array along the jet, and across it (``r``, ``layer``) as the last dimension.
     numbers : dict
         Variable name to number (or array along time).
     attributes : dict
@@ -143,14 +150,15 @@ def assemble(
     along = (*lead, "element") if beads else ("z",)
     place = "arc_length" if beads else "z"
     coordinates[place] = (along, fields[place], _units(place))
-    if "r" in fields:
-        coordinates["r"] = ("r", fields["r"], _units("r"))
+    for across in _ACROSS:
+        if across in fields:
+            coordinates[across] = (across, fields[across], _units(across))
     data = {}
     for name, values in fields.items():
-        if name not in (place, "r"):
+        if name not in (place, *_ACROSS):
             dims = (*lead, "bead") if beads and name in ("x", "y", "z") else along
-            across = ("r",) if np.ndim(values) > len(dims) else ()
-            data[name] = ((*dims, *across), values, _units(name, beads))
+            inwards = (_LAYERED.get(name, "r"),) if np.ndim(values) > len(dims) else ()
+            data[name] = ((*dims, *inwards), values, _units(name, beads))
     data |= {name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
              for name, value in numbers.items()}  # fmt: skip
     return xr.Dataset(data, coordinates, {key: _storable(value) for key, value in attributes.items()})

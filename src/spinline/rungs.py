@@ -24,6 +24,7 @@ __all__ = [
     "BOND_STRENGTH",
     "Crossover",
     "SettledChain",
+    "lateral_fields",
     "network_fields",
     "network_stretch",
     "settled_chain",
@@ -214,6 +215,38 @@ def slip_fields(
         "drag_force": alpha * BOLTZMANN * solution.temperature / jet.initial_radius * slip,
         "strand_force": force,
         "scission": force > BOND_STRENGTH,
+    }
+
+
+def lateral_fields(
+    fields: dict[str, FloatArray], scene: Scene, solution: Solution, jet: StraightJet
+) -> dict[str, FloatArray]:
+    """Network across the jet, Eq. (32b) in motion: its radius, and the polymer fraction of its layers.
+
+    Raises
+    ------
+    InputError
+        Where alpha_v is not known.
+    """
+    from spinline.network.lateral import lateral_network
+
+    alpha, _, words = coupling(scene, solution, jet)
+    if np.isnan(alpha):
+        raise InputError("network.lateral", f"needs alpha_v, which is {words}", remedy="give network.coupling")
+    pace = scene.network.spring.value / alpha * jet.initial_velocity / jet.initial_radius
+    contraction = fields["radial_contraction"]
+    across = lateral_network(
+        pace * fields["residence_time"],
+        fields["velocity_ratio"],
+        contraction / contraction[0],
+        solution.volume_fraction,
+        network_velocity_ratio=fields["network_velocity_ratio"],
+        rtol=max(1e-5, min(1e-3, 0.1 * scene.accuracy.rtol)),
+    )
+    return {
+        "layer": 0.5 * (across.layer_edges[1:] + across.layer_edges[:-1]),
+        "lateral_network_radius": across.radius_ratio * fields["radius"],
+        "lateral_polymer_fraction": across.polymer_fraction,
     }
 
 

@@ -179,6 +179,7 @@ class NetworkSection(Section):
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
     coupling: Number | None = None
     coarse_grain: Number | None = None
+    lateral: bool = False
     inertia: NumberOrZero = Measured(0.0, 0.0, "0")
     force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
     solvent_quality: Literal["theta", "good"] = "theta"

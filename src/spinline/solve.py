@@ -22,6 +22,7 @@ from spinline.rungs import (
     BOND_STRENGTH,
     Crossover,
     SettledChain,
+    lateral_fields,
     network_fields,
     settled_chain,
     slip_fields,
@@ -138,6 +139,10 @@ def run(scene: Scene) -> "xr.Dataset":
     fields = profile | network_fields(profile, scene, solution, network, extra)
     if network is not None and isinstance(jet, StraightJet):
         fields |= slip_fields(fields, network, scene, solution, jet)
+    if scene.network.lateral:
+        if not isinstance(jet, StraightJet):
+            raise InputError("network.lateral", "needs a straight jet", value=True, remedy="leave it out")
+        fields |= lateral_fields(fields, scene, solution, jet)
     if scene.network.model == "walk":
         fields |= walk_fields(fields, scene, solution)
     scalars: dict[str, Any] = {"volume_fraction": phi}
