@@ -187,7 +187,7 @@ def dried_state(
     velocity_ratio, volume_fraction, solvent_quality
         What it was made with.
     remaining : array_like
-        Volume left over volume at the start, in [phi, 1]; 1 gives `state`.
+        Volume left over volume at the start, phi or more (above 1: the jet has taken up vapour); 1 gives `state`.
 
     Returns
     -------
@@ -195,12 +195,13 @@ def dried_state(
         Every fraction over `remaining`, held at 1 likewise; a compacted network has the radius of its polymer.
     """
     phi = number("volume_fraction", volume_fraction, least=1e-100, below=1.0)
-    left = real("remaining", remaining, least=phi * (1 - 1e-12), most=1.0 + 1e-12)
+    left = real("remaining", remaining, least=phi * (1 - 1e-12))
     v, w = real("velocity_ratio", velocity_ratio, least=1e-100), state.network_velocity_ratio
     walk = state.conformation
-    core, compacted = saturate(fraction_walk(walk, phi) / left)
-    eq40, compacted_eq40 = saturate(fraction_eq40(w, phi, solvent_quality) / left)
-    conservative, compacted_conservative = saturate(fraction_conservative(walk, v, phi, solvent_quality) / left)
+    with np.errstate(over="ignore"):  # inf is the answer there, held at 1
+        core, compacted = saturate(fraction_walk(walk, phi) / left)
+        eq40, compacted_eq40 = saturate(fraction_eq40(w, phi, solvent_quality) / left)
+        conservative, compacted_conservative = saturate(fraction_conservative(walk, v, phi, solvent_quality) / left)
     _, needed = conservative_radius_ratio(walk, v, phi, solvent_quality)
     free, _ = conservative_radius_ratio(walk, np.full(v.shape, 1e-100), phi, solvent_quality)
     needed = needed / np.sqrt(left)

@@ -403,6 +403,32 @@ def test_what_does_not_freeze_says_why() -> None:
     assert "No structure is frozen in" in " ".join(sl.report.words(rubber))
 
 
+def test_to_complete_dryness_across_the_jet() -> None:
+    """The integration may undershoot dryness by its error: what is dry is dry, and no more."""
+    thin = (
+        "solution={polymer='PCL', solvent='DCM', volume_fraction=0.0836, relaxation_time='1 ms'}",
+        "jet={profile='hyperbolic', radius='11 um', flow_rate='1e-11 m3/s', length='2 mm', p=300}",
+        "effects.evaporation=true", "effects.radial=true", "rheology.diffusivity=6e-8 m2/s",
+        "rheology.convention=yarin2001", "accuracy.shells=8", "rheology.vitrification_fraction=0.9",
+    )  # fmt: skip
+    result = quiet("peo5-water", *thin)
+    assert float(result["mean_polymer_fraction"][-1]) == pytest.approx(1, abs=1e-6)
+    for name in ("mean_polymer_fraction", "polymer_fraction", "drying_polymer_fraction", "surface_polymer_fraction"):
+        assert (result[name] <= 1).all()
+    flux = np.pi * result["radius"] ** 2 * result["velocity"] * result["mean_polymer_fraction"]
+    np.testing.assert_allclose(flux, 0.0836e-11, rtol=1e-12)
+
+
+def test_a_jet_may_take_up_vapour() -> None:
+    wet = quiet(
+        "peo5-water", "solution={polymer='PEO', solvent='water', volume_fraction=0.5}", "ambient.relative_humidity=0.999",
+        "effects.evaporation=true", "rheology.convention=yarin2001",
+    )  # fmt: skip
+    assert float(wet["evaporated_fraction"][-1]) < -0.01
+    assert float(wet["mean_polymer_fraction"][-1]) < 0.5
+    assert "takes up" in " ".join(sl.report.words(wet))
+
+
 # --- what is asked for, and what is refused --------------------------------------------------------------------------
 
 

@@ -121,7 +121,37 @@ def dry(
         path, phi, air.volatiles[0], diffusion, air_viscosity=air.viscosity, air_velocity=air.velocity,
         sherwood_floor=air.floor, vitrification_fraction=None if np.isnan(glass) else glass, cells=cells, rtol=rtol,
     )  # fmt: skip
+    radial = _not_below_dryness(radial, path, phi)
     return replace(dried, remaining=radial.remaining, lost=radial.lost, radial=radial)
+
+
+_UNDERSHOOT = 1e-5  # of the solvent there was
+
+
+def _not_below_dryness(radial: "RadialDrying", path: "ElementPath", phi: float) -> "RadialDrying":
+    """The same with cells that the integration left below dryness, by less than its error, dry.
+
+    Raises
+    ------
+    InputError
+        Where they are farther below than that.
+    """
+    wet = 1 / radial.polymer_fraction - 1
+    if wet.min() >= 0:
+        return radial
+    if wet.min() < -_UNDERSHOOT * (1 - phi) / phi:
+        raise InputError(
+            "accuracy.shells", "is too small: the jet dries beyond dryness", value=radial.polymer_share.size,
+            remedy="raise it",
+        )  # fmt: skip
+    wet = np.maximum(wet, 0.0)
+    volume = np.concatenate((np.zeros((wet.shape[0], 1)), np.cumsum(radial.polymer_share * (1 + wet), axis=1)), axis=1)
+    left = phi * volume[:, -1]
+    stretch = path.stretch(path.position) * (left if path.given == "radius" else 1.0)
+    return replace(
+        radial, polymer_fraction=1 / (1 + wet), mean_fraction=1 / volume[:, -1], remaining=left, lost=1 - left,
+        edges=path.initial_radius * np.sqrt(phi * volume / stretch[:, np.newaxis]),
+    )  # fmt: skip
 
 
 def check_radial(air: Air) -> None:

@@ -88,7 +88,11 @@ class Extra:
         n = self.scene.network
         rest = network_state(1.0, 1.0, phi, closure=n.closure, solvent_quality=n.solvent_quality)
         here = replace(
-            radial, position=radial.position[at], polymer_fraction=radial.polymer_fraction[at], edges=radial.edges[at]
+            radial,
+            position=radial.position[at],
+            polymer_fraction=radial.polymer_fraction[at],
+            edges=radial.edges[at],
+            mean_fraction=radial.mean_fraction[at],
         )
         _, dried = on_shells(here, self.scene.accuracy.shells)
         joined = contracted(dried, contraction[moment.known] / float(rest.conformation.radial_contraction))

@@ -145,7 +145,13 @@ def constitutive_model(scene: Scene, material: Material) -> "Model":
         assert laws.mobility is not None
         return Giesekus(laws.mobility.value)
     full = float(network_at_rest(material.solution.volume_fraction, scene.network.solvent_quality).full_stretch)
-    return FENEP(given(laws.extensibility, full**2))
+    limit = given(laws.extensibility, full**2)
+    if not limit > 3:
+        raise InputError(
+            "rheology.extensibility", "is that of strands too short for FENE-P", value=limit, allowed="(3, 1e12]",
+            remedy='take constitutive = "UCM" and closure = "force", or give it',
+        )  # fmt: skip
+    return FENEP(limit)
 
 
 def diffusion_law(scene: Scene) -> "DiffusionLaw":

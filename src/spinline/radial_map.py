@@ -29,7 +29,7 @@ def on_shells(radial: "RadialDrying", shells: int) -> tuple[FloatArray, FloatArr
     edges = np.linspace(0.0, 1.0, shells + 1)
     area = (radial.edges / radial.edges[:, -1:]) ** 2
     inside = np.zeros(area.shape)  # polymer within an edge, over the cross-section
-    inside[:, 1:] = np.cumsum(radial.polymer_fraction * np.diff(area, axis=1), axis=1)
+    inside[:, 1:] = np.cumsum(radial.polymer_share) / radial.polymer_share.sum() * radial.mean_fraction[:, np.newaxis]
     held = np.array([np.interp(edges**2, a, p) for a, p in zip(area, inside, strict=True)])
     fraction = np.diff(held, axis=1) / np.diff(edges**2)
     return 0.5 * (edges[1:] + edges[:-1]), np.minimum(fraction, 1.0)  # rounding only

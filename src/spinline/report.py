@@ -124,7 +124,10 @@ def _dried(result: xr.Dataset, end: int) -> list[str]:
     if "evaporated_fraction" in result:
         lost = 100 * float(result["evaporated_fraction"].values[end])
         mean = float(result["mean_polymer_fraction"].values[end])
-        sentences.append(f"The jet loses {lost:.3g} % of its volume; its mean polymer fraction ends at {mean:.3g}.")
+        change = (
+            f"loses {lost:.3g} % of its volume" if lost >= 0 else f"takes up {-lost:.3g} % of its volume from the air"
+        )
+        sentences.append(f"The jet {change}; its mean polymer fraction ends at {mean:.3g}.")
     if "deborah_number" in result:
         w, affine = (float(result[name].values[end]) for name in ("network_velocity_ratio", "stretch_ratio"))
         sentences.append(

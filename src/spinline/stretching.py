@@ -77,7 +77,7 @@ def stretch_strands(
     InputError
         For a missing property, or a history that a linear model cannot hold.
     """
-    from spinline.rheology.conformation import OldroydB, conformation, tensile_force
+    from spinline.rheology.conformation import FENEP, OldroydB, conformation, tensile_force
 
     theta = material.relaxation_time(fraction)
     late = time[0] > 0
@@ -91,7 +91,8 @@ def stretch_strands(
     try:
         state = conformation(along[0], along[1], along[2], model, strain_rate=rate, rtol=_RTOL)
     except InputError as error:
-        remedy = f'{error.remedy or "see the jet"}; or rheology.constitutive = "FENE-P"'
+        other = "UCM" if isinstance(model, FENEP) else "FENE-P"
+        remedy = f'{error.remedy or "see the jet"}; or rheology.constitutive = "{other}"'
         raise InputError(f"jet: {error.field}", error.problem, value=error.value, allowed=error.allowed,
                          remedy=remedy) from None  # fmt: skip
     cut = slice(1, None) if late else slice(None)
