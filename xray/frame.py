@@ -208,7 +208,8 @@ def fit_frame(
     -----
     1 to 2 ms a block of 400 pixels.
     """
-    require_contrast(absorber)
+    if one is fit_row:
+        require_contrast(absorber)
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     path = require_track(frame) if track is None else track
     half = 0.5 * frame.counts.shape[1] - 1.0
@@ -217,7 +218,12 @@ def fit_frame(
     for b, (start, stop) in enumerate(fit.rows.tolist()):
         inside = slice(start, stop)
         radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
-        smear = 0.0 if stop - start == 1 else float(np.hypot(np.std(_line(axis)), np.std(_line(radius))))
+        smear = float(
+            np.hypot(
+                _trend(radius, path.radius_std[inside], path.found[inside]),
+                _trend(axis, path.axis_std[inside], path.found[inside]),
+            )
+        )
         if smear > _SMEARED:
             fit.flag(b, "smeared")
         try:
@@ -241,11 +247,20 @@ def fit_frame(
     return fit
 
 
-def _line(values: FloatArray) -> FloatArray:
-    """Straight line through the values: their trend without their noise."""
+def _trend(values: FloatArray, std: FloatArray, found: BoolArray) -> float:
+    """Standard deviation of a straight line through the values; 0 where that may be noise."""
+    if values.size < 2:
+        return 0.0
     at = np.arange(values.size)
-    line: FloatArray = np.asarray(np.polyval(np.polyfit(at, values, 1), at), dtype=np.float64)
-    return line
+    own = found.sum() > 0.5 * values.size
+    if own:
+        at, values, std = at[found], values[found], std[found]
+    if at.size < 2:
+        return 0.0
+    line = np.polyval(np.polyfit(at, values, 1), at)
+    noise = float(np.median(std)) / np.sqrt(at.size if own else 1.0)
+    spread = float(np.std(line))
+    return spread if spread > 3.0 * noise else 0.0
 
 
 def _fill(fit: FrameFit, block: int, row: RowFit) -> None:

@@ -37,6 +37,8 @@ class Track:
         Attenuation per pixel length.
     covariance : ndarray, shape (rows, 5, 5)
         Of attenuation, radius, axis, level, slope, in this order; NaN where the row was not fitted on its own.
+    radius_std, axis_std : ndarray, shape (rows,)
+        Standard deviations; those of the group of rows around where the row itself does not hold the jet.
     found : ndarray of bool, shape (rows,)
         The row itself holds the jet: its radius is known to 10 %. Elsewhere radius and axis are those of its neighbours.
     """
@@ -47,6 +49,8 @@ class Track:
     slope: FloatArray
     attenuation: FloatArray
     covariance: FloatArray
+    radius_std: FloatArray
+    axis_std: FloatArray
     found: BoolArray
 
 
@@ -72,7 +76,7 @@ def track_jet(counts: FloatArray, flat: FloatArray, dark: FloatArray, good: Bool
     usable = good.sum(axis=1) >= 8
     if not usable.any():
         return None
-    coarse: tuple[FloatArray, FloatArray, FloatArray] | None = None
+    coarse: tuple[FloatArray, ...] | None = None
     for groups in _GROUPS:
         if groups > rows:
             continue
@@ -81,7 +85,7 @@ def track_jet(counts: FloatArray, flat: FloatArray, dark: FloatArray, good: Bool
             break
     if coarse is None:
         return None
-    radius, axis, depth = coarse
+    radius, axis, depth, radius_std, axis_std = coarse
     ratio = np.where(good, (counts - dark) / np.where(good, flat, 1.0), np.nan)
     start = np.empty((rows, 5))
     start[:, 0], start[:, 1], start[:, 2] = depth, radius, axis
@@ -90,16 +94,19 @@ def track_jet(counts: FloatArray, flat: FloatArray, dark: FloatArray, good: Bool
     fitted, covariance, settled = _uniform(counts, flat, dark, good & usable[:, None], start, together)
     spread = np.sqrt(np.maximum(covariance[:, 1, 1], 0.0))
     off = np.abs(fitted[:, 1] - radius) > 0.25 * radius + 2.0 + 3.0 * spread
-    found = settled & usable & (spread < _SURE * fitted[:, 1]) & ~off
+    deep = fitted[:, 0] > 4.0 * np.sqrt(np.maximum(covariance[:, 0, 0], 0.0))
+    found = settled & usable & deep & (spread < _SURE * fitted[:, 1]) & ~off
     at = np.where(found[:, None], fitted, start)
     covariance[~(settled & usable)] = np.nan
-    return Track(at[:, 1], at[:, 2], at[:, 3], at[:, 4], at[:, 0], covariance, found)
+    own = [np.sqrt(np.where(found, covariance[:, i, i], 0.0)) for i in (1, 2)]
+    radius_std, axis_std = np.where(found, own[0], radius_std), np.where(found, own[1], axis_std)
+    return Track(at[:, 1], at[:, 2], at[:, 3], at[:, 4], at[:, 0], covariance, radius_std, axis_std, found)
 
 
 def _coarse(
     counts: FloatArray, flat: FloatArray, dark: FloatArray, good: BoolArray, groups: int
-) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Radius, axis and attenuation of every row from groups of rows; None where too few groups show the jet."""
+) -> tuple[FloatArray, ...] | None:
+    """Radius, axis, attenuation of every row and the first two's errors; None where too few groups of rows show the jet."""
     rows, n = counts.shape
     bounds = np.linspace(0, rows, groups + 1).astype(int)
     total = [np.add.reduceat(np.where(good, a, 0.0), bounds[:-1], axis=0) for a in (counts, flat, dark)]
@@ -127,7 +134,8 @@ def _coarse(
     radius, axis, m = (
         np.interp(rows_at, middle, _median5(np.abs(fitted[sure, i]) if i == 1 else fitted[sure, i])) for i in (1, 2, 0)
     )
-    return radius, axis, m
+    errors = (np.interp(rows_at, middle, np.sqrt(np.maximum(covariance[sure, i, i], 0.0))) for i in (1, 2))
+    return radius, axis, m, *errors
 
 
 def _median5(values: FloatArray) -> FloatArray:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["register"]
 
 ImagesArgument = Annotated[str, typer.Argument(metavar="IMAGES", help="Images file, or the name of a bundled set.")]
-MethodOption = Annotated[str | None, typer.Option("--method", help="Override method: chord, row.")]
+MethodOption = Annotated[str | None, typer.Option("--method", help="Override method: chord, row, map, phase.")]
 
 
 def register(app: typer.Typer) -> None:

@@ -4,8 +4,10 @@
 before anyone waits; `calibrated` scales the attenuation so that the polymer fraction at the nozzle is the known one.
 """
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,13 +18,19 @@ from spinline.errors import InputError
 from spinline.fields import Fields, build_fields, open_counts, photons_frame
 from spinline.frames import FrameSum, Stack, sample_frames
 from spinline.images import KEV, Images
-from spinline.phase_method import folded, fringe_remarks
+from spinline.units import parse
 from spinline.xray.absorption import contrast
 from spinline.xray.attenuation import Composition, Material, mass_attenuation
+from spinline.xray.energy import usable_contrast
 from spinline.xray.forward import Absorber, RoundJet
 from spinline.xray.frame import Frame, fit_frame, require_track
+from spinline.xray.fringes import detect_fringes
 from spinline.xray.limit import error_limit, require_contrast
-from spinline.xray.solution import solution_absorber
+from spinline.xray.medium import Medium, solution_medium
+from spinline.xray.phase_fit import phase_law, phase_start
+from spinline.xray.row import RowFit, fit_row
+from spinline.xray.spectral import spectral_law
+from spinline.xray.spectrum import Spectrum
 from spinline.xray.track import Track, track_jet
 
 if TYPE_CHECKING:
@@ -30,6 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Calibration", "Experiment", "build_absorber", "calibrated", "expected_errors", "nuisances", "prepare"]
 
+_FRINGE_GROUPS = 12
 _FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
 _HC = 1.98644586e-25  # J m
 
@@ -65,6 +74,8 @@ class Experiment:
         m.
     absorber : Absorber
         Calibrated, where rows were given.
+    medium : Medium or None
+        Attenuation and refraction at every line of the beam; None where attenuation was given.
     calibration : Calibration
     notes : dict of str
         How each of these was come by.
@@ -80,6 +91,7 @@ class Experiment:
     pixel_std: float
     blur: float
     absorber: Absorber
+    medium: "Medium | None"
     calibration: Calibration
     notes: dict[str, str]
     remarks: tuple[str, ...]
@@ -118,7 +130,7 @@ def prepare(
         For whatever cannot be reduced.
     """
     solution = build_solution(images)
-    absorber, words = build_absorber(images, solution)
+    absorber, medium, words = build_absorber(images, solution)
     stack = open_counts(images)
     fields = build_fields(images, stack)
     notes = {"attenuation": words, **fields.notes}
@@ -135,32 +147,25 @@ def prepare(
         notes["blur"] = f"{images.blur.text}, given"
     frame = _without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
     _require_upright(frame)
-    if images.method == "phase":
-        track = require_track(folded(images, solution, frame))
-    else:
-        try:
-            track = require_track(frame)
-        except InputError as error:
-            said = fringe_remarks(images, solution, frame, None)
-            raise (InputError("counts", said[0]) if said else error) from None
-        remarks += fringe_remarks(images, solution, frame, track)
+    track = find_track(images, medium, frame)
     _expect_fringes(images, pixel, blur, remarks)
+    remarks += _fringes(images, medium, frame, track)
     remarks += _odd(facts)
     if images.method == "chord" and blur > 0.5 * pixel:
         remarks.append(
             "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
         )
     experiment = Experiment(
-        images, stack, fields, solution, pixel, pixel_std, blur, absorber, Calibration(), notes, tuple(remarks)
+        images, stack, fields, solution, pixel, pixel_std, blur, absorber, medium, Calibration(), notes, tuple(remarks)
     )
     if images.calibration_rows is not None:
         experiment = calibrated(experiment, frame, track)
-    elif images.polymer_attenuation is None:
+    elif images.polymer_attenuation is None and images.energy is not None:
         experiment = replace(experiment, remarks=(*remarks, _uncalibrated(images, solution, absorber)))
     return experiment, frame, track, facts
 
 
-def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, str]:
+def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, "Medium | None", str]:
     """Attenuation of the solution, and in words where it comes from.
 
     Raises
@@ -168,11 +173,6 @@ def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, str]
     InputError
         Near zero contrast, or for a polymer or solvent without a formula.
     """
-    if images.spectrum is not None:
-        raise InputError(
-            "spectrum", "is not reduced yet", value=images.spectrum,
-            remedy="give energy, or the effective polymer_attenuation and solvent_attenuation of the spectrum",
-        )  # fmt: skip
     energy = None if images.energy is None else images.energy.value / KEV
     polymer = solution.polymer
     if images.polymer_attenuation is not None and images.solvent_attenuation is not None:
@@ -180,22 +180,127 @@ def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, str]
         d = float(contrast(s_p.value, polymer.density, s_s.value, solution.solvent_density))
         absorber = Absorber(s_s.value * solution.solvent_density, d)
         require_contrast(absorber)
-        return absorber, f"given: polymer {s_p.text}, solvent {s_s.text}; air neglected"
-    assert energy is not None
+        return absorber, None, f"given: polymer {s_p.text}, solvent {s_s.text}; air neglected"
+    beam = energy if energy is not None else _spectrum(images)
     heavy = _matter("solution.polymer", polymer.repeat_unit or polymer.name, polymer.density)
     light = _matter("solution.solvent", solution.solvent, solution.solvent_density)
     try:
-        absorber = solution_absorber(heavy, light, energy, coherent=images.coherent, temperature=solution.temperature)
+        if energy is not None and images.method != "phase":
+            usable_contrast(heavy, light, energy, coherent=images.coherent, temperature=solution.temperature)
+        medium = solution_medium(heavy, light, beam, coherent=images.coherent, temperature=solution.temperature)
+        absorber = medium.absorber
     except InputError as error:
-        if error.field != "energy_kev":
+        if error.field != "energy_kev" or energy is None:
             raise
         raise InputError(
             "energy", error.problem, value=f"{energy:g} keV", allowed=error.allowed, remedy=error.remedy
         ) from None
     part = "total" if images.coherent else "without coherent scatter"
+    light_of = f"{energy:.6g} keV" if energy is not None else f"{medium.energy_kev.size} lines"
+    words = f"xraylib at {light_of}, {part}: solvent {absorber.solvent:.5g} 1/m, contrast {absorber.contrast:.5g} 1/m"
+    return absorber, medium, words
+
+
+def _spectrum(images: Images) -> Spectrum:
+    """Lines of the beam: a table of energy = share, or a file of two columns, keV and share."""
+    given = images.spectrum
+    if isinstance(given, str):
+        try:
+            lines = np.loadtxt(images.folder / given, delimiter=",", ndmin=2, comments="#")
+        except (OSError, ValueError) as error:
+            raise InputError(
+                "spectrum", f"cannot be read ({error})", value=given, remedy="two columns: keV, share of the signal"
+            ) from None
+        energy, weight = lines[:, 0], lines[:, -1]
+    else:
+        assert given is not None
+        pairs = sorted((parse(key, "energy", "spectrum").value / KEV, share) for key, share in given.items())
+        energy, weight = np.array([e for e, _ in pairs]), np.array([w for _, w in pairs])
+    try:
+        return Spectrum(energy, weight)
+    except InputError as error:
+        raise InputError("spectrum", error.problem, value=error.value, allowed=error.allowed) from None
+
+
+def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
+    """Track of the jet by its absorption, or by its fringes where they are to be reduced."""
+    if images.method != "phase":
+        try:
+            return require_track(frame)
+        except InputError:
+            if (
+                medium is not None
+                and medium.energy_kev.size == 1
+                and (said := _fringe_words(frame, medium, 0, frame.counts.shape[0]))
+            ):
+                raise InputError("method", said, value=images.method) from None
+            raise
+    row_law(images, medium)
+    assert medium is not None
+    assert images.propagation_distance is not None
+    rows = frame.counts.shape[0]
+    bounds = np.linspace(0, rows, min(_FRINGE_GROUPS, rows) + 1).astype(int)
+    places, radii, axes = [], [], []
+    for start, stop in pairwise(bounds.tolist()):
+        try:
+            counts, detector, good = frame.block(start, stop)
+            found = phase_start(counts, medium, detector, images.propagation_distance.value, good=good)
+        except InputError:
+            continue
+        places.append(0.5 * (start + stop - 1))
+        radii.append(found.radius / frame.pixel)
+        axes.append(found.axis / frame.pixel)
+    if not places:
+        return require_track(frame)
+    at = np.arange(rows)
+    radius, axis = np.interp(at, places, radii), np.interp(at, places, axes)
+    one = np.ones(rows)
+    return Track(
+        radius, axis, one, 0 * one, 0 * one, np.full((rows, 5, 5), np.nan), one, one, np.zeros(rows, dtype=np.bool_)
+    )
+
+
+def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:
+    """What fits a block of rows: absorption at one energy, of a spectrum, or with fringes."""
+    if images.method == "phase":
+        if medium is None:
+            raise InputError(
+                "energy", "is missing: fringes need it", remedy="give energy or spectrum, not attenuations"
+            )
+        if images.propagation_distance is None or not images.propagation_distance.value > 0:
+            raise InputError(
+                "propagation_distance", "is missing: fringes need it", remedy="give it, to 10 %: it is fitted"
+            )
+        return phase_law(medium, images.propagation_distance.value)
+    if medium is not None and medium.energy_kev.size > 1:
+        return spectral_law(medium)
+    return fit_row
+
+
+def _fringes(images: Images, medium: "Medium | None", frame: Frame, track: Track) -> list[str]:
+    """Words where fringes would be reduced as absorption."""
+    if images.method == "phase" or medium is None or medium.energy_kev.size > 1:
+        return []
+    start = int(np.argmax(np.where(track.found, track.radius, 0.0)))
+    steady = np.hypot(track.radius - track.radius[start], track.axis - track.axis[start]) < 0.5
+    changed = np.flatnonzero(~steady[start:])
+    height = int(changed[0]) if changed.size else int(steady.size - start)
+    said = _fringe_words(frame, medium, start, start + height)
+    return [said] if said else []
+
+
+def _fringe_words(frame: Frame, medium: Medium, start: int, stop: int) -> str:
+    """What fringes in these rows ask for; empty where there are none."""
+    try:
+        counts, detector, good = frame.block(start, stop)
+        test = detect_fringes(counts, medium, detector, good=good, estimate=False)
+    except InputError:
+        return ""
+    if not test.detected:
+        return ""
     return (
-        absorber,
-        f"xraylib at {energy:.6g} keV, {part}: solvent {absorber.solvent:.5g} 1/m, contrast {absorber.contrast:.5g} 1/m",
+        f"meets fringes in rows {start} to {stop}, {test.significance:.3g} standard deviations: refraction, not absorption; "
+        'take method = "phase" with propagation_distance'
     )
 
 
@@ -220,13 +325,12 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
     first, last = experiment.images.calibration_rows or (0, 0)
     rows = slice(first, last)
     part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
-    here = Track(
-        *(getattr(track, n)[rows] for n in ("radius", "axis", "level", "slope", "attenuation", "covariance", "found"))
-    )
+    here = Track(*(getattr(track, item.name)[rows] for item in dataclasses.fields(Track)))
     height = min(experiment.images.block_rows, last - first)
     fit = fit_frame(
-        part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here
-    )
+        part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here,
+        one=row_law(experiment.images, experiment.medium),
+    )  # fmt: skip
     known = np.isfinite(fit.mean)
     weight = fit.mean_std[known] ** -2.0
     found, std = float((weight * fit.mean[known]).sum() / weight.sum()), float(weight.sum() ** -0.5)
@@ -251,10 +355,14 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
         remarks.append(
             f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?"
         )
+    m = experiment.medium
     words = f"{scale:.4f} +/- {scale_std:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"
     return replace(
         experiment,
         absorber=Absorber(a.solvent * scale, a.contrast * scale, a.air * scale),
+        medium=None
+        if m is None
+        else replace(m, solvent=m.solvent * scale, contrast=m.contrast * scale, air=m.air * scale),
         calibration=Calibration(scale, scale_std),
         notes={**experiment.notes, "calibration": words},
         remarks=tuple(remarks),
@@ -355,7 +463,7 @@ def _smooth(values: FloatArray) -> FloatArray:
 
 
 def _expect_fringes(images: Images, pixel: float, blur: float, remarks: list[str]) -> None:
-    if images.propagation_distance is None or images.energy is None or images.method == "phase":
+    if images.propagation_distance is None or images.energy is None:
         return
     width = float(np.sqrt(_HC / images.energy.value * images.propagation_distance.value))
     if width > 0.5 * max(pixel, blur):

@@ -5,12 +5,18 @@ done, and returns a `FrameFit`. Its name is a value of the key `method`, its mea
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
+from spinline.checks import BoolArray, FloatArray
 from spinline.errors import InputError
-from spinline.experiment import Experiment, nuisances
-from spinline.phase_method import phase_frame
-from spinline.xray.frame import Frame, FrameFit, fit_frame
+from spinline.experiment import Experiment, nuisances, row_law
+from spinline.xray.forward import Detector
+from spinline.xray.frame import Frame, FrameFit, blocks_of, fit_frame, require_track
+from spinline.xray.map_fit import fit_map
+from spinline.xray.model import NUISANCES
 from spinline.xray.quick import chord_frame
 from spinline.xray.track import Track
 
@@ -40,17 +46,53 @@ def _chord(experiment: Experiment, frame: Frame, track: Track | None, _: Done) -
     return chord_frame(frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, track=same)
 
 
+def _map(experiment: Experiment, frame: Frame, track: Track | None, _: Done) -> FrameFit:
+    images = experiment.images
+    path = require_track(frame) if track is None else track
+    rows = blocks_of(frame.counts.shape[0], images.block_rows)
+    blocks = [_block(frame, start, stop) for start, stop in rows.tolist()]
+    middle = [slice(start, stop) for start, stop in rows.tolist()]
+    found = fit_map(
+        np.array([counts for counts, _, _ in blocks]), experiment.absorber, [detector for _, detector, _ in blocks],
+        z=frame.pixel * rows.mean(axis=1), nuisances=nuisances(images), shells=images.shells,
+        radius=frame.pixel * np.array([path.radius[part].mean() for part in middle]),
+        axis=frame.pixel * np.array([path.axis[part].mean() for part in middle]),
+        good=np.array([good for _, _, good in blocks]),
+    )  # fmt: skip
+    covariance = np.array([found.fraction_covariance(i) for i in range(rows.shape[0])])
+    fit = FrameFit(
+        "map", found.edges, rows, found.fraction, covariance, found.mean_fraction, found.mean_fraction_std, found.limit_std,
+        {name: np.asarray(found.values[name]) for name in NUISANCES}, {name: np.asarray(found.std[name]) for name in NUISANCES},
+        np.full(rows.shape[0], found.misfit), np.zeros(rows.shape[0], dtype=np.int64),
+    )  # fmt: skip
+    for block in range(rows.shape[0]):
+        if not found.converged:
+            fit.flag(block, "not_converged")
+        if found.misfit > 4:
+            fit.flag(block, "misfit")
+        if not found.used[block]:
+            fit.flag(block, "not_fitted")
+            fit.reasons[int(rows[block, 0])] = "no usable count: bridged by the rows around"
+        if found.mean_fraction_std[block] > abs(found.mean_fraction[block]):
+            fit.flag(block, "noisy")
+    return fit
+
+
+def _block(frame: Frame, start: int, stop: int) -> tuple[FloatArray, Detector, BoolArray]:
+    """A block, or one without a good pixel."""
+    if frame.good[start:stop].any():
+        return frame.block(start, stop)
+    n = frame.counts.shape[1]
+    return np.zeros(n), Detector(np.ones(n), frame.pixel, blur=frame.blur), np.zeros(n, dtype=np.bool_)
+
+
 def _row(experiment: Experiment, frame: Frame, track: Track | None, done: Done) -> FrameFit:
     images = experiment.images
-    return fit_frame(
+    fit = fit_frame(
         frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, nuisances=nuisances(images),
-        track=track, done=done,
+        track=track, one=row_law(images, experiment.medium), done=done,
     )  # fmt: skip
-
-
-def _phase(experiment: Experiment, frame: Frame, track: Track | None, done: Done) -> FrameFit:
-    images = experiment.images
-    return phase_frame(images, experiment.solution, experiment.absorber, frame, nuisances(images), track, done)
+    return replace(fit, method=images.method)
 
 
 METHODS = {
@@ -58,11 +100,9 @@ METHODS = {
         _chord,
         "Eqs. (41)-(42) on every chord: the published quick look; shells hold means along chords, not local values",
     ),
-    "phase": Method(
-        _phase,
-        "joint Poisson likelihood with Fresnel fringes: shells, radius, axis, level, slope and distance of every block",
-    ),
     "row": Method(_row, "joint Poisson likelihood of shells, radius, axis, level and slope of every block of rows"),
+    "map": Method(_map, "penalised Poisson likelihood of a fraction that is smooth in r and z, all rows at once"),
+    "phase": Method(_row, "joint Poisson likelihood as row, of the wave with its fringes; the distance is fitted"),
 }
 
 

@@ -199,7 +199,7 @@ def _provenance(
         "method": fits[0].method,
         "method_meaning": METHODS[fits[0].method].meaning,
         "fitted_beside_the_fractions": " ".join(nuisances(images))
-        if fits[0].method == "row"
+        if fits[0].method != "chord"
         else "radius axis amplitude slope",
         "frames": stack.frames,
         "frame_shape": f"{stack.rows} x {stack.columns}",
