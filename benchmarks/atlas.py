@@ -79,7 +79,7 @@ def draw(seed, index):
             "coupling": coupling,
             "inertia": float(rng.choice([0.0, 10 ** u(-12, 3)])),
         },
-        "accuracy": {"rtol": 10 ** u(-3, -1), "points": int(rng.choice([2, 17, 101])), "strands": 100},
+        "accuracy": {"rtol": 10 ** u(-3, -1), "points": int(rng.choice([2, 17, 101])), "strands": 100, "steps": 1500},
     }
     scene["effects"] = {name: value if value == "auto" else value == "True" for name, value in scene["effects"].items()}
     scene["rheology"] = {

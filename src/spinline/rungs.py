@@ -37,7 +37,6 @@ __all__ = [
 BOND_STRENGTH = 5e-9  # N, covalent bond
 _FRONT_RTOL = 0.03
 _MOST_BEADS = 3000  # of a chain that is free to join strands
-_MOST_STEPS = 5000  # of it in time: some seconds
 
 
 @dataclass(frozen=True)
@@ -168,9 +167,14 @@ def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> Settled
     # a front of locking passes bead by bead: resolving it in time costs much and the settled state does not need it
     rtol = _FRONT_RTOL if over else float(np.clip(0.1 * scene.accuracy.rtol, 1e-8, 1e-3))
     try:
-        run = run_chain(chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration], most_steps=_MOST_STEPS)
+        run = run_chain(
+            chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration], most_steps=scene.accuracy.steps
+        )
     except ChainError as error:
-        raise InputError("network.model", f"the chain cannot be followed ({error})", value="chain") from None
+        raise InputError(
+            "network.model", f"the chain cannot be followed ({error})", value="chain",
+            remedy="raise accuracy.steps or accuracy.rtol, or join more strands (network.coarse_grain)",
+        ) from None  # fmt: skip
     profile = run.profile
     inner = np.linspace(0.02, 0.9, 200) * length
     earlier = chain_profile(chain, run.snapshots[0]).stretch_at(inner)

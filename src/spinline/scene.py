@@ -198,7 +198,7 @@ class NetworkSection(Section):
 
 class AccuracySection(Section):
     """``[accuracy]``: how far from the finest model an answer may be, points to write and shells across
-    the jet, strands to walk at each point.
+    the jet, strands to walk at each point, steps in time that a chain may take.
     """
 
     rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
@@ -206,6 +206,7 @@ class AccuracySection(Section):
     shells: Annotated[int, Field(ge=8, le=1000)] = 100
     strands: Annotated[int, Field(ge=2, le=100_000_000)] = 10_000
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 20_000
 
 
 class Scene(Section):
