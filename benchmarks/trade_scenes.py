@@ -12,9 +12,9 @@ from spinline.trade import trade
 
 HEAD = """# The trade on the bundled scenes
 
-Written by `python benchmarks/trade_scenes.py docs/howto/trade-of-the-scenes.md`: `spinline trade` on every bundled scene. Errors
-are the largest of the reported quantities against the finest rung of each branch, times those of the processor, on one core of a
-shared machine. The walk's error is that of sampling.
+Written by `python benchmarks/trade_scenes.py docs/howto/trade-of-the-scenes.md`: `spinline trade` on every bundled scene.
+Errors are the largest of the reported quantities against the finest rung of each branch, times those of the processor, on one
+core of a shared machine. The walk's error is that of sampling.
 """
 
 
