@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["Measured", "Trade", "trade", "variant"]
 
 _FINER = 100.0
+_AFFORDABLE = 3000  # steps of a chain
 _PATIENCE = 2.0  # s; a rung slower than this is measured once
 
 
@@ -121,7 +122,7 @@ def trade(scene: Scene, *, quick: bool = False, progress: Callable[[str], None] 
         rungs.append(("manifold", "steady", law))
         if not quick:
             rungs += [
-                ("chain", f"rtol {r:.0e}", {"rtol": r, **law})
+                ("chain", f"rtol {r:.0e}", {"rtol": r, "steps": min(scene.accuracy.steps, _AFFORDABLE), **law})
                 for r in (max(rtol, 1e-3), 1e-3)[: 2 if rtol > 1e-3 else 1]
             ]
     if relaxing:
