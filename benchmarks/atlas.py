@@ -218,6 +218,21 @@ def _bin(name, value):
     return int(np.clip((np.log10(value) - low) / (high - low) * BINS, 0, BINS - 1))
 
 
+def replay(path):
+    """Judge the failures of a summary again, and write what they are now into it."""
+    summary = json.loads(path.read_text(encoding="utf-8"))
+    warm()
+    again = [judge(summary["seed"], item["index"]) for item in summary["failures"]]
+    summary["failed_at_first"] = summary["failed"]
+    summary["replayed"] = [
+        {"index": index, "kind": kind, "model": model, "words": words[:200], "seconds": round(seconds, 2)}
+        for index, kind, model, words, seconds, _ in again
+    ]
+    summary["failed"] = sum(outcome[1] not in ("result", "refused") for outcome in again)
+    path.write_text(json.dumps(summary) + "\n", encoding="utf-8")
+    print(json.dumps(dict(Counter(outcome[1] for outcome in again))))
+
+
 def main():
     """Run the campaign."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -226,7 +241,11 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=multiprocessing.cpu_count())
     parser.add_argument("-o", "--out", type=Path)
+    parser.add_argument("--replay", type=Path, help="judge the failures of this summary again")
     asked = parser.parse_args()
+    if asked.replay:
+        replay(asked.replay)
+        return
     outcomes, reasons, bad, slowest = Counter(), Counter(), [], (0.0, -1)
     maps = {
         pair: np.zeros((BINS, BINS, 2), int)
