@@ -41,7 +41,8 @@ __all__ = ["Manifold", "eq33", "steady_network"]
 
 _STAGES = 12
 _LONGEST = 1e100
-_MOST_TRIALS = 5000  # panels tried between two breaks; a jet that is smooth between them takes some hundred
+_MOST_TRIALS = 4000  # panels tried in all; a jet that is smooth between its breaks takes some hundred
+_PER_BREAK = 100  # more of them for every break
 _FRONT = 0.25  # eps V' beyond which no steady state is independent of the far end
 _LOCKED = 0.95  # extension from which the network counts as locked
 
@@ -269,6 +270,7 @@ class _March:
         self.profile, self.law, self.eps, self.inertia, self.rtol = profile, law, eps, inertia, rtol
         self.direction = direction
         self.panels: list[tuple[float, float, FloatArray]] = []
+        self.trials = _MOST_TRIALS
         self.nodes, self.integral, self.to_legendre = _radau(_STAGES)
 
     def over(self, low: float, high: float, tension: float) -> float:
@@ -276,15 +278,15 @@ class _March:
         start, stop = (high, low) if self.direction < 0 else (low, high)
         distance, done = high - low, 0.0
         step = min(distance, 0.1 * max(abs(self.eps - self.inertia), 1e-15 * distance))
-        trials = 0
+        self.trials += _PER_BREAK
         while done < distance:
-            step, trials = min(step, distance - done), trials + 1
+            step, self.trials = min(step, distance - done), self.trials - 1
             last = distance - done <= step * (1 + 1e-12)
             a = start + self.direction * done
             b = stop if last else start + self.direction * (done + step)
             solved = self._panel(a, self.direction * step, tension)
             if solved is None or solved[1] > 1:
-                if step < 1e-15 * done + 1e-30 * distance or trials > _MOST_TRIALS:
+                if step < 1e-15 * done + 1e-30 * distance or self.trials < 0:
                     raise InputError(
                         "rtol", f"the steady network cannot be resolved at s = {a:.9g}", value=self.rtol,
                         remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",

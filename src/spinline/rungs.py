@@ -176,6 +176,11 @@ def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> Settled
             remedy="raise accuracy.steps or accuracy.rtol, or join more strands (network.coarse_grain)",
         ) from None  # fmt: skip
     profile = run.profile
+    if not profile.position.size:
+        raise InputError(
+            "network.model", f"leaves no strand in the jet: {joined:.3g} joined into one are longer than it", value="chain",
+            remedy="join fewer (network.coarse_grain), or take a longer jet",
+        )  # fmt: skip
     inner = np.linspace(0.02, 0.9, 200) * length
     earlier = chain_profile(chain, run.snapshots[0]).stretch_at(inner)
     bound = np.inf if n.force_law == "linear" else 0.95 * float(rest.full_stretch)
