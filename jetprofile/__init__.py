@@ -14,8 +14,9 @@ name               what it is, and when to take it
 =================  ============================================================================
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from spinline.lazy import lazily
 
 if __name__ != "spinline.jetprofile":
     raise ImportError("import spinline.jetprofile, not jetprofile")
@@ -66,12 +67,4 @@ __all__ = [
     "write_jet",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _NAMES:
-        return getattr(import_module(f"spinline.jetprofile.{_NAMES[name]}"), name)
-    raise AttributeError(f"module 'spinline.jetprofile' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _NAMES)

@@ -27,8 +27,9 @@ module                 law
 What compiles with numba or needs scipy (from `force_laws` on) loads when first asked for.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from spinline.lazy import lazily
 
 if __name__ != "spinline.network":
     raise ImportError("import spinline.network, not network")
@@ -112,6 +113,7 @@ _NAMES = {
     "eq33": "manifold",
     "exact_law": "walk_law",
     "flow_strand": "walk_flow",
+    "force_laws": "force_laws",
     "hydrodynamic_strand": "walk_strand",
     "lateral_network": "lateral",
     "radial_mesh": "radial",
@@ -204,12 +206,4 @@ __all__ = [
     "walk_moments",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _NAMES:
-        return getattr(import_module(f"spinline.network.{_NAMES[name]}"), name)
-    raise AttributeError(f"module 'spinline.network' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _NAMES)

@@ -20,8 +20,9 @@ module                   law
 =======================  =========================================================================
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from spinline.lazy import lazily
 
 if __name__ != "spinline.rheology":
     raise ImportError("import spinline.rheology, not rheology")
@@ -168,12 +169,4 @@ __all__ = [
     "volume_fraction",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _NAMES:
-        return getattr(import_module(f"spinline.rheology.{_NAMES[name]}"), name)
-    raise AttributeError(f"module 'spinline.rheology' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _NAMES)

@@ -14,6 +14,7 @@ module             law
 `frame`            a frame by likelihood, row by row or in blocks
 `quick`            a frame by Eqs. (41)-(42), all rows at once
 `edges`            edges of an opaque nozzle, for the size of a pixel
+`outcome`          what a fit says of a row: errors, bound, goodness, warnings
 `row`              shells, radius, axis and beam from one row of counts, by likelihood
 `map_fit`          phi(r, z), radius, axis and beam of all rows at once; its parts are `map_*`
 `start`            where the jet is in a noisy row
@@ -36,8 +37,9 @@ module             law
 if __name__ != "spinline.xray":
     raise ImportError("import spinline.xray, not xray")
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from spinline.lazy import lazily
 
 if TYPE_CHECKING:
     from spinline.xray.absorption import contrast, fraction_change, linear_attenuation
@@ -55,11 +57,12 @@ if TYPE_CHECKING:
     from spinline.xray.map_fit import fit_map
     from spinline.xray.map_result import MapDraws, MapFit
     from spinline.xray.medium import Medium, solution_medium
+    from spinline.xray.outcome import RowFit
     from spinline.xray.phase_fit import fit_row_phase, phase_error_limit, phase_law
     from spinline.xray.phase_retrieval import contact_transmission
     from spinline.xray.quick import chord_frame
     from spinline.xray.refraction import delta_over_mu, refraction_decrement, wavelength
-    from spinline.xray.row import RowFit, fit_row
+    from spinline.xray.row import fit_row
     from spinline.xray.several_jets import Section, SectionsFit, fit_sections, section_chord
     from spinline.xray.solution import solution_absorber
     from spinline.xray.spectral import fit_row_spectrum, spectral_counts, spectral_law
@@ -82,7 +85,7 @@ _NAMES = {
     "Material": "attenuation",
     "Medium": "medium",
     "RoundJet": "forward",
-    "RowFit": "row",
+    "RowFit": "outcome",
     "SOLVENT_FORMULAS": "attenuation",
     "Section": "several_jets",
     "SectionsFit": "several_jets",
@@ -210,12 +213,4 @@ __all__ = [
     "zero_contrast_energies",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _NAMES:
-        return getattr(import_module(f"spinline.xray.{_NAMES[name]}"), name)
-    raise AttributeError(f"module 'spinline.xray' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _NAMES)

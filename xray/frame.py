@@ -17,7 +17,8 @@ from spinline.errors import InputError
 from spinline.xray.chords import checked_edges, equal_shells
 from spinline.xray.forward import Absorber, Detector
 from spinline.xray.limit import require_contrast
-from spinline.xray.row import FLAGS, RowFit, fit_row
+from spinline.xray.outcome import FLAGS, RowFit
+from spinline.xray.row import fit_row
 from spinline.xray.track import Track, track_jet
 
 __all__ = ["FRAME_FLAGS", "Frame", "FrameFit", "fit_frame", "require_track"]

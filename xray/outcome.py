@@ -1,6 +1,6 @@
-"""A fit's parameters, turned into `RowFit`: errors, bound, goodness and warnings, for any model with RowModel's interface."""
+"""What a row says of the jet, `RowFit`: errors, bound, goodness and warnings, for any model with RowModel's interface."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,11 +9,75 @@ from spinline.xray.chords import shell_weights
 from spinline.xray.forward import RoundJet
 from spinline.xray.limit import covariance_bound
 from spinline.xray.model import RowModel
-from spinline.xray.row import FLAGS, RowFit
 
-__all__ = ["row_outcome"]
+__all__ = ["FLAGS", "RowFit", "row_outcome"]
+
+FLAGS = {
+    "not_converged": "the fit did not converge: give radius and axis, or fit fewer unknowns",
+    "noisy": "the error of the mean fraction exceeds the fraction: sum more rows or frames",
+    "not_gaussian": (
+        "too few photons to hold radius and fraction at once: errors are not Gaussian; give the radius, or sum rows"
+    ),
+    "impossible": ("the mean fraction lies outside [0, 1] by more than its error: check attenuation, flat and fringes"),
+    "misfit": "the counts scatter more than Poisson about the model: fringes, an elliptic jet, or a wrong flat or gain",
+    "outlier": "a pixel lies 8 standard deviations off: mask it if it is bad",
+    "narrow_shells": "the shells are narrower than 2 pixels: use fewer",
+    "no_air": "the jet reaches the end of the row: without air there, beam level and fraction are hard to tell apart",
+}
 
 _FAR = 8.0  # standard deviations of a pixel that is named
+
+
+@dataclass(frozen=True, eq=False)
+class RowFit:
+    """What a row says of the jet.
+
+    Attributes
+    ----------
+    jet : RoundJet
+        The estimate: fraction of each shell, radius, axis, edges.
+    fraction_std : ndarray, shape (shells,)
+        Standard deviation of each shell's fraction.
+    mean_fraction, mean_fraction_std : float
+        Mean over the cross-section.
+    limit_std : float
+        Smallest standard deviation of the mean if nothing but the shells were unknown; the price of the other unknowns is
+        ``mean_fraction_std / limit_std``.
+    values, std : dict
+        Radius, axis, blur in m, amplitude and slope, by name; 0 in `std` for those that were held.
+    names, covariance : tuple of str, ndarray
+        Covariance of all that was free.
+    expected : ndarray, shape (pixels,)
+        Mean counts of the fit.
+    deviance, degrees_of_freedom : float, int
+        Poisson deviance of the fit; near each other for a good fit where counts are large.
+    misfit : float
+        Pearson's chi-square less its expectation, in its standard deviations; good at low counts too. Over 4 is a wrong model.
+    converged : bool
+    iterations : int
+    warnings : tuple of str
+        What is odd.
+    flags : tuple of str
+        The same by name: keys of `FLAGS`.
+    """
+
+    jet: RoundJet
+    fraction_std: FloatArray
+    mean_fraction: float
+    mean_fraction_std: float
+    limit_std: float
+    values: dict[str, float]
+    std: dict[str, float]
+    names: tuple[str, ...]
+    covariance: FloatArray
+    expected: FloatArray
+    deviance: float
+    degrees_of_freedom: int
+    misfit: float
+    converged: bool
+    iterations: int
+    warnings: tuple[str, ...]
+    flags: tuple[str, ...] = ()
 
 
 def row_outcome(
@@ -23,6 +87,7 @@ def row_outcome(
     data: FloatArray,
     lit: BoolArray,
     said: tuple[str, ...] = (),
+    misfit: str = FLAGS["misfit"],
 ) -> RowFit:
     """`RowFit` of what `scoring.largest_likelihood` returned.
 
@@ -37,6 +102,8 @@ def row_outcome(
     data, lit : ndarray, shape (pixels,)
     said : tuple of str
         Warnings that come first.
+    misfit : str
+        What to say where the counts scatter too much.
     """
     at, converged, iterations, deviance = best
     k = model.shells
@@ -77,13 +144,12 @@ def row_outcome(
             f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad"
         )
     if "misfit" in flags:
-        words[flags.index("misfit")] = (
-            "the counts scatter more than Poisson about the model: check distance, blur, spectrum, flat and gain"
-        )
+        words[flags.index("misfit")] = misfit
     return replace(fit, flags=tuple(flags), warnings=(*said, *words))
 
 
 def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
+    """What is odd about a fit."""
     half = 0.5 * model.pixel * model.flat.size
     odd = {
         "not_converged": not fit.converged,
@@ -92,6 +158,7 @@ def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
         "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std,
         "misfit": fit.misfit > 4,
         "outlier": bool(np.abs(residual).max() > _FAR),
+        "narrow_shells": fit.jet.radius < 2 * model.shells * model.pixel,
         "no_air": abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel,
     }
     return [name for name, true in odd.items() if true]

@@ -31,9 +31,8 @@ from spinline.xray.forward import Absorber, Detector, RoundJet
 from spinline.xray.fresnel import PHASE_NUISANCES, WaveRowModel, wave_model
 from spinline.xray.limit import Limit, covariance_bound, good_pixels
 from spinline.xray.medium import Medium
-from spinline.xray.outcome import row_outcome
+from spinline.xray.outcome import RowFit, row_outcome
 from spinline.xray.phase_retrieval import contact_transmission
-from spinline.xray.row import RowFit
 from spinline.xray.scoring import largest_likelihood, poisson_deviance
 from spinline.xray.start import find_jet
 
@@ -46,6 +45,8 @@ __all__ = [
     "phase_start",
     "start_ratio",
 ]
+
+_MISFIT = "the counts scatter more than Poisson about the model: check distance, blur, spectrum, flat and gain"
 
 _BAD = 6.0  # misfit from which on other starts are tried
 _PLAUSIBLE = 0.05  # fraction to start from
@@ -128,14 +129,14 @@ def fit_row_phase(
         raise InputError("jet", "does not lie in the row", value=found_a, remedy="a wider row, or give radius and axis")
     start = _placed(start, model, data, lit, "radius" in nuisances, "axis" in nuisances)
     best = largest_likelihood(model, start, free, data, lit)
-    fit = row_outcome(model, best, free, data, lit)
+    fit = row_outcome(model, best, free, data, lit, misfit=_MISFIT)
     if "radius" in nuisances and (fit.misfit > _BAD or not fit.converged):
         for _ in range(2):
             start = _searched(start, model, data, lit, "axis" in nuisances)
             trial = largest_likelihood(model, start, free, data, lit)
             if trial[3] < best[3] - 1e-3:
                 best = trial
-        fit = row_outcome(model, best, free, data, lit)
+        fit = row_outcome(model, best, free, data, lit, misfit=_MISFIT)
     return fit
 
 

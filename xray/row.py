@@ -9,7 +9,6 @@ A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiase
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,83 +16,19 @@ from numpy.typing import ArrayLike
 from spinline.checks import BoolArray, FloatArray, positive, real
 from spinline.errors import InputError
 from spinline.xray.block import smoothed_outliers, summed_counts
-from spinline.xray.chords import checked_edges, equal_shells, shell_weights
-from spinline.xray.forward import Absorber, Detector, RoundJet, row_model
-from spinline.xray.limit import covariance_bound, free_parameters, require_contrast
-from spinline.xray.model import NUISANCES, RowModel
+from spinline.xray.chords import checked_edges, equal_shells
+from spinline.xray.forward import Absorber, Detector, row_model
+from spinline.xray.limit import free_parameters, require_contrast
+from spinline.xray.model import RowModel
+from spinline.xray.outcome import RowFit, row_outcome
 from spinline.xray.scoring import largest_likelihood
 from spinline.xray.start import find_jet, jet_depth
 
-__all__ = ["FLAGS", "RowFit", "fit_row"]
-
-FLAGS = {
-    "not_converged": "the fit did not converge: give radius and axis, or fit fewer unknowns",
-    "noisy": "the error of the mean fraction exceeds the fraction: sum more rows or frames",
-    "not_gaussian": (
-        "too few photons to hold radius and fraction at once: errors are not Gaussian; give the radius, or sum rows"
-    ),
-    "impossible": ("the mean fraction lies outside [0, 1] by more than its error: check attenuation, flat and fringes"),
-    "misfit": "the counts scatter more than Poisson about the model: fringes, an elliptic jet, or a wrong flat or gain",
-    "outlier": "a pixel lies 8 standard deviations off: mask it if it is bad",
-    "narrow_shells": "the shells are narrower than 2 pixels: use fewer",
-    "no_air": "the jet reaches the end of the row: without air there, beam level and fraction are hard to tell apart",
-}
+__all__ = ["fit_row"]
 
 _MANY_MAXIMA = (
     0.04  # error of the mean from which on edges that cross pixels make several maxima: start from other radii too
 )
-
-
-@dataclass(frozen=True, eq=False)
-class RowFit:
-    """What a row says of the jet.
-
-    Attributes
-    ----------
-    jet : RoundJet
-        The estimate: fraction of each shell, radius, axis, edges.
-    fraction_std : ndarray, shape (shells,)
-        Standard deviation of each shell's fraction.
-    mean_fraction, mean_fraction_std : float
-        Mean over the cross-section.
-    limit_std : float
-        Smallest standard deviation of the mean if nothing but the shells were unknown; the price of the other unknowns is
-        ``mean_fraction_std / limit_std``.
-    values, std : dict
-        Radius, axis, blur in m, amplitude and slope, by name; 0 in `std` for those that were held.
-    names, covariance : tuple of str, ndarray
-        Covariance of all that was free.
-    expected : ndarray, shape (pixels,)
-        Mean counts of the fit.
-    deviance, degrees_of_freedom : float, int
-        Poisson deviance of the fit; near each other for a good fit where counts are large.
-    misfit : float
-        Pearson's chi-square less its expectation, in its standard deviations; good at low counts too. Over 4 is a wrong model.
-    converged : bool
-    iterations : int
-    warnings : tuple of str
-        What is odd.
-    flags : tuple of str
-        The same by name: keys of `FLAGS`.
-    """
-
-    jet: RoundJet
-    fraction_std: FloatArray
-    mean_fraction: float
-    mean_fraction_std: float
-    limit_std: float
-    values: dict[str, float]
-    std: dict[str, float]
-    names: tuple[str, ...]
-    covariance: FloatArray
-    expected: FloatArray
-    deviance: float
-    degrees_of_freedom: int
-    misfit: float
-    converged: bool
-    iterations: int
-    warnings: tuple[str, ...]
-    flags: tuple[str, ...] = ()
 
 
 def fit_row(
@@ -161,7 +96,7 @@ def fit_row(
     lit = rows > 0
     start = _start(model, data, lit, nuisances, radius, axis, amplitude, slope, detector)
     best = largest_likelihood(model, start, free, data, lit)
-    fit = _result(model, best, free, data, lit)
+    fit = row_outcome(model, best, free, data, lit)
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
         first = best
         for scale in (0.92, 1.08):
@@ -171,7 +106,7 @@ def fit_row(
             if trial[3] < best[3] - 1e-3:
                 best = trial
         if best is not first:
-            fit = _result(model, best, free, data, lit)
+            fit = row_outcome(model, best, free, data, lit)
     return fit
 
 
@@ -215,69 +150,3 @@ def _start(
         level = float(np.median(ratio[outside & lit])) if (outside & lit).any() else 1.0
         start[k + 2] = level if level > 0 else max(float(ratio.mean()), 1e-6)
     return start
-
-
-def _result(
-    model: RowModel,
-    best: tuple[FloatArray, bool, int, float],
-    free: list[int],
-    data: FloatArray,
-    lit: BoolArray,
-) -> RowFit:
-    parameters, converged, iterations, deviance = best
-    k = model.shells
-    expected, jacobian = model.evaluate(parameters)
-    mean, used = expected[lit], jacobian[lit]
-    names = tuple(model.names[i] for i in free)
-    covariance = covariance_bound(mean, used[:, free], names)
-    alone = covariance_bound(mean, used[:, :k], names[:k])
-    weights = shell_weights(model.edges)
-    sd = np.zeros(parameters.size)
-    sd[free] = np.sqrt(np.diag(covariance))
-    pearson = float(((data[lit] - mean) ** 2 / mean).sum())
-    freedom = int(lit.sum()) - len(free)
-    spread = np.sqrt(2.0 * max(freedom, 1) + (1.0 / mean).sum())
-    phi = parameters[:k]
-    fit = RowFit(
-        jet=RoundJet(phi, float(parameters[k]), float(parameters[k + 1]), model.edges),
-        fraction_std=sd[:k],
-        mean_fraction=float(weights @ phi),
-        mean_fraction_std=float(np.sqrt(weights @ covariance[:k, :k] @ weights)),
-        limit_std=float(np.sqrt(weights @ alone @ weights)),
-        values=dict(zip(NUISANCES, parameters[k:].tolist(), strict=True)),
-        std=dict(zip(NUISANCES, sd[k:].tolist(), strict=True)),
-        names=names,
-        covariance=covariance,
-        expected=expected,
-        deviance=deviance,
-        degrees_of_freedom=freedom,
-        misfit=float((pearson - freedom) / spread),
-        converged=converged,
-        iterations=iterations,
-        warnings=(),
-    )
-    residual = np.where(lit, (data - expected) / np.sqrt(np.where(lit, expected, 1.0)), 0.0)
-    found = _flags(fit, model, residual)
-    worst = int(np.argmax(np.abs(residual)))
-    words = [FLAGS[name] for name in found]
-    if "outlier" in found:
-        words[found.index("outlier")] = (
-            f"pixel {worst} lies {residual[worst]:+.0f} standard deviations off: mask it if it is bad"
-        )
-    return replace(fit, flags=tuple(found), warnings=tuple(words))
-
-
-def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
-    """What is odd about a fit."""
-    half = 0.5 * model.pixel * model.flat.size
-    odd = {
-        "not_converged": not fit.converged,
-        "noisy": fit.mean_fraction_std > max(abs(fit.mean_fraction), 0.0),
-        "not_gaussian": fit.mean_fraction_std > 0.2 and fit.std["radius"] > 0,
-        "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std,
-        "misfit": fit.misfit > 4,
-        "outlier": bool(np.abs(residual).max() > 8),
-        "narrow_shells": fit.jet.radius < 2 * model.shells * model.pixel,
-        "no_air": abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel,
-    }
-    return [name for name, true in odd.items() if true]

@@ -21,11 +21,13 @@ from spinline.xray.forward import Absorber, Detector, RoundJet
 from spinline.xray.limit import free_parameters
 from spinline.xray.medium import Medium
 from spinline.xray.model import NUISANCES, RowModel
-from spinline.xray.outcome import row_outcome
-from spinline.xray.row import RowFit, fit_row
+from spinline.xray.outcome import RowFit, row_outcome
+from spinline.xray.row import fit_row
 from spinline.xray.scoring import largest_likelihood
 
 __all__ = ["SpectralRowModel", "fit_row_spectrum", "spectral_counts", "spectral_law"]
+
+_MISFIT = "the counts scatter more than Poisson about the model: check distance, blur, spectrum, flat and gain"
 
 
 class SpectralRowModel(RowModel):
@@ -146,4 +148,4 @@ def fit_row_spectrum(
     model.scale_exposure(rows)
     lit = rows > 0
     start = np.array([*first.jet.fraction, *(first.values[name] for name in NUISANCES)])
-    return row_outcome(model, largest_likelihood(model, start, free, data, lit), free, data, lit)
+    return row_outcome(model, largest_likelihood(model, start, free, data, lit), free, data, lit, misfit=_MISFIT)

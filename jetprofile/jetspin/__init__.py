@@ -7,8 +7,9 @@ beads, and `read_parameters` what the run was set up with. One file per concern:
 in), `dataset` (beads to variables), `run` (which file of a run is read).
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from spinline.lazy import lazily
 
 if TYPE_CHECKING:
     from spinline.jetprofile.jetspin.header import read_parameters
@@ -28,12 +29,4 @@ _NAMES = {
 
 __all__ = ["RunParameters", "iter_jetspin", "read_jetspin", "read_parameters", "read_statistics", "write_jet"]
 
-
-def __getattr__(name: str) -> Any:
-    if name in _NAMES:
-        return getattr(import_module(f"spinline.jetprofile.jetspin.{_NAMES[name]}"), name)
-    raise AttributeError(f"module 'spinline.jetprofile.jetspin' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _NAMES)

@@ -8,8 +8,9 @@ The four physics packages stand alone (`jetprofile`, `rheology`, `network`, `xra
 `results`, `figures` and `report` tie them together. Importing this module imports nothing heavy.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from spinline.lazy import lazily
 
 if TYPE_CHECKING:
     from spinline import (
@@ -113,13 +114,4 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        return import_module(f"spinline.{name}")
-    if name in _NAMES:
-        return getattr(import_module(f"spinline.{_NAMES[name]}"), name)
-    raise AttributeError(f"module 'spinline' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, {module: module for module in _MODULES} | _NAMES)

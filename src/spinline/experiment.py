@@ -27,8 +27,9 @@ from spinline.xray.frame import Frame, fit_frame, require_track
 from spinline.xray.fringes import detect_fringes
 from spinline.xray.limit import error_limit, require_contrast
 from spinline.xray.medium import Medium, solution_medium
+from spinline.xray.outcome import RowFit
 from spinline.xray.phase_fit import phase_law, phase_start
-from spinline.xray.row import RowFit, fit_row
+from spinline.xray.row import fit_row
 from spinline.xray.spectral import spectral_law
 from spinline.xray.spectrum import Spectrum
 from spinline.xray.track import Track, track_jet

@@ -14,13 +14,12 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    ValidationError,
     model_validator,
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from spinline.scene import SolutionSection, explain, read_toml
-from spinline.scene_fields import Length, Read, Section
+from spinline.scene import SolutionSection, checked, read_toml
+from spinline.scene_fields import Length, Read, Sheet
 from spinline.scene_rheology import refusal
 from spinline.units import Measured
 
@@ -127,7 +126,7 @@ FieldOrNumber = Annotated[Source, _ReadSource(number=True)]
 Rows = Annotated[tuple[int, int], _ReadSpan()]
 
 
-class Images(Section):
+class Images(Sheet):
     """A checked images file. `text` and `folder` say where it came from."""
 
     title: str = ""
@@ -156,10 +155,6 @@ class Images(Section):
     block_rows: Annotated[int, Field(ge=1)] = 1
     solution: SolutionSection
 
-    _text: str = ""
-    _folder: Path = Path()
-    _name: str = "images"
-
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if (self.pixel_size is None) == (self.nozzle_diameter is None):
@@ -173,21 +168,6 @@ class Images(Section):
             raise refusal("energy", "give one of energy and spectrum, or polymer_attenuation and solvent_attenuation")
         return self
 
-    @property
-    def text(self) -> str:
-        """The TOML the file was made from, overrides as a comment at its end."""
-        return self._text
-
-    @property
-    def folder(self) -> Path:
-        """Folder that relative paths start from."""
-        return self._folder
-
-    @property
-    def name(self) -> str:
-        """Stem of the file, or bundled name."""
-        return self._name
-
 
 def images_from_dict(
     data: Mapping[str, Any], *, text: str = "", folder: Path | None = None, name: str = "images"
@@ -199,12 +179,7 @@ def images_from_dict(
     InputError
         With every problem found, one to a line.
     """
-    try:
-        images = Images.model_validate(data)
-    except ValidationError as error:
-        raise explain(error, name, data, Images) from None
-    images._text, images._folder, images._name = text, folder or Path(), name
-    return images
+    return checked(Images, data, text, folder, name)
 
 
 def load_images(source: str | Path, overrides: Sequence[str] = ()) -> Images:

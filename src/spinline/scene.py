@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import ErrorDetails
@@ -29,6 +29,7 @@ from spinline.scene_fields import (
     Number,
     NumberOrZero,
     Section,
+    Sheet,
     Temperature,
     Time,
     VapourPressure,
@@ -41,6 +42,7 @@ from spinline.units import Measured
 __all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
 
 
+_Sheet = TypeVar("_Sheet", bound=Sheet)
 _LONGEST = 1_000_000  # characters of a scene
 
 
@@ -209,7 +211,7 @@ class AccuracySection(Section):
     steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 20_000
 
 
-class Scene(Section):
+class Scene(Sheet):
     """A checked scene. `text` and `folder` say where it came from."""
 
     title: str = ""
@@ -220,25 +222,6 @@ class Scene(Section):
     effects: EffectsSection = EffectsSection()
     network: NetworkSection = NetworkSection()
     accuracy: AccuracySection = AccuracySection()
-
-    _text: str = ""
-    _folder: Path = Path()
-    _name: str = "scene"
-
-    @property
-    def text(self) -> str:
-        """The TOML the scene was made from, overrides as a comment at its end."""
-        return self._text
-
-    @property
-    def folder(self) -> Path:
-        """Folder that relative paths in the scene start from."""
-        return self._folder
-
-    @property
-    def name(self) -> str:
-        """Stem of the file, or bundled name."""
-        return self._name
 
 
 def scene_from_dict(
@@ -251,12 +234,17 @@ def scene_from_dict(
     InputError
         With every problem found, one to a line.
     """
+    return checked(Scene, data, text, folder, name)
+
+
+def checked(model: type[_Sheet], data: Mapping[str, Any], text: str, folder: Path | None, name: str) -> _Sheet:
+    """A sheet from nested dictionaries, or an error with every problem found."""
     try:
-        scene = Scene.model_validate(data)
+        sheet = model.model_validate(data)
     except ValidationError as error:
-        raise explain(error, name, data, Scene) from None
-    scene._text, scene._folder, scene._name = text, folder or Path(), name
-    return scene
+        raise explain(error, name, data, model) from None
+    sheet._text, sheet._folder, sheet._name = text, folder or Path(), name
+    return sheet
 
 
 def load_scene(source: str | Path, overrides: Sequence[str] = ()) -> Scene:

@@ -1,6 +1,7 @@
 """How the keys of a scene file are read: quantities as text with their unit, within a physical range."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -76,3 +77,26 @@ class Section(BaseModel):
     """A section of the file: unknown keys are refused, what is read does not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Sheet(Section):
+    """A whole checked file. `text` and `folder` say where it came from."""
+
+    _text: str = ""
+    _folder: Path = Path()
+    _name: str = ""
+
+    @property
+    def text(self) -> str:
+        """The TOML it was made from, overrides as a comment at its end."""
+        return self._text
+
+    @property
+    def folder(self) -> Path:
+        """Folder that relative paths in it start from."""
+        return self._folder
+
+    @property
+    def name(self) -> str:
+        """Stem of the file, or bundled name."""
+        return self._name

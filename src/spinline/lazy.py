@@ -1,0 +1,35 @@
+"""Names of a package that load when first asked for (PEP 562): importing the package imports nothing heavy."""
+
+import sys
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+__all__ = ["lazily"]
+
+
+def lazily(package: str, names: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """``__getattr__`` and ``__dir__`` of a package.
+
+    Parameters
+    ----------
+    package : str
+        Its ``__name__``.
+    names : mapping
+        Public name to the module of the package that has it; the name itself where it *is* a module of the package.
+
+    Examples
+    --------
+    ``__getattr__, __dir__ = lazily(__name__, _NAMES)``, below ``__all__``.
+    """
+
+    def get(name: str) -> Any:
+        if name not in names:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module = import_module(f"{package}.{names[name]}")
+        return module if names[name] == name else getattr(module, name)
+
+    def listed() -> list[str]:
+        return sorted(sys.modules[package].__all__)
+
+    return get, listed
