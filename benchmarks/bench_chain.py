@@ -2,7 +2,9 @@
 
 Every ratio is measured in one run. Errors are of the local stretch, relative, the largest over stations or strands.
 
-    python benchmarks/bench_chain.py [whole] [growth] [scipy] [entering]
+    OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python benchmarks/bench_chain.py [whole] [growth] [scipy] [entering]
+
+With more threads those of BLAS go on spinning after scipy's solvers, and are counted as ours.
 """
 
 import resource

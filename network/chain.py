@@ -210,7 +210,9 @@ def _next(
     span = spans[number]
     if state.span != number:
         state = with_rates(chain, span, number, state)
-    dt = fixed or state.next_step or chain.step
+    largest = _MOST_STEP * float(-chain.flow.age[-1, 0])
+    first = chain.step if chain.entry else max(chain.step, 0.1 * largest)  # too long a one is found out, and shortened
+    dt = fixed or state.next_step or first
     barrier = min(barrier, span.end)
     rejected, iterations = 0, 0
     while True:
@@ -230,7 +232,7 @@ def _next(
             proposal = max(taken * max(factor, _LEAST_FACTOR), dt if taken < dt and factor >= 1 else 0.0)
             return replace(
                 after,
-                next_step=min(proposal, _MOST_STEP * float(-chain.flow.age[-1, 0])),
+                next_step=min(proposal, largest),
                 steps=state.steps + 1,
                 rejected=state.rejected + rejected,
                 iterations=state.iterations + iterations,
