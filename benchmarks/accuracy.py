@@ -115,18 +115,25 @@ def judge(seed, index, tolerances=TOLERANCES):
 
 def main():
     """Run the campaign."""
+    from spinline.errors import SpinlineWarning
+
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-o", "--out", type=Path)
     asked = parser.parse_args()
-    warnings.simplefilter("ignore")
     counts = {rtol: Counter() for rtol in TOLERANCES}
     costs = {rtol: [] for rtol in TOLERANCES}
     missed, index, done = [], 0, 0
     began = time.perf_counter()
+    remarks, others = 0, Counter()
     while done < asked.scenes:
-        outcomes = judge(asked.seed, index)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            warnings.simplefilter("error", RuntimeWarning)
+            outcomes = judge(asked.seed, index)
+        remarks += sum(issubclass(item.category, SpinlineWarning) for item in said)
+        others.update(str(item.message) for item in said if not issubclass(item.category, SpinlineWarning))
         index += 1
         if outcomes is None:
             continue
@@ -146,7 +153,7 @@ def main():
             "met of those judged": round(counts[rtol]["met"] / max(counts[rtol]["met"] + counts[rtol]["missed"], 1), 4),
             "within twice the cheapest": round(float(np.mean(np.array(costs[rtol]) <= 2)), 4) if costs[rtol] else None,
         } for rtol in TOLERANCES},
-        "missed": missed,
+        "missed": missed, "remarks": remarks, "other warnings": dict(others),
     }  # fmt: skip
     text = json.dumps(summary, indent=1)
     if asked.out:

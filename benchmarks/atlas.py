@@ -79,7 +79,7 @@ def draw(seed, index):
             "coupling": coupling,
             "inertia": float(rng.choice([0.0, 10 ** u(-12, 3)])),
         },
-        "accuracy": {"rtol": 10 ** u(-3, -1), "points": int(rng.choice([2, 17, 101])), "strands": 100, "steps": 1500},
+        "accuracy": {"rtol": 10 ** u(-3, -1), "points": int(rng.choice([2, 17, 101])), "strands": 100, "steps": 700},
     }
     scene["effects"] = {name: value if value == "auto" else value == "True" for name, value in scene["effects"].items()}
     scene["rheology"] = {
@@ -166,13 +166,16 @@ def judge(seed, index):
     model = data["network"]["model"]
     signal.signal(signal.SIGPROF, _stop)
     signal.setitimer(signal.ITIMER_PROF, LIMIT)  # processor time: what else the machine does is no hang
-    kind, words = "result", ""
+    kind, words, said = "result", "", Counter()
     try:
-        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as remarks:
             warnings.simplefilter("error")
-            warnings.simplefilter("ignore", SpinlineWarning)
-            warnings.simplefilter("ignore", DeprecationWarning)  # of the libraries: said to those who build on them
+            warnings.simplefilter("always", SpinlineWarning)  # remarks on the scene, counted
+            warnings.simplefilter("always", DeprecationWarning)  # of libraries, counted by their words
             result = run(build(data, folder))
+        said = Counter(
+            "remarks" if issubclass(item.category, SpinlineWarning) else str(item.message) for item in remarks
+        )
         model = f"{model}: {result.attrs['model']}" if model == "auto" else model
         found = faults(result)
         if found:
@@ -187,16 +190,17 @@ def judge(seed, index):
         kind, words = "crash", f"{type(error).__name__}: {error}"
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
-    return index, kind, model, words, time.process_time() - began, place
+    return index, kind, model, words, time.process_time() - began, place, said
 
 
 def warm():
     """Compile what will be used, so that no scene is charged for it."""
+    from spinline.errors import SpinlineWarning
     from spinline.scene import load_scene
     from spinline.solve import run
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("ignore", SpinlineWarning)  # of scenes made to compile, not to be read
         for model in MODELS[1:]:
             extra = ['network.closure="stretch"'] if model in ("manifold", "conformation") else []
             small = [
@@ -226,7 +230,7 @@ def replay(path):
     summary["failed_at_first"] = summary["failed"]
     summary["replayed"] = [
         {"index": index, "kind": kind, "model": model, "words": words[:200], "seconds": round(seconds, 2)}
-        for index, kind, model, words, seconds, _ in again
+        for index, kind, model, words, seconds, *_ in again
     ]
     summary["failed"] = sum(outcome[1] not in ("result", "refused") for outcome in again)
     path.write_text(json.dumps(summary) + "\n", encoding="utf-8")
@@ -246,7 +250,7 @@ def main():
     if asked.replay:
         replay(asked.replay)
         return
-    outcomes, reasons, bad, slowest = Counter(), Counter(), [], (0.0, -1)
+    outcomes, reasons, warned, bad, slowest = Counter(), Counter(), Counter(), [], (0.0, -1)
     maps = {
         pair: np.zeros((BINS, BINS, 2), int)
         for pair in (("volume_fraction", "velocity_ratio"), ("coupling", "deborah"))
@@ -255,7 +259,7 @@ def main():
     began = time.perf_counter()
     context = multiprocessing.get_context("spawn")
     with context.Pool(asked.workers, warm) as pool:
-        for done, (index, kind, model, words, seconds, place) in enumerate(
+        for done, (index, kind, model, words, seconds, place, said) in enumerate(
             pool.imap_unordered(_judge, tasks, chunksize=50), 1
         ):
             outcomes[f"{model} / {kind}"] += 1
@@ -264,6 +268,7 @@ def main():
             elif kind != "result":
                 bad.append({"index": index, "kind": kind, "model": model, "words": words[:300]})
             slowest = max(slowest, (seconds, index))
+            warned += said
             for pair, counts in maps.items():
                 x, y = (_bin(name, place[name]) for name in pair)
                 counts[x, y] += (1, kind == "result")
@@ -272,7 +277,7 @@ def main():
     summary = {
         "seed": asked.seed, "first": asked.first, "scenes": asked.scenes, "seconds": round(time.perf_counter() - began, 1),
         "slowest": {"seconds": round(slowest[0], 2), "index": slowest[1]},
-        "outcomes": dict(sorted(outcomes.items())), "refusals": dict(reasons.most_common(60)),
+        "outcomes": dict(sorted(outcomes.items())), "refusals": dict(reasons.most_common(60)), "warned": dict(warned),
         "failures": sorted(bad, key=lambda item: item["index"])[:500], "failed": len(bad), "axes": AXES, "bins": BINS,
         "maps": {" ".join(pair): counts.tolist() for pair, counts in maps.items()},
     }  # fmt: skip

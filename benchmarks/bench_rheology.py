@@ -8,6 +8,7 @@ evaporation, conformation and radial drying, a map of 200 x 100, warm.
 
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -15,7 +16,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import spinline as sl
-from spinline.errors import SpinlineWarning
 from spinline.rheology.conformation import FENEP, Giesekus, Maxwell, conformation
 from spinline.rheology.diffusion_laws import ConstantDiffusion
 from spinline.rheology.drying import cylinder_series, dry_radially
@@ -145,12 +145,14 @@ def coupled() -> None:
 
 def main() -> None:
     """Print everything."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SpinlineWarning)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
         conformations()
         evaporation()
         drying()
         coupled()
+    for words, times in Counter(f"{item.category.__name__}: {item.message}" for item in said).items():
+        print(f"said {times} times: {words}")
 
 
 if __name__ == "__main__":

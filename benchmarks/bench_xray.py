@@ -171,8 +171,7 @@ volume_fraction = 0.06
 """
 
 RUN = """
-import resource, time, warnings
-warnings.simplefilter("ignore")
+import resource, time
 from spinline.images import load_images
 from spinline.reduce import reduce_images
 marks = []

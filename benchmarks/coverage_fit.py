@@ -82,9 +82,11 @@ def experiment(design, index, seed=SEED):
     asked = problem(design)
     truth = asked.draw_prior(rng)
     drawn = asked.simulate(truth, rng)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SpinlineWarning)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("error")
+        warnings.simplefilter("always", SpinlineWarning)
         found = fit(drawn)
+    assert [str(item.message) for item in said] == list(found.notes)  # counted in the summary
     spread = np.sqrt(np.diag(found.covariance))
     return {
         "truth": truth,

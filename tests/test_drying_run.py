@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import spinline as sl
 from spinline.build import build_jet, build_solution
+from spinline.difference import difference, largest
 from spinline.errors import InputError, SpinlineWarning
 from spinline.numbers import effect_numbers
 from spinline.results import VARIABLES
@@ -538,7 +539,14 @@ def test_numbers_that_decide() -> None:
     assert numbers.fourier == pytest.approx(float(result["fourier_number"][-1]), rel=0.01)
     uneven = float((result["surface_polymer_fraction"] / result["mean_polymer_fraction"]).max() - 1)
     assert numbers.errors["radial"] == pytest.approx(uneven, rel=0.7)  # an estimate
-    assert numbers.errors["relaxation"] == pytest.approx(1 / numbers.deborah)
+    assert numbers.errors["relaxation"] == numbers.relaxation.error
+    assert numbers.deborah == numbers.relaxation.number
+    slow = sl.load_scene("peo5-water", ["solution.relaxation_time=5 s"])
+    estimate = effect_numbers(slow, solution := build_solution(slow), build_jet(slow, solution)).errors["relaxation"]
+    relaxed, affine = (
+        quiet("peo5-water", "solution.relaxation_time=5 s", f"network.model={m}") for m in ("conformation", "affine")
+    )
+    assert estimate == pytest.approx(largest(difference(affine, relaxed)), rel=0.15)
     assert 1e-12 < numbers.inertia < 1e-7
     bare = sl.load_scene("peo5-water")
     less = effect_numbers(bare, build_solution(bare), build_jet(bare, build_solution(bare)))

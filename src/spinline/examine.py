@@ -79,13 +79,12 @@ def examine(
                 f"{scene.accuracy.rtol:g}: see --model manifold"
             )
     if solution.relaxation_time is not None and not effects.relaxation:
-        from spinline.numbers import deborah_number
-
-        deborah = deborah_number(scene, solution, jet if isinstance(jet, StraightJet) else jet.at())
-        if deborah < 1 / scene.accuracy.rtol:
+        assert effects.numbers is not None  # they are made wherever a relaxation time is given
+        relaxing = effects.numbers.relaxation
+        if relaxing.error > scene.accuracy.rtol:
             remarks.append(
-                f"relaxation is left out: De = {deborah:.3g} at the crossover (or the end of the jet), so the affine "
-                f"stretch errs by about {min(1.0, 1 / deborah) if deborah else 1.0:.2g}"
+                f"relaxation is left out: De = {relaxing.number:.3g} at the crossover (or the end of the jet), so the "
+                f"affine stretch errs by about {relaxing.error:.2g}"
             )
     if scene.ambient is not None and not effects.evaporation:
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")

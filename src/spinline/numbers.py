@@ -13,6 +13,7 @@ from spinline.air import build_air
 from spinline.build import bead_ages, coupling, coupling_error, drag_of_solvent, jet_grid, jet_length
 from spinline.drying_run import biot_number, check_radial, dry, element_path, fourier_number, peclet_number
 from spinline.errors import InputError
+from spinline.estimates import Effect, relaxation_effect
 from spinline.jetprofile.straight import StraightJet
 from spinline.material import diffusion_law
 from spinline.network.coupling import strand_force
@@ -60,6 +61,8 @@ class EffectNumbers:
         Estimate of the relative error of leaving out "slip", "inertia", "relaxation", "evaporation", "radial".
     missing : dict
         Why an effect has no estimate.
+    relaxation : Effect
+        The estimate of relaxation.
     """
 
     stretch: float
@@ -74,6 +77,7 @@ class EffectNumbers:
     core_fraction: float
     slip_ratio: float
     strand_force: float
+    relaxation: Effect
     errors: dict[str, float] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
 
@@ -97,9 +101,9 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
 
     Notes
     -----
-    Errors: slip and inertia ``eps V'`` and ``I V'``; relaxation ``1/De``, at most 1; evaporation the relative rise of the mean
-    fraction; radial the difference between surface and mean over the mean, ``Pe (a - a_inf)/2`` once diffusion has crossed
-    the jet, ``4 (Fo/pi)^(1/2)`` of that before.
+    Errors: slip and inertia ``eps V'`` and ``I V'``; relaxation what a strand gives back on the way (`estimates`), along
+    bead jets ``1/De``, at most 1; evaporation the relative rise of the mean fraction; radial the difference between surface
+    and mean over the mean, ``Pe (a - a_inf)/2`` once diffusion has crossed the jet, ``4 (Fo/pi)^(1/2)`` of that before.
     """
     if not isinstance(jet, StraightJet) and jet.time is not None:
         jet = jet.at()
@@ -113,6 +117,11 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
         missing["relaxation"] = "solution.relaxation_time is not given"
     else:
         de = deborah_number(scene, solution, jet)
+    if isinstance(jet, StraightJet):
+        relaxing = relaxation_effect(scene, solution, jet, de)
+    else:
+        about = _NAN if np.isnan(de) else min(1.0, 1 / de) if de > 0 else 1.0
+        relaxing = Effect("relaxation", "De", de, about, missing.get("relaxation", "about 1/De"))
     slip, inertia, steepest = _slip(scene, solution, jet, missing)
     lost, biot, peclet, fourier, uneven = _drying(scene, solution, jet, missing)
     return EffectNumbers(
@@ -128,10 +137,11 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
         core_fraction=float(state.core_polymer_fraction),
         slip_ratio=stretch / float(walk.axial_stretch),
         strand_force=float(strand_force(walk.force, solution.kuhn_length, solution.temperature)),
+        relaxation=relaxing,
         errors={
             "slip": slip,
             "inertia": inertia * steepest,
-            "relaxation": _NAN if np.isnan(de) else min(1.0, 1 / de) if de > 0 else 1.0,
+            "relaxation": relaxing.error,
             "evaporation": lost / (1 - lost) if lost < 1 else np.inf if lost >= 1 else _NAN,
             "radial": uneven,
         },

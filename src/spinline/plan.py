@@ -21,7 +21,6 @@ from spinline.estimates import (
     elastic_coupling_effect,
     extensibility_effect,
     inertia_effect,
-    relaxation_effect,
     saturation_effect,
 )
 from spinline.jetprofile.straight import StraightJet
@@ -185,18 +184,17 @@ def _effects(
         return (
             elastic_coupling_effect(scene, solution, jet),
             inertia_effect(scene, solution, jet, known.inertia),
-            relaxation_effect(scene, solution, jet, known.deborah),
+            known.relaxation,
             *drying,
             extensibility_effect(scene, solution, jet),
             saturation_effect(scene, solution, jet),
             Effect("bending", "bead jet", 0.0, float("nan"), "a straight profile: the first millimetres"),
         )
     nan, words = float("nan"), "not estimated along bead jets"
-    relaxed = known.missing.get("relaxation", "about 1/De")
     return (
         Effect("elastic coupling", "c V'/alpha_v", nan, nan, words),
         Effect("inertia", "I V'", nan, nan, words),
-        Effect("relaxation", "De", known.deborah, known.errors["relaxation"], relaxed),
+        known.relaxation,
         *drying,
         Effect("finite extensibility", "V/V_S at the end", nan, nan, words),
         Effect("saturation", "core fraction, held at 1", known.core_fraction, 0.0, "in every rung"),

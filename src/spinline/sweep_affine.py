@@ -141,7 +141,7 @@ def _group(task: Task, block: Block, rows: Any, values: dict[str, FloatArray], w
     except InputError:
         return
     chosen = np.flatnonzero(good)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # rows that overflow are not usable: they are done again one by one
         _fill(task, block, np.arange(len(block.status))[rows][chosen], scene, solution,
               {key: column[chosen] for key, column in values.items()})  # fmt: skip
 
