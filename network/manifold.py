@@ -41,7 +41,9 @@ __all__ = ["Manifold", "eq33", "steady_network"]
 
 _STAGES = 12
 _LONGEST = 1e100
-_MOST_TRIALS = 1000  # panels tried in all; jets smooth between their breaks take 240 at most, alpha_v to 1e15, rtol to 1e-13
+_MOST_TRIALS = (
+    1000  # panels tried in all; jets smooth between their breaks take 240 at most, alpha_v to 1e15, rtol to 1e-13
+)
 _PER_BREAK = 100  # more of them for every break
 _FRONT = 0.25  # eps V' beyond which no steady state is independent of the far end
 _LOCKED = 0.95  # extension from which the network counts as locked
@@ -285,7 +287,7 @@ class _March:
             a = start + self.direction * done
             b = stop if last else start + self.direction * (done + step)
             solved = self._panel(a, self.direction * step, tension)
-            if solved is None or solved[1] > 1:
+            if solved is None or solved[1] > 1 or self.trials < 0:
                 if step < 1e-15 * done + 1e-30 * distance or self.trials < 0:
                     raise InputError(
                         "rtol", f"the steady network cannot be resolved at s = {a:.9g}", value=self.rtol,
