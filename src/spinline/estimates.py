@@ -13,6 +13,7 @@ Each costs a few evaluations of the closed forms.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from spinline.network.mesh import network_at_rest
 from spinline.network.state import NetworkState, affine_network, network_state
 from spinline.rheology.solution import Solution
 from spinline.scene import Scene
+
+if TYPE_CHECKING:
+    from spinline.rheology.conformation import Model
 
 __all__ = [
     "UNSTEADY",
@@ -106,16 +110,18 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
 
 def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
     """Strands that give back some of their stretch on the way; `deborah` is theta edot at the crossover."""
+    from spinline.material import build_material, constitutive_model
+
     theta = solution.relaxation_time
     name, symbol = "relaxation", "De"
     if theta is None:
         return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
     z = _grid(scene, jet, _KEPT)
     v, time = jet.velocity_ratio(z), jet.residence_time(z)
-    rate = (1 - v**-2.0) / 2 * _stiffening(scene, solution, v)
+    faster, contour = _stiffening(constitutive_model(scene, build_material(scene, solution)), v)
+    rate = (1 - v**-2.0) / 2 * faster
     given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
-    contour = _contour(scene, solution)
     if contour < v[-1]:  # never quite there
         w = np.minimum(w, (1 - 1e-6) * contour)
     error = _moved(scene, solution, z, v, w)
@@ -124,27 +130,16 @@ def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, debora
     )
 
 
-def _contour(scene: Scene, solution: Solution) -> float:
-    """Largest stretch of the constitutive model."""
-    from spinline.material import build_material, constitutive_model
-    from spinline.rheology.conformation import FENEP
-
-    model = constitutive_model(scene, build_material(scene, solution))
-    return float(np.sqrt(model.extensibility)) if isinstance(model, FENEP) else float("inf")
-
-
-def _stiffening(scene: Scene, solution: Solution, v: FloatArray) -> FloatArray:
-    """How much faster than Maxwell's the model gives stretch back, at an affine stretch."""
-    from spinline.material import build_material, constitutive_model
+def _stiffening(model: "Model", v: FloatArray) -> tuple[FloatArray, float]:
+    """How much faster than Maxwell's a model gives stretch back, at an affine stretch; and its largest stretch."""
     from spinline.rheology.conformation import FENEP, Giesekus
 
-    model = constitutive_model(scene, build_material(scene, solution))
     if isinstance(model, Giesekus):
-        return 1 + model.mobility * np.maximum(v**2 - 1, 0.0)
+        return 1 + model.mobility * np.maximum(v**2 - 1, 0.0), float("inf")
     if isinstance(model, FENEP):
         room = np.maximum(1 - v**2 / model.extensibility, 1e-6)
-        return (1 - 3 / model.extensibility) / room
-    return np.ones_like(v)
+        return (1 - 3 / model.extensibility) / room, float(np.sqrt(model.extensibility))
+    return np.ones_like(v), float("inf")
 
 
 def saturation_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
