@@ -46,7 +46,7 @@ def simulate_image(
     dark: Annotated[float, typer.Option(help="Dark counts per pixel and frame.")] = 0.0,
     veil: Annotated[float, typer.Option(help="Stray light, share of the flat.")] = 0.0,
     harmonic: Annotated[float, typer.Option(help="Share of the third harmonic in the signal.")] = 0.0,
-    reference_frames: Annotated[int, typer.Option(help="Flat frames, and dark frames.")] = 20,
+    reference_frames: Annotated[int, typer.Option(help="Flat frames, and dark frames.")] = 15,
     seed: Annotated[int, typer.Option(help="Of the noise.")] = 0,
     force: Annotated[bool, typer.Option("--force", help="Overwrite files.")] = False,
 ) -> None:

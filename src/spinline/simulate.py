@@ -71,7 +71,7 @@ class Camera:
     pixel: float = 0.67e-6
     photons: float = 1e4
     frames: int = 10
-    reference_frames: int = 20
+    reference_frames: int = 15
     pixels: int | None = None
     distance: float = 0.0
     blur: float = 0.0
