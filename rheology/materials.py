@@ -105,7 +105,7 @@ def packing_entanglement_molar_mass(
         positive("repeat_unit_molar_mass", repeat_unit_molar_mass, "kg/mol"),
     )
     length = positive("kuhn_length", kuhn_length, "m") * BOND_PROJECTION * positive("backbone_bonds", backbone_bonds)
-    with np.errstate(over="ignore", under="ignore"):  # inf or 0, refused below
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):  # inf, 0 or nan: refused below
         packing = np.float64(mass) / length / rho / _AVOGADRO
         found = 0.8 * rho * _AVOGADRO * _TUBE_STRANDS**2 * packing**3
     return positive("entanglement_molar_mass", found, "kg/mol")
