@@ -104,10 +104,11 @@ def packing_entanglement_molar_mass(
         positive("density", density, "kg/m3"),
         positive("repeat_unit_molar_mass", repeat_unit_molar_mass, "kg/mol"),
     )
-    length = positive("kuhn_length", kuhn_length, "m") * BOND_PROJECTION * positive("backbone_bonds", backbone_bonds)
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):  # inf, 0 or nan: refused below
-        packing = np.float64(mass) / length / rho / _AVOGADRO
-        found = 0.8 * rho * _AVOGADRO * _TUBE_STRANDS**2 * packing**3
+    kuhn, bonds = positive("kuhn_length", kuhn_length, "m"), positive("backbone_bonds", backbone_bonds)
+    per_volume = np.log(rho) + np.log(_AVOGADRO)  # logarithms: the cubes of extreme inputs are no doubles
+    packing = np.log(mass) - np.log(kuhn) - np.log(BOND_PROJECTION) - np.log(bonds) - per_volume
+    with np.errstate(over="ignore", under="ignore"):  # inf or 0: refused
+        found = np.exp(np.log(0.8 * _TUBE_STRANDS**2) + per_volume + 3 * packing)
     return positive("entanglement_molar_mass", found, "kg/mol")
 
 
