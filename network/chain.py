@@ -224,6 +224,8 @@ def _next(
         after, error, count = advance(chain, span, state, time, watch, fine, room)
         iterations += count
         taken = time - state.time
+        if after is not None and fixed is None and _turned(chain, after):
+            after = None
         # an error of position far below a spacing is no error of stretch: a bead may be kicked as it enters
         allowed = max(rtol, 0.1 * rtol * chain.step / taken)
         if after is not None and (fixed is not None or error <= allowed):
@@ -247,6 +249,11 @@ def _next(
                 f"chain: step below {dt:.1e} at time {state.time:g} (local error {error:.1e} against rtol = {rtol:g}); "
                 "raise rtol, or end `accurate_to` before the free end's layer"
             )
+
+
+def _turned(chain: Chain, state: ChainState) -> bool:
+    """Whether beads without mass are out of order: the flow and the strands keep them in it, an error turns them."""
+    return not chain.inertia and bool((state.positions[1:] >= state.positions[:-1]).any())
 
 
 def _landing(chain: Chain, time: float, dt: float, barrier: float, *, aligned: bool) -> float:
