@@ -76,7 +76,7 @@ class ChainResult:
         return profile(self.chain, self.state)
 
     def stretch_at(self, position: ArrayLike) -> FloatArray:
-        """Local stretch w at positions (initial radii), cubic between strand midpoints; NaN outside the chain."""
+        """Local stretch w at positions (initial radii), see `ChainProfile.stretch_at`; NaN outside the chain."""
         return self.profile.stretch_at(position)
 
 
@@ -143,6 +143,10 @@ def run_chain(
     seconds = number("checkpoint_seconds", checkpoint_seconds, least=0.0)
     fixed = None if time_step is None else positive("time_step", time_step)
     watch = 0.95 * chain.flow.length if accurate_to is None else positive("accurate_to", accurate_to, "r_0")
+    if not (isinstance(progress, bool) or callable(progress)):
+        raise InputError("progress", "is neither a bool nor a function", value=type(progress).__name__)
+    if not (checkpoint is None or isinstance(checkpoint, str | Path)):
+        raise InputError("checkpoint", "is not a path", value=type(checkpoint).__name__)
     state = _start(chain, start)
     end = number("until", until, above=state.time)
     outputs = real("output_times", output_times, least=state.time, most=end).ravel()

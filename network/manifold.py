@@ -131,8 +131,12 @@ def eq33(velocity_ratio: ArrayLike, slope: ArrayLike, eps: float) -> FloatArray:
     InputError
         Where ``eps V' >= 1``: the formula has no value there.
     """
-    v = real("velocity_ratio", velocity_ratio, above=0.0)
-    share = positive("eps", eps) * real("slope", slope)
+    v, rise = real("velocity_ratio", velocity_ratio, above=0.0), real("slope", slope)
+    try:
+        v, rise = np.broadcast_arrays(v, rise)
+    except ValueError:
+        raise InputError("slope", f"does not broadcast: shapes {v.shape} and {rise.shape}") from None
+    share = positive("eps", eps) * rise
     real("eps * slope", share, below=1.0, remedy="Eq. (33) has no value there; raise alpha_v")
     return v / (1 - share)
 
@@ -195,14 +199,15 @@ def steady_network(
     instance("law", chosen, Tension, remedy="make one with Tension.of")
     named = set(real("breaks", breaks).ravel().tolist())
     edges = [0.0, *sorted(b for b in named if 0 < b < end), end]
-    _refuse_lost(velocity_ratio, edges, eps, chosen)
+    profile = _checked(velocity_ratio)
+    _refuse_lost(profile, edges, eps, chosen)
     upstream = eps > mass
     if not upstream and (chosen.bounded or eps == mass):
         raise InputError(
             "inertia", "is as large as the elastic coupling: no march of the steady network is stable", value=mass,
             allowed=f"< c/alpha_v = {eps:g}", remedy="use the chain in time, or lower I",
         )  # fmt: skip
-    march = _March(velocity_ratio, chosen, eps, mass, tol, -1.0 if upstream else 1.0)
+    march = _March(profile, chosen, eps, mass, tol, -1.0 if upstream else 1.0)
     pieces = list(pairwise(edges))
     tension = chosen.tension_at_rest
     for low, high in reversed(pieces) if upstream else pieces:
@@ -217,6 +222,18 @@ def steady_network(
         coefficients=np.array([panel[2] for panel in panels]),
         locked_from=_locked_from(panels, chosen),
     )
+
+
+def _checked(velocity_ratio: Profile) -> Profile:
+    """The jet's V(s), refused where it is not one positive number for each place."""
+
+    def profile(s: FloatArray) -> FloatArray:
+        v = real("velocity_ratio", velocity_ratio(s), above=0.0, remedy="the jet must move forward everywhere")
+        if v.shape not in ((), s.shape):
+            raise InputError("velocity_ratio", "must return one value for each place", value=f"{v.shape} for {s.shape}")
+        return np.broadcast_to(v, s.shape)
+
+    return profile
 
 
 def _refuse_lost(profile: Profile, edges: list[float], eps: float, law: Tension) -> None:

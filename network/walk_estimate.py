@@ -166,6 +166,8 @@ def sample_average(
     >>> length.gain > 100
     True
     """
+    if not isinstance(control, bool | np.bool_):
+        raise InputError("control", "is not true or false", value=type(control).__name__)
     count = _enough(sample, _LEAST_STRANDS if control else 2)
     if not callable(function):
         raise InputError("function", "is not a function of the end-to-end vectors", value=type(function).__name__)

@@ -168,6 +168,17 @@ def test_refusals(change: dict, field: str) -> None:
         steady_network(**arguments)
 
 
+@pytest.mark.parametrize("returned", [np.nan, 0.0, -1.0, None, "fast", np.ones(3)])
+def test_a_jet_that_is_no_function_of_place_is_refused(returned: object) -> None:
+    with pytest.raises(InputError, match="velocity_ratio"):
+        steady_network(lambda s: returned, 10.0, coupling=1e4)
+
+
+def test_eq33_refuses_what_does_not_broadcast() -> None:
+    with pytest.raises(InputError, match="slope"):
+        eq33([2.0, 3.0], [0.1, 0.1, 0.1], 0.1)
+
+
 def test_random_draws_are_finite_and_bounded_or_refused() -> None:
     rng = np.random.default_rng(11)
     answered = 0
