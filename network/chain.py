@@ -75,6 +75,11 @@ class ChainResult:
         """Stretch, tension and extension along the chain at the end."""
         return profile(self.chain, self.state)
 
+    @property
+    def profiles(self) -> list[ChainProfile]:
+        """The same at the times asked for."""
+        return [profile(self.chain, state) for state in self.snapshots]
+
     def stretch_at(self, position: ArrayLike) -> FloatArray:
         """Local stretch w at positions (initial radii), see `ChainProfile.stretch_at`; NaN outside the chain."""
         return self.profile.stretch_at(position)
