@@ -162,9 +162,9 @@ def chain(drawn, profile, rng, seconds, steps):
     if drawn["law"] != "linear" and profile_.stretch.size:
         bounded(profile_.stretch, -contour * (1 + 1e-6), contour * (1 + 1e-6))
         bounded(profile_.relative_extension, -1, 1)
-        inside = profile_.beads[0] + np.linspace(0, 1, 50) * (profile_.beads[-1] - profile_.beads[0])
         if (np.diff(profile_.beads) > 0).all() and profile_.beads.size >= 6:
-            bounded(profile_.stretch_at(inside), high=contour)
+            between = np.linspace(profile_.beads[0], profile_.beads[-1], 50)
+            bounded(profile_.stretch_at(between), high=contour)
 
 
 PARTS = {"laws": laws, "walk": walk, "manifold": manifold, "chain": chain}
