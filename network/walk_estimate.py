@@ -2,12 +2,12 @@
 
 A function g of the end-to-end vector R is regressed on what is known exactly (`walk_moments`): R - <R>, the products of
 its components less their covariance, and the number of axial steps less its mean. The intercept is <g>, and its
-variance is that of the residual: smaller by 1/(1 - r^2), r the multiple correlation; its error is the sandwich estimator HC3, since the residual is widest where the
-controls are largest (with one variance for all, intervals of 95 % from 400 strands covered 91). Measured at phi = 0.05 and
-V = 1, 5, 20 (benchmarks/bench_walk.py): length ``|R|`` 106, 7e3 and 1e7 times; cos^2 of its angle 11, 140, 1,200; the
-probability of a tail beyond two sigma 1.7, 1.6, 1.6. What is linear or quadratic in R comes out exact, and its error
-is rounding. Cost: 0.1 us a strand. The bias of the fitted coefficients is of order 1/strands, below the error by
-1/sqrt(strands).
+variance is that of the residual: smaller by 1/(1 - r^2), r the multiple correlation. Its error is the sandwich estimator
+HC3, since the residual is widest where the controls are largest: with one variance for all, 95 % intervals from 400
+strands covered 91 to 92. Measured at phi = 0.05 and V = 1, 5, 20 (benchmarks/bench_walk.py): length ``|R|`` 106, 7e3 and 1e7
+times; cos^2 of its angle 11, 140, 1,200; the probability of a tail beyond two sigma 1.7, 1.6, 1.6. What is linear or
+quadratic in R comes out exact, and its error is rounding. Cost: 0.3 us a strand. The bias of the fitted coefficients is of
+order 1/strands, below the error by 1/sqrt(strands).
 
 References
 ----------
