@@ -2,7 +2,7 @@
 
     python benchmarks/accuracy.py --scenes 1000 --seed 1 -o benchmarks/accuracy.json
 
-Scenes are the straight ones of the atlas (`atlas.draw`), air and radial drying left out. Met: the reported quantities
+Scenes are the straight ones of the atlas (`atlas_scenes.draw`), air and radial drying left out. Met: the reported quantities
 (`spinline.difference`) are within rtol of the reference of every branch that the rung claims to be good for; scenes where the
 plan says that no model holds both effects, or where a rung is refused, are counted apart. Cost: processor time of the rung over
 that of the cheapest that would have met rtol.
@@ -15,7 +15,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-import atlas
+import atlas_scenes
 import numpy as np
 
 TOLERANCES = (1e-1, 1e-2, 1e-3)
@@ -23,7 +23,7 @@ TOLERANCES = (1e-1, 1e-2, 1e-3)
 
 def scene_data(seed, index):
     """Scene number `index` without air, or None if its jet is not straight."""
-    data, _ = atlas.draw(seed, index)
+    data = atlas_scenes.draw(seed, index)
     if data["jet"]["profile"] not in ("power-law", "hyperbolic"):
         return None
     network = {key: data["network"][key] for key in ("closure", "solvent_quality", "coupling")}

@@ -19,6 +19,7 @@ import numpy as np
 
 from spinline.build import coupling, jet_grid, jet_length
 from spinline.checks import FloatArray
+from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.crossover import extension_velocity_ratio
 from spinline.network.mesh import network_at_rest
@@ -111,6 +112,7 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
 def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
     """Strands that give back some of their stretch on the way; `deborah` is theta edot at the crossover."""
     from spinline.material import build_material, constitutive_model
+    from spinline.rheology.conformation import Maxwell
 
     theta = solution.relaxation_time
     name, symbol = "relaxation", "De"
@@ -118,7 +120,13 @@ def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, debora
         return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
     z = _grid(scene, jet, _KEPT)
     v, time = jet.velocity_ratio(z), jet.residence_time(z)
-    faster, contour = _stiffening(constitutive_model(scene, build_material(scene, solution)), v)
+    try:
+        model: Model = constitutive_model(scene, build_material(scene, solution))
+    except InputError as problem:  # a run by that rung is refused; whether one is needed can be said all the same
+        if problem.field != "rheology.extensibility":
+            raise
+        model = Maxwell()
+    faster, contour = _stiffening(model, v)
     rate = (1 - v**-2.0) / 2 * faster
     given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
