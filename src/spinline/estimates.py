@@ -97,16 +97,35 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
     number = float(v.max()) / full
     name, symbol = "finite extensibility", "V/V_S at the end"
     if number < 1:
-        return Effect(name, symbol, number, 0.0, f"the jet ends at {number:.2g} of full stretch")
+        return Effect(
+            name, symbol, number, _stiffer(scene, solution, jet, full), f"the jet ends at {number:.2g} of full stretch"
+        )
     step = np.diff(z) * (full - 0.5 * (v[1:] + v[:-1]))
     room = np.append(np.cumsum(step[::-1])[::-1], 0.0)  # of the contour, from z to the end
     first = int(np.flatnonzero(room <= 0)[0])
-    error = full / float(v[first]) - 1 if z[first] < _KEPT * z[-1] else 0.0
+    passes = _passage(z - jet.start, v, full)  # where a network that overstretches does
+    later = passes / (z[max(first, 1)] - jet.start) - 1
+    error = max(full / float(v[first]) - 1, later) if z[first] < _KEPT * z[-1] else 0.0
     words = (
         f"a steady network that cannot overstretch is locked from {1e3 * z[first]:.3g} mm (V = {v[first]:.3g}) to its free "
         'end, if its strands hold: see model = "manifold" with a force_law'
     )
     return Effect(name, symbol, number, error, words)
+
+
+def _stiffer(scene: Scene, solution: Solution, jet: StraightJet, full: float) -> float:
+    """Slip that a law with a contour adds to the linear spring's, short of the contour: ``eps V' (T' - 1)``."""
+    from spinline.network.tension import Tension
+
+    law = "lattice" if scene.network.force_law == "linear" else scene.network.force_law
+    alpha = coupling(scene, solution, jet)[0]
+    z = _grid(scene, jet, _KEPT)
+    spring = Tension.of(law, full)
+    _, compliance = spring.state(spring.tension(jet.velocity_ratio(z)))
+    slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
+    with np.errstate(divide="ignore"):
+        added = scene.network.spring.value / alpha * slope * np.abs(1 / compliance - 1)
+    return float(np.nan_to_num(np.max(added), nan=0.0, posinf=1.0))
 
 
 def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
