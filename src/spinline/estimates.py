@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
 
 __all__ = [
+    "MARGIN",
     "UNSTEADY",
     "Effect",
     "elastic_coupling_effect",
@@ -40,6 +41,7 @@ __all__ = [
     "saturation_effect",
 ]
 
+MARGIN = 1.2  # on every estimate, before it is compared with rtol
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
 UNSTEADY = 0.25  # eps V' from which no steady network exists
@@ -105,7 +107,7 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
     first = int(np.flatnonzero(room <= 0)[0])
     passes = _passage(z - jet.start, v, full)  # where a network that overstretches does
     later = passes / (z[max(first, 1)] - jet.start) - 1
-    error = max(full / float(v[first]) - 1, later) if z[first] < _KEPT * z[-1] else 0.0
+    error = float(max(full / v[first] - 1, later)) if z[first] < _KEPT * z[-1] else 0.0
     words = (
         f"a steady network that cannot overstretch is locked from {1e3 * z[first]:.3g} mm (V = {v[first]:.3g}) to its free "
         'end, if its strands hold: see model = "manifold" with a force_law'
