@@ -28,13 +28,13 @@ from atlas_scenes import MODELS, build, draw
 LIMIT = 10.0  # s
 RTOL = 1e-2  # within which a model holds, on the maps
 AXES = {  # of the maps: name, low, high (decades of the number)
-    "slip": (-10, 4),  # largest eps V'
-    "deborah": (-6, 8),  # theta edot at the crossover
+    "slip": (-8, 3),  # largest eps V'
+    "deborah": (-5, 7),  # theta edot at the crossover
     "volume_fraction": (-5, 0),
     "stretch": (0, 8),  # V at the end
 }
 PLANES = (("deborah", "slip"), ("volume_fraction", "stretch"))
-BINS = 28
+BINS = 24
 HOLDS = ("affine", "manifold", "conformation", "neither", "unsteady", "unknown")
 TAKEN = {"affine": "A", "manifold": "M", "conformation": "C"}  # by auto; in small letters where asked for
 ASKED = {"affine": "a", "manifold": "m", "conformation": "c", "chain": "h", "walk": "w"}
@@ -216,9 +216,10 @@ def _judge(task):
 
 
 def _bin(name, value):
+    """Bin of a number, which may lie outside of 0 ... BINS - 1."""
     low, high = AXES[name]
-    place = np.log10(value) if value > 0 else -np.inf
-    return int(np.clip(np.floor((place - low) / (high - low) * BINS), 0, BINS - 1))
+    place = (np.log10(value) - low) / (high - low) * BINS if value > 0 else -1.0
+    return int(np.clip(np.floor(place), -1, BINS))
 
 
 def outcomes_of(seed, first, scenes, workers, wall=False):
@@ -262,6 +263,8 @@ def campaign(seed, first, scenes, workers, wall=False):
             if None in values:
                 continue
             x, y = (_bin(name, value) for name, value in zip(pair, values, strict=True))
+            if not (0 <= x < BINS and 0 <= y < BINS):
+                continue
             held[pair][x, y, HOLDS.index(one["holds"])] += 1
             came[pair][x, y, MODELS.index(asked)] += (1, kind == "result")
         if done % 2000 == 0:

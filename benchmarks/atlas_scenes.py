@@ -11,7 +11,7 @@ import numpy as np
 MODELS = ("auto", "affine", "manifold", "conformation", "chain", "walk")
 SHARES = (0.43, 0.14, 0.16, 0.16, 0.02, 0.09)
 CONTRADICTIONS = 0.05  # of the scenes may ask for what excludes itself
-STRANDS, STEPS = 100, 700  # of a walk at each point, of a chain
+STRANDS, STEPS, MORE_STEPS = 100, 700, 4000  # of a walk at each point, of a chain, of one whose beads are few
 
 
 def _any(rng, shares, *values):
@@ -27,7 +27,7 @@ def draw(seed, index):
     quality = str(rng.choice(["theta", "good"]))
     radius, speed = 10 ** u(-9, -2), 10 ** u(-5, 3)
     flow = np.pi * radius**2 * speed
-    jet, v, slope = _jet(rng, radius, flow)
+    jet, v, slope, transit = _jet(rng, radius, flow)
     full = 1 / phi if quality == "theta" else phi**-0.5
     steepest = float(slope.max())
     here = float(slope[min(int(np.searchsorted(v, full)), v.size - 1)])  # V' at the crossover, or at the end
@@ -35,6 +35,7 @@ def draw(seed, index):
     relaxation = float(np.clip(deborah / max(here, 1e-30) * radius / speed, 1e-12, 1e11))
     coupling = float(_any(rng, (0.5, 0.5), np.clip(3 * steepest / 10 ** u(-8, 1), 1e-3, 1e18), 10 ** u(-3, 15)))
     inertia = float(_any(rng, (0.5, 0.45, 0.05), 0.0, 3 / coupling * 10 ** u(-10, 0), 10 ** u(-12, 3)))
+    kuhn = 10 ** u(-9.5, -8)
     scene = {
         "solution": {
             "polymer": str(rng.choice(["PEO", "PVP", "PCL"])),
@@ -42,7 +43,7 @@ def draw(seed, index):
             "volume_fraction": phi,
             "relaxation_time": f"{relaxation!r} s",
             "viscosity": f"{10 ** u(-3, 4)!r} Pa s",
-            "kuhn_length": f"{10 ** u(-9.5, -8)!r} m",
+            "kuhn_length": f"{kuhn!r} m",
         },
         "jet": jet,
         "effects": {
@@ -72,13 +73,18 @@ def draw(seed, index):
     law = str(rng.choice(["lattice", "linear", "langevin", "fene"]))
     if model in ("manifold", "chain"):
         scene["network"]["force_law"] = law
+    beads = 10 ** u(1.3, 2.8)
+    strands = transit * radius / (kuhn * (full if quality == "theta" else phi**-0.75))  # along the jet
+    if model == "chain" and u() < 0.8:  # as many joined as leave a chain of that many beads
+        scene["network"]["coarse_grain"] = max(1.0, float(strands / beads))
+        scene["accuracy"]["steps"] = MORE_STEPS
     if u() >= CONTRADICTIONS:
         _reconcile(scene)
     return scene
 
 
 def _jet(rng, radius, flow):
-    """Section of a jet; its V, and V' per initial radius, from the nozzle to the end."""
+    """Section of a jet; its V and V' per initial radius from the nozzle to the end, and the time to there."""
     u = rng.uniform
     beta = float(rng.choice([0.25, 0.5, 1.0, u(0.25, 1.0)]))
     k, p, stretch = 10 ** u(-2, 2), 10 ** u(-2, 3), 10 ** u(0, 8)
@@ -97,14 +103,15 @@ def _jet(rng, radius, flow):
         else:
             jet |= {"p": p}
             v, slope = (1 + s / p) ** 2, 2 * (1 + s / p) / p
-        return jet, v, slope
+        return jet, v, slope, float(s[0] + np.sum(np.diff(s) / np.sqrt(v[1:] * v[:-1])))
     n = int(rng.integers(2, 40))
     z = np.cumsum(10 ** u(-1, 1, n)) * radius
     v = np.cumprod(np.concatenate(([1.0], 10 ** u(0, np.log10(stretch) / n + 1e-3, n - 1))))
     jet["samples"] = (z - z[0], v, flow / (np.pi * radius**2))
     if profile == "table":
         jet["flow_rate"] = f"{flow!r} m^3/s"
-    return jet, v[1:], np.diff(v) / np.diff(z) * radius
+    transit = float(z[0] + np.sum(np.diff(z) / np.sqrt(v[1:] * v[:-1]))) / radius
+    return jet, v[1:], np.diff(v) / np.diff(z) * radius, transit
 
 
 def _reconcile(scene):

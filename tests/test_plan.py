@@ -253,7 +253,7 @@ def test_estimates_are_safe(monkeypatch):
     pairs = {name: [] for name in estimates.EFFECTS}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)
-        for index in range(20):
+        for index in range(12):
             for name, one in (estimates.judge(5, index) or {}).items():
                 if np.isfinite([one["truth"]]).all() and not np.isnan(one["estimate"]):
                     pairs[name].append((one["estimate"], one["truth"]))

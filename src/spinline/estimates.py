@@ -123,11 +123,14 @@ def _stiffer(scene: Scene, solution: Solution, jet: StraightJet, full: float) ->
     alpha = coupling(scene, solution, jet)[0]
     z = _grid(scene, jet, _KEPT)
     spring = Tension.of(law, full)
-    _, compliance = spring.state(spring.tension(jet.velocity_ratio(z)))
+    v = jet.velocity_ratio(z)
+    _, compliance = spring.state(spring.tension(v))
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
     with np.errstate(divide="ignore"):
-        added = scene.network.spring.value / alpha * slope * np.abs(1 / compliance - 1)
-    return float(np.nan_to_num(np.max(added), nan=0.0, posinf=1.0))
+        added = np.minimum(scene.network.spring.value / alpha * slope * np.abs(1 / compliance - 1), 1.0)
+    if np.isnan(alpha):
+        return 0.0
+    return _moved(scene, solution, z, v, np.minimum(v * (1 + added), (1 - 1e-6) * full))
 
 
 def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:

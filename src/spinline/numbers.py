@@ -234,9 +234,9 @@ def _drying(
     mean = np.minimum(phi / dried.remaining, 1.0)
     pull = np.abs((1 - mean) * np.exp(mean * (1 + only.chi * mean)) - only.ambient)  # below 0 a jet takes vapour up
     # what pulls at a place lasts to the next: a jet may dry out between two; no surface goes beyond equilibrium
-    uneven = 0.5 * peclet[:-1] * pull[:-1] * np.minimum(1.0, 4 * np.sqrt(fourier[1:] / np.pi))
+    after = np.append(fourier[1:], fourier[-1])
     balanced = equilibrium_fraction(only.ambient, only.chi) if 0 < only.ambient < 1 else 1.0
-    uneven = np.minimum(uneven, np.abs(balanced / mean[:-1] - 1))
+    uneven = np.minimum(0.5 * peclet * pull * np.minimum(1.0, 4 * np.sqrt(after / np.pi)), np.abs(balanced / mean - 1))
     return lost, float(biot[-1]), float(peclet.max()), float(fourier[-1]), float(uneven.max())
 
 
