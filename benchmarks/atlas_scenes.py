@@ -25,7 +25,8 @@ def draw(seed, index):
     model = str(rng.choice(MODELS, p=SHARES))
     phi = float(_any(rng, (0.4, 0.47, 0.13), 10 ** u(-5, -0.5), 10 ** u(-2, -0.7), u(0.3, 0.99)))
     quality = str(rng.choice(["theta", "good"]))
-    radius, speed = 10 ** u(-9, -2), 10 ** u(-5, 3)
+    thinnest = -6.5 if model == "chain" and quality == "theta" else -9  # most meshes are wider than a jet of nanometres
+    radius, speed = 10 ** u(thinnest, -2), 10 ** u(-5, 3)
     flow = np.pi * radius**2 * speed
     jet, v, slope, transit = _jet(rng, radius, flow)
     full = 1 / phi if quality == "theta" else phi**-0.5
