@@ -5,8 +5,8 @@ holds one of them; where both would err by more than rtol the plan takes the lar
 Evaporation and radial gradients go with any rung. Finite extensibility of the *network* is a reason to change the rung only
 where the scene names a `force_law`; saturation is in every rung.
 
-Estimates (`estimates`) lie within a factor of two of the error that the finer rung shows, nineteen times in twenty, and never far
-below it (``benchmarks/estimates.py``); they are taken 1.2 times before they are compared with rtol.
+Estimates (`estimates`) lie within a factor of two of the error that the finer rung shows, nineteen times in twenty, and never
+far below it (``benchmarks/estimates.py``); they are taken 1.2 times before they are compared with rtol.
 """
 
 import json
