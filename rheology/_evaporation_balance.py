@@ -126,7 +126,12 @@ class Balance:
             total = phi0 + u
             polymer = phi0 / total
             mixing = polymer * (1 + chi * polymer)
-            if polymer < 0.5:  # as in `fall`
+            if polymer < 0.02:  # as in `fall`, and ln(1 - phi) + phi + phi^2/2 as a series: chi = 1/2 leaves phi^3
+                series = 0.0
+                for n in range(10, 2, -1):
+                    series = polymer * series + 1 / n
+                inside = (1 - ambient + math.expm1(polymer**2 * (chi - 0.5 - polymer * series))) / u
+            elif polymer < 0.5:
                 inside = (1 - ambient + math.expm1(math.log1p(-polymer) + mixing)) / u
             else:
                 inside = math.exp(mixing) / total - (ambient / u if ambient > 0 else 0.0)
@@ -140,7 +145,9 @@ class Balance:
         def pace(x: float, left: float) -> FloatArray:
             at = np.asarray([x])
             number = np.cbrt(self.reynolds(at, left)) * 0.495 * np.sqrt(self.schmidt)
-            value: FloatArray = self.spread * np.maximum(number, self.floor) * path.exposure(at) / path.initial_radius**2
+            value: FloatArray = (
+                self.spread * np.maximum(number, self.floor) * path.exposure(at) / path.initial_radius**2
+            )
             return value
 
         def slope(x: float, y: FloatArray) -> FloatArray:

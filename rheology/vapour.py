@@ -263,7 +263,7 @@ def raoult_coefficient(
 
 
 def log_flory_huggins(
-    solvent_fractions: FloatArray, polymer: ArrayLike, molar_volumes: FloatArray, chi: FloatArray
+    solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, chi: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """``ln(a_i/phi_i)`` and ``1 - phi_i``, Flory-Huggins, each to rounding of itself: in a nearly pure solvent nothing cancels.
 
@@ -288,7 +288,7 @@ def log_flory_huggins(
 
 
 def log_raoult(
-    solvent_fractions: FloatArray, polymer: ArrayLike, molar_volumes: FloatArray, polymer_molar_volume: float
+    solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, polymer_molar_volume: float
 ) -> tuple[FloatArray, FloatArray]:
     """``ln(a_i/phi_i)`` and ``1 - phi_i`` by Raoult's law; as `log_flory_huggins`."""
     others, crowding, v = _beside(solvent_fractions, molar_volumes)
