@@ -1,18 +1,16 @@
 """The report of a run: one HTML file that opens offline, the answer first."""
 
 import base64
-import json
 import math
-from collections.abc import Mapping
 from html import escape
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from spinline.figures import headline, png
 from spinline.outputs import replacing
+from spinline.report_parts import planned, traded
 from spinline.results import described, scalars
 
 __all__ = ["html", "save_report", "words"]
@@ -112,7 +110,8 @@ def html(result: xr.Dataset) -> str:
 <h2>Models used, and why</h2>
 <table>{used}</table>
 <p>Valid for the first millimetres of a jet, before entanglements are lost.</p>
-{_planned(attrs)}
+{planned(attrs)}
+{traded(attrs)}
 <h2>Inputs</h2>
 <table>{inputs}</table>
 <pre>{escape(str(attrs["scene"]))}</pre>
@@ -121,26 +120,6 @@ def html(result: xr.Dataset) -> str:
 to make this again.</p>
 </body></html>
 """
-
-
-def _planned(attrs: Mapping[Any, Any]) -> str:
-    """What every effect would change, from the attribute ``plan``."""
-    if "plan" not in attrs:
-        return ""
-    plan = json.loads(str(attrs["plan"]))
-    rows = "".join(
-        f"<tr><td>{state}</td><td>{escape(effect['name'])}</td><td>{escape(effect['symbol'])}</td>"
-        f"<td class='number'>{_short(effect['number'])}</td><td class='number'>{_short(effect['estimated_error'])}</td>"
-        f"<td>{escape(effect['reason'])}</td></tr>"
-        for state, key in (("in", "effects_used"), ("left out", "effects_left_out"))
-        for effect in plan[key]
-    )
-    head = "<tr><th></th><th>effect</th><th>number</th><th></th><th>error without it</th><th>why</th></tr>"
-    return f"<h2>Plan</h2>\n<p>{escape(plan['reason'])}</p>\n<table>{head}{rows}</table>"
-
-
-def _short(value: float | None) -> str:
-    return "—" if value is None else f"{value:.2g}"
 
 
 def save_report(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:

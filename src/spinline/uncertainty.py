@@ -3,6 +3,7 @@
 Inputs written with ``+/-`` are taken as independent; each is moved by one standard uncertainty to both sides, the run repeated
 by the same rung, and half the difference is its share: ``std^2 = sum (f(x + s) - f(x - s))^2 / 4``. First order: right where
 numbers are straight lines over the uncertainty, which two runs cannot tell; a number not reached on one side has none.
+`spinline.draws` needs no straight line, and costs more runs.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,9 +15,11 @@ from pydantic import BaseModel
 
 from spinline.errors import InputError
 from spinline.scene import Scene
+from spinline.scene_fields import Read
+from spinline.sweep_keys import reader
 from spinline.units import Measured
 
-__all__ = ["propagated", "uncertain_inputs"]
+__all__ = ["certain", "moved", "propagated", "uncertain_inputs"]
 
 
 def uncertain_inputs(scene: Scene) -> dict[str, Measured]:
@@ -51,7 +54,7 @@ def propagated(
         sides: list[tuple[float, xr.Dataset]] = []
         for sign in (1.0, -1.0):
             try:
-                sides.append((sign, again(_moved(scene, key, measured.value + sign * measured.std))))
+                sides.append((sign, again(moved(scene, key, measured.value + sign * measured.std))))
             except InputError:
                 continue
         if not sides:
@@ -66,6 +69,40 @@ def propagated(
     return {f"{name}_std": float(np.sqrt(value)) for name, value in total.items()}, remarks
 
 
+def moved(scene: Scene, key: str, value: float) -> Scene:
+    """The scene with one quantity at another value, without its uncertainty.
+
+    Raises
+    ------
+    InputError
+        If the value is out of the key's range.
+    """
+    how = reader(key)
+    if isinstance(how, Read):
+        inside = how.low <= value <= how.high if how.closed else how.low < value < how.high
+        if not inside:
+            raise InputError(key, "is out of range once moved by its uncertainty", value=value)
+    return _with(scene, key, value)
+
+
+def certain(scene: Scene) -> Scene:
+    """The scene without its uncertainties."""
+    for key, measured in uncertain_inputs(scene).items():
+        scene = _with(scene, key, measured.value)
+    return scene
+
+
+def _with(scene: Scene, key: str, value: float) -> Scene:
+    def within(section: BaseModel, steps: list[str]) -> BaseModel:
+        name, rest = steps[0], steps[1:]
+        inner = getattr(section, name)
+        return section.model_copy(update={name: within(inner, rest) if rest else Measured(value, 0.0, f"{value!r}")})
+
+    changed = within(scene, key.split("."))
+    assert isinstance(changed, Scene)
+    return changed
+
+
 def _walk(section: BaseModel, path: str) -> Iterator[tuple[str, Measured]]:
     for name in type(section).model_fields:
         value = getattr(section, name)
@@ -73,18 +110,3 @@ def _walk(section: BaseModel, path: str) -> Iterator[tuple[str, Measured]]:
             yield from _walk(value, f"{path}{name}.")
         elif isinstance(value, Measured) and value.std > 0:
             yield f"{path}{name}", value
-
-
-def _moved(scene: Scene, key: str, value: float) -> Scene:
-    """The scene with one quantity at another value, without its uncertainty."""
-
-    def within(section: BaseModel, steps: list[str]) -> BaseModel:
-        name, rest = steps[0], steps[1:]
-        inner = getattr(section, name)
-        return section.model_copy(update={name: within(inner, rest) if rest else Measured(value, 0.0, f"{value!r}")})
-
-    moved = within(scene, key.split("."))
-    assert isinstance(moved, Scene)
-    if value <= 0:
-        raise InputError(key, "is not positive once moved by its uncertainty", value=value)
-    return moved
