@@ -5,8 +5,9 @@ its range) is left out, so the normal law is cut there, and the share is said. D
 128 of them are as good as those of some thousand random ones where one or two inputs decide. The rung is that of the scene, in
 every draw. Bands are quantiles at each place, not curves: no single draw need follow one.
 
-Where a number is not there in some draws (a crossover beyond the end of the jet) its quantiles are those of the others, and
-the share of draws that have it is said.
+A place that some draws do not reach (crossover, glass) lies beyond the end of the jet there: its quantiles count those draws,
+and one that falls among them is NaN. Of other numbers that are not there in some draws (the state at that place) the quantiles
+are those of the other draws, if they are half of all.
 """
 
 from collections.abc import Callable
@@ -33,6 +34,7 @@ BANDED = (
     "surface_polymer_fraction", "axis_polymer_fraction",
 )  # fmt: skip
 RATIOS = ("viscosity", "relaxation_time")  # over what they are at the nozzle, as they are drawn
+_FAR = 1e200
 _LEFT_OUT = 0.01  # share of the draws that is worth a word
 
 
@@ -83,13 +85,18 @@ def banded(
         remarks.append(
             f"{refused} of {scene.accuracy.draws} draws of the uncertain inputs make no scene and are not in the bands"
         )
-    there = np.isfinite(rows.get("crossover_position", [])).mean()
-    if there < 1:
-        remarks.append(
-            f"the crossover is reached in {100 * there:.3g} % of the draws of the uncertain inputs; intervals of its "
-            "numbers are of those"
-        )
-    return {f"{name}_band": quantiles(np.array(found)) for name, found in rows.items()}, remarks
+    there = float(np.isfinite(rows["crossover_position"]).mean())
+    if 0 < there < 1:
+        remarks.append(f"the crossover is reached in {100 * there:.3g} % of the draws of the uncertain inputs only")
+    return {f"{name}_band": _quantiles(name, np.array(found)) for name, found in rows.items()}, remarks
+
+
+def _quantiles(name: str, values: FloatArray) -> FloatArray:
+    """`quantiles`; a place that is not reached lies beyond the end, farther than all that are."""
+    if not name.endswith("_position") or not np.isfinite(values).any():
+        return quantiles(values)
+    found = quantiles(np.where(np.isfinite(values), values, _FAR))
+    return np.where(found > 0.01 * _FAR, np.nan, found)
 
 
 def quantiles(values: FloatArray) -> FloatArray:
