@@ -77,7 +77,9 @@ def run(
     trade: Annotated[
         bool, typer.Option("--trade", help="Measure every model on this scene as well, for the report: takes a while.")
     ] = False,
-    quick: Annotated[bool, typer.Option("--quick", help="With --trade: only the rung next to the affine network.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="With --trade: only the rung next to the affine network.")
+    ] = False,
     json: JsonOption = False,
     force: ForceOption = False,
     model: ModelOption = None,

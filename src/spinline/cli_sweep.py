@@ -184,7 +184,9 @@ def _comparison(found: "Comparison") -> None:
     for s in found.scalars:
         unit = "" if s.unit in ("", "1") else f" {s.unit}"
         apart = f", {s.sigmas:.2g} standard uncertainties" if s.sigmas == s.sigmas else ""
-        one, other = (f"{x:.6g}" + (f" ± {std:.2g}" if std == std else "") for x, std in ((s.a, s.a_std), (s.b, s.b_std)))
+        one, other = (
+            f"{x:.6g}" + (f" ± {std:.2g}" if std == std else "") for x, std in ((s.a, s.a_std), (s.b, s.b_std))
+        )
         typer.echo(f"number   {s.name}: {one} | {other}{unit} ({_percent(s.relative)}{apart})")
     for p in found.profiles:
         alone = f"; {p.one_sided} places in one only" if p.one_sided else ""

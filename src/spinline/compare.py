@@ -278,7 +278,9 @@ def _difference(name: str, grid: FloatArray, x: FloatArray, y: FloatArray) -> Pr
     finite = np.isfinite(x) & np.isfinite(y)
     size = max(np.abs(x[finite]).max(initial=0.0), np.abs(y[finite]).max(initial=0.0))
     gap = np.abs(x[finite] - y[finite]).max(initial=0.0)
-    return ProfileDifference(name, float(relative[at]), float(gap / size) if size else 0.0, float(grid[at[0]]), one_sided)
+    return ProfileDifference(
+        name, float(relative[at]), float(gap / size) if size else 0.0, float(grid[at[0]]), one_sided
+    )
 
 
 def _scene(result: xr.Dataset) -> dict[str, Any]:

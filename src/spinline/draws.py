@@ -133,8 +133,7 @@ def _normal(inputs: int, draws: int, seed: int) -> FloatArray:
 
 def _taken(solved: "Solved", along: str, place: FloatArray, numbers: list[str]) -> dict[str, Any]:
     """Numbers of a draw, and its profiles at the places of the run, linear between its own."""
-    from spinline.results import assemble
-    from spinline.summary import structure_summary
+    from spinline.summary import summarised
 
     fields, here = solved.fields, np.asarray(solved.fields[along])
     kept: dict[str, Any] = {name: np.asarray(fields[name], dtype=float) for name in BANDED if name in fields}
@@ -144,7 +143,7 @@ def _taken(solved: "Solved", along: str, place: FloatArray, numbers: list[str]) 
     if here.shape != place.shape or not np.array_equal(here, place):
         known = np.isfinite(here)
         kept = {name: _at(place, here[known], values[known]) for name, values in kept.items()}
-    scalars = solved.scalars | structure_summary(assemble(fields, solved.scalars, {}, solved.jet))
+    scalars = solved.scalars | summarised(here, fields, float(solved.scalars["crossover_position"]))
     return kept | {name: float(scalars[name]) for name in numbers if name in scalars}
 
 

@@ -87,7 +87,9 @@ def fit_dataset(fit: "Fit", posterior: "Posterior | None" = None, *, source: "Fi
         return result
     found = bands(fit, draws)
     words = "of the prediction at the data, as measured, SI: quantiles"
-    for name, rows, noise in zip(("datum_band", "datum_predictive"), predictive(fit, draws), ("without", "with"), strict=True):
+    for name, rows, noise in zip(
+        ("datum_band", "datum_predictive"), predictive(fit, draws), ("without", "with"), strict=True
+    ):
         found[name] = (("quantile", "datum"), rows, {"long_name": f"{words}, {noise} the noise of a new measurement"})
     result.attrs["bands"] = f"credible bands of {found.attrs['draws']} draws; without the noise of a measurement"
     return result.merge(found, combine_attrs="override")
@@ -149,7 +151,8 @@ def _crossover_words(result: xr.Dataset) -> list[str]:
         low95, low68, middle, high68, high95 = factor * result[name].values
         lines.append(
             f"{name.replace('_', ' '):18s} {_end(middle)} {unit}   68 %: {_end(low68)} to {_end(high68)}   "
-            f"95 %: {_end(low95)} to {_end(high95)}" + ("" if reached == 1 else f"   in {100 * reached:.3g} % of the draws")
+            f"95 %: {_end(low95)} to {_end(high95)}"
+            + ("" if reached == 1 else f"   in {100 * reached:.3g} % of the draws")
         )
     return lines
 

@@ -247,7 +247,11 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
         data[name] = ("quantile", _of_crossover(name, np.array(rows[name][1:])), attributes)
         data[f"{name}_best"] = ((), rows[name][0], attributes)
     reached = float(np.isfinite(rows["crossover_position"][1:]).mean())
-    data["crossover_reached"] = ((), reached, {"units": "1", "long_name": "share of the draws that reach the crossover"})
+    data["crossover_reached"] = (
+        (),
+        reached,
+        {"units": "1", "long_name": "share of the draws that reach the crossover"},
+    )
     place = ("z", z, {"units": "m", "long_name": "distance from the nozzle"})
     return xr.Dataset(data, {"z": place, "quantile": list(LEVELS)}, {"draws": len(taken)})
 

@@ -93,7 +93,7 @@ def run(scene: Scene) -> "xr.Dataset":
     result, taken = _solved(scene)
     remarks = str(result.attrs["warnings"]).splitlines()
     uncertain = uncertain_inputs(scene)
-    if uncertain and taken.network.model in _SAMPLED:
+    if uncertain and taken.network.model in SAMPLED:
         remarks.append(f'uncertain inputs are not followed through model = "{taken.network.model}": take another')
     elif uncertain:
         numbers, said = propagated(taken, result, lambda moved: _solved(moved)[0])
@@ -110,7 +110,7 @@ def run(scene: Scene) -> "xr.Dataset":
     return result
 
 
-_SAMPLED = ("chain", "walk")  # rungs that are too slow, or too noisy, to run for every uncertain input
+SAMPLED = ("chain", "walk")  # rungs that are too slow, or too noisy, to run for every uncertain input
 
 
 def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":

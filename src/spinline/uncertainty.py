@@ -6,7 +6,7 @@ numbers are straight lines over the uncertainty, which two runs cannot tell; a n
 `spinline.draws` needs no straight line, and costs more runs.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from spinline.scene_fields import Read
 from spinline.sweep_keys import reader
 from spinline.units import Measured
 
-__all__ = ["certain", "moved", "propagated", "uncertain_inputs"]
+__all__ = ["certain", "moved", "propagated", "shares", "uncertain_inputs"]
 
 
 def uncertain_inputs(scene: Scene) -> dict[str, Measured]:
@@ -48,10 +48,20 @@ def propagated(
     remarks : list of str
         Inputs that could be moved to one side only, or not at all.
     """
-    names = [str(name) for name, variable in result.data_vars.items() if variable.ndim == 0]
-    total, remarks = dict.fromkeys(names, 0.0), []
+
+    def numbers(of: xr.Dataset) -> dict[str, float]:
+        return {str(name): float(variable) for name, variable in of.data_vars.items() if variable.ndim == 0}
+
+    return shares(scene, numbers(result), lambda other: numbers(again(other)))
+
+
+def shares(
+    scene: Scene, values: Mapping[str, float], again: Callable[[Scene], Mapping[str, float]]
+) -> tuple[dict[str, Any], list[str]]:
+    """`propagated` of plain numbers: `values` as the scene is, `again` gives them for another."""
+    total, remarks = dict.fromkeys(values, 0.0), []
     for key, measured in uncertain_inputs(scene).items():
-        sides: list[tuple[float, xr.Dataset]] = []
+        sides: list[tuple[float, Mapping[str, float]]] = []
         for sign in (1.0, -1.0):
             try:
                 sides.append((sign, again(moved(scene, key, measured.value + sign * measured.std))))
@@ -62,10 +72,10 @@ def propagated(
             continue
         if len(sides) == 1:
             remarks.append(f"{key} can be moved by its uncertainty ({measured.text}) to one side only")
-            sides.append((0.0, result))
+            sides.append((0.0, values))
         (high, one), (low, other) = sides
-        for name in names:
-            total[name] += ((float(one[name]) - float(other[name])) / (high - low)) ** 2
+        for name in values:
+            total[name] += ((one.get(name, np.nan) - other.get(name, np.nan)) / (high - low)) ** 2
     return {f"{name}_std": float(np.sqrt(value)) for name, value in total.items()}, remarks
 
 
