@@ -321,6 +321,8 @@ def _meaning(key: str, value: Any) -> Any:
     """A value in SI where the scene reads it as a quantity, so that "125 um" is "0.125 mm"."""
     from spinline.sweep_keys import full_key, read_value
 
+    if isinstance(value, str) and "+/-" in value:
+        return " ".join(value.split())
     try:
         read = read_value(full_key(key, key), value, key, ranged=False)
     except InputError:

@@ -10,7 +10,7 @@ and one that falls among them is NaN. Of other numbers that are not there in som
 are those of the other draws, if they are half of all.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from spinline.uncertainty import moved, uncertain_inputs
 if TYPE_CHECKING:
     from spinline.solve import Solved
 
-__all__ = ["BANDED", "LEVELS", "RATIOS", "banded", "quantiles"]
+__all__ = ["BANDED", "LEVELS", "RATIOS", "banded", "draw_scenes", "quantiles"]
 
 LEVELS = (0.025, 0.16, 0.5, 0.84, 0.975)
 BANDED = (
@@ -65,19 +65,16 @@ def banded(
     place = result[along].values
     numbers = [str(name) for name, v in result.data_vars.items() if v.ndim == 0 and not str(name).endswith("_std")]
     rows: dict[str, list[Any]] = {}
-    refused = 0
-    for shares in _normal(len(inputs), scene.accuracy.draws, scene.accuracy.seed):
+    solvable = 0
+    for drawn in draw_scenes(scene):
         try:
-            drawn = scene
-            for (key, measured), share in zip(inputs.items(), shares, strict=True):
-                drawn = moved(drawn, key, measured.value + share * measured.std)
             solved = again(drawn)
         except InputError:
-            refused += 1
             continue
+        solvable += 1
         for name, value in _taken(solved, along, place, numbers).items():
             rows.setdefault(name, []).append(value)
-    kept = scene.accuracy.draws - refused
+    kept, refused = solvable, scene.accuracy.draws - solvable
     if kept < 0.5 * scene.accuracy.draws or kept < 2:
         return {}, [f"no bands: {refused} of {scene.accuracy.draws} draws of the uncertain inputs make no scene"]
     remarks = []
@@ -89,6 +86,21 @@ def banded(
     if 0 < there < 1:
         remarks.append(f"the crossover is reached in {100 * there:.3g} % of the draws of the uncertain inputs only")
     return {f"{name}_band": _quantiles(name, np.array(found)) for name, found in rows.items()}, remarks
+
+
+def draw_scenes(scene: Scene) -> Iterator[Scene]:
+    """The scene with its uncertain inputs drawn, ``accuracy.draws`` times; fewer where inputs leave their ranges."""
+    inputs = uncertain_inputs(scene)
+    if not inputs or not scene.accuracy.draws:
+        return
+    for deviations in _normal(len(inputs), scene.accuracy.draws, scene.accuracy.seed):
+        drawn = scene
+        try:
+            for (key, measured), deviation in zip(inputs.items(), deviations, strict=True):
+                drawn = moved(drawn, key, measured.value + deviation * measured.std)
+        except InputError:
+            continue
+        yield drawn
 
 
 def _quantiles(name: str, values: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from spinline.fit_model import Prediction
     from spinline.inference import Fit
 
-__all__ = ["LEVELS", "Posterior", "bands", "gaussian_draws", "predictive", "sample"]
+__all__ = ["LEVELS", "Posterior", "bands", "gaussian_draws", "predictive", "sample", "stored_draws"]
 
 LENGTHS = 50  # autocorrelation times: what emcee's authors ask for
 LEVELS = (0.025, 0.16, 0.5, 0.84, 0.975)
@@ -283,6 +283,40 @@ def predictive(fit: "Fit", draws: FloatArray) -> tuple[FloatArray, FloatArray]:
         noisy = shown[:, np.newaxis, part] + noise[:, np.newaxis] * std[part]
         predicted[:, part] = np.quantile(noisy.reshape(-1, noisy.shape[-1]), LEVELS, axis=0)
     return np.quantile(shown, LEVELS, axis=0), predicted
+
+
+def stored_draws(found: "xr.Dataset", count: int = 128, seed: int = 0) -> list[dict[str, float]]:
+    """Draws of a stored fit (`spinline.fit_output.fit_dataset`), SI: the sampler's, evenly, or of the covariance.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+    count, seed : int
+
+    Returns
+    -------
+    list of dict
+        Parameter name to value; those out of a parameter's range left out; empty where the covariance is not finite.
+    """
+    from spinline.fit_model import PARAMETERS
+
+    names = [str(name) for name in found["parameter"].values]
+    if "draws" in found:
+        rows = found["draws"].values[:: max(1, found.sizes["draw"] // count)]
+    else:
+        covariance, scale = found["covariance"].values, found["coordinate_scale"].values
+        if not np.isfinite(covariance).all():
+            return []
+        size, vectors = np.linalg.eigh(covariance)
+        normal = np.random.default_rng(seed).standard_normal((count, len(names)))
+        moves = (normal * np.sqrt(np.maximum(size, 0.0))) @ vectors.T * scale
+        best, logs = found["best"].values, found["logarithmic"].values.astype(bool)
+        rows = np.where(logs, best * np.exp(np.where(logs, moves, 0.0)), best + moves)
+    inside = [
+        all(PARAMETERS[name].low <= value <= PARAMETERS[name].high for name, value in zip(names, row, strict=True))
+        for row in rows
+    ]
+    return [dict(zip(names, map(float, row), strict=True)) for row, kept in zip(rows, inside, strict=True) if kept]
 
 
 def _crossing(z: FloatArray, seen: "Prediction", target: float) -> tuple[float, float]:
