@@ -115,9 +115,7 @@ def test_compare_takes_maps_and_says_standard_uncertainties():
     assert found.only_b == ()
     one_number = next(s for s in found.scalars if np.isfinite(s.sigmas))
     assert np.isnan(one_number.a_std)
-    assert one_number.sigmas == pytest.approx(
-        abs(one_number.a - one_number.b) / float(other[f"{one_number.name}_std"])
-    )
+    assert one_number.sigmas == pytest.approx(abs(one_number.a - one_number.b) / float(other[f"{one_number.name}_std"]))
     coarse = quiet("accuracy.points=40", "accuracy.shells=40", name="peo5-fig37")
     assert "polymer_fraction" in compare(one, coarse).not_compared
     assert compare(one, other).to_dict()["scalars"][0]["a_std"] is None

@@ -219,7 +219,9 @@ def test_closed_forms_are_taken_only_where_the_plan_takes_them_over_the_whole_bo
         "jet.length": radius * spread(1.0, 1e4), "network.coupling": spread(1.0, 1e9), "network.spring": spread(0.3, 3.0),
         "network.crossover_extension": rng.uniform(0.3, 0.95, n), "accuracy.rtol": spread(1e-4, 0.5),
     }  # fmt: skip
-    shape = {"k": spread(0.05, 20), "beta": rng.uniform(0.25, 1, n)} if profile == "power-law" else {"p": spread(0.5, 1e3)}
+    shape = (
+        {"k": spread(0.05, 20), "beta": rng.uniform(0.25, 1, n)} if profile == "power-law" else {"p": spread(0.5, 1e3)}
+    )
     columns |= {f"jet.{key}": values for key, values in shape.items()}
     jet = {"profile": profile, "radius": "125 um", "flow_rate": "3.2 mL/hour", "length": "5 mm"}
     base = {

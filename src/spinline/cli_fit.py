@@ -80,7 +80,9 @@ def compare_theory(
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF; .png goes beside it.")] = None,
     core_within: Annotated[float, typer.Option(help="Rings within this r/R make the core.")] = 0.4,
     at: Annotated[list[str] | None, typer.Option(help='z of a section across the jet, "1 mm"; repeat.')] = None,
-    fitted: Annotated[Path | None, typer.Option("--fit", help="Take the best parameters of this fit (.nc), and its bands.")] = None,
+    fitted: Annotated[
+        Path | None, typer.Option("--fit", help="Take the best parameters of this fit (.nc), and its bands.")
+    ] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")
     ] = None,

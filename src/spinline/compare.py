@@ -2,8 +2,8 @@
 
 Profiles are compared where both jets are, at the places of both (linear between them where the grids differ), by the largest
 relative difference ``|a - b| / max(|a|, |b|)`` and by the largest difference over the larger profile's largest value: the first
-is strict where a variable is nearly zero, the second is what a figure shows. Maps across the jet are compared in the same way, the
-worst place across it for each place along it.
+is strict where a variable is nearly zero, the second is what a figure shows. Maps across the jet are compared in the same
+way, the worst place across it for each place along it.
 
 Where a result carries the uncertainty of its inputs, a number's difference is given in standard uncertainties too,
 ``|a - b| / (s_a^2 + s_b^2)^(1/2)``, as if the two results' inputs were independent: what they share makes it an underestimate.
@@ -22,8 +22,8 @@ from spinline.errors import InputError
 
 __all__ = ["Comparison", "ProfileDifference", "ScalarDifference", "TextDifference", "compare"]
 
-_NOT_MODELS = ("plan", "trade", "bands", "scene", "title", "warnings", "references", "Conventions", "source", "crossover", "crossover_extension",
-               "jet_attributes")  # fmt: skip
+_NOT_MODELS = ("plan", "trade", "bands", "scene", "title", "warnings", "references", "Conventions", "source", "crossover",
+               "crossover_extension", "jet_attributes")  # fmt: skip
 _ROUNDING = 1e-12
 
 
@@ -204,8 +204,10 @@ def _scalar(name: str, a: xr.Dataset, b: xr.Dataset) -> list[ScalarDifference]:
     stds = [float(r[f"{name}_std"]) if f"{name}_std" in r else float("nan") for r in (a, b)]
     spread = float(np.sqrt(np.nansum(np.square(stds))))
     return [
-        ScalarDifference(text, unit, float(x), float(y), float(_relative(x, y)), *stds,
-                         abs(float(x) - float(y)) / spread if spread > _ROUNDING * abs(x) else float("nan"))
+        ScalarDifference(
+            text, unit, float(x), float(y), float(_relative(x, y)), stds[0], stds[1],
+            abs(float(x) - float(y)) / spread if spread > _ROUNDING * abs(x) else float("nan"),
+        )
         for text, x, y in zip(label, one, other, strict=True)
     ]  # fmt: skip
 

@@ -60,9 +60,9 @@ def fit_figure(result: xr.Dataset) -> Figure:
     for axis in (radius, fraction, strands):
         _crossover(axis, result)
     count = int(result.attrs["values"])
-    sheet.suptitle(f"{result.attrs['title']}\n$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; data drawn with "
-                   "the best calibration; bands: 68, 95 % of the posterior, at the residuals with the noise of a new measurement",
-                   fontsize=10.5, y=0.985)  # fmt: skip
+    fitted = f"$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; data drawn with the best calibration"
+    said = "bands: 68, 95 % of the posterior, at the residuals with the noise of a new measurement"
+    sheet.suptitle(f"{result.attrs['title']}\n{fitted}; {said}", fontsize=10.5, y=0.985)
     return sheet
 
 

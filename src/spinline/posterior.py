@@ -230,8 +230,10 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
         seen = model.predict(z, p)
         phi = p.get("volume_fraction", model.values["volume_fraction"])
         walk = random_walk(seen.stretch, phi, solvent_quality=model.solvent_quality)
-        found = (seen.radius, seen.mean, seen.core, seen.radius * seen.core_radius_ratio, walk.relative_extension,
-                 walk.orientation, *_crossing(z, seen, float(crossover_velocity_ratio(phi, model.solvent_quality))))  # fmt: skip
+        full = float(crossover_velocity_ratio(phi, model.solvent_quality))
+        network = seen.radius * seen.core_radius_ratio
+        found = (seen.radius, seen.mean, seen.core, network, walk.relative_extension, walk.orientation,
+                 *_crossing(z, seen, full))  # fmt: skip
         for name, values in zip(rows, found, strict=True):
             rows[name].append(values)
     data: dict[str, Any] = {}

@@ -95,7 +95,8 @@ def _interval(result: xr.Dataset, name: str, scale: float, unit: str) -> str:
     if np.isnan(low) and np.isnan(high):
         return ""
     if np.isnan(low) or np.isnan(high):
-        return f" (95 %: {'below' if np.isnan(low) else 'above'} {high if np.isnan(low) else low:.4g}{' ' + unit if unit else ''})"
+        side, end = ("below", high) if np.isnan(low) else ("above", low)
+        return f" (95 %: {side} {end:.4g}{' ' + unit if unit else ''})"
     return f" (95 %: {low:.4g} to {high:.4g})"
 
 

@@ -56,8 +56,8 @@ def traded(attrs: Mapping[Any, Any]) -> str:
     picture = base64.b64encode(trade_png(measured)).decode("ascii")
     return f"""<h2>Trade</h2>
 <p>{escape(measured.recommendation)}</p>
-<p>Measured on this scene when the report was made. Errors are the largest of the reported quantities against the finest model of a
-branch: relative, of the orientation absolute. Times are of the processor that measured, and vary by tens of percent.</p>
+<p>Measured on this scene when the report was made. Errors are the largest of the reported quantities against the finest model
+of a branch: relative, of the orientation absolute. Times are of the processor that measured, and vary by tens of percent.</p>
 <img alt="Error against processor time of every model" src="data:image/png;base64,{picture}">
 <table>{head}{rows}</table>
 {against}"""

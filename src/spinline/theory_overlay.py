@@ -404,7 +404,9 @@ def _figure37(axis: "Axes", result: xr.Dataset) -> None:
         if "relative_change_band" in one:
             rows = one["relative_change_band"].values
             for low, high, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
-                axis.stairs(rows[high], size * edges, baseline=rows[low], fill=True, color=colour, alpha=alpha, linewidth=0)
+                axis.stairs(
+                    rows[high], size * edges, baseline=rows[low], fill=True, color=colour, alpha=alpha, linewidth=0
+                )
         axis.stairs(one["relative_change_predicted"].values, size * edges, color=colour, linewidth=1.1, baseline=None)
     axis.axhline(0, color="0.4", linewidth=0.8)
     axis.set_xlabel("distance from the axis $r/r_0$")
