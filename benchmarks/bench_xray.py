@@ -141,17 +141,37 @@ def low():
 
 def speed():
     """Milliseconds of processor time per row, best of five."""
-    print("ms of processor time a row (wall), 400 rows of 402 pixels, R = 50 um")
-    for photons in (1e5, 1e7):
-        mean, flat = phantom(50e-6, photons, width=5.4)
-        frame = replicates(mean, flat, 400, 1)
-        for name, run in (("chord", lambda f: chord_frame(f, SOLUTION)), ("row", lambda f: fit_frame(f, SOLUTION))):
-            best = (np.inf, np.inf)
-            for _ in range(5):
-                cpu, wall = time.process_time(), time.perf_counter()
-                run(frame)
-                best = min(best, (time.process_time() - cpu, time.perf_counter() - wall))
-            print(f"  {name:5s} N = {photons:.0e}: {1e3 * best[0] / 400:.3f} ({1e3 * best[1] / 400:.3f})")
+    print("ms of processor time a row (wall), R = 50 um: chord, then row by what is fitted; share of rows that converged")
+    for photons in (1e3, 1e4, 1e5, 1e6, 1e7):
+        for columns, rows in ((402, 400), (300, 400)):
+            mean, flat = phantom(50e-6, photons, width=columns * PIXEL / 50e-6 + 1e-9)
+            _, used = timed(lambda f: chord_frame(f, SOLUTION), replicates(mean, flat, rows, 1), best=5)
+            print(f"  N = {photons:.0e}, {mean.size} pixels: chord {used}", end="", flush=True)
+            for shells in (3, 6, 10):
+                fit, used = timed(lambda f, k=shells: fit_frame(f, SOLUTION, shells=k), replicates(mean, flat, rows, 1))
+                print(f"; {shells} shells {used} {converged(fit):.3f}", end="", flush=True)
+            mean, flat = phantom(50e-6, photons, width=columns * PIXEL / 50e-6 + 1e-9, blur=1.2e-6)
+            frame = replicates(mean, flat, rows, 1, blur=1e-6)
+            fit, used = timed(lambda f: fit_frame(f, SOLUTION, nuisances=(*FITTED, "blur")), frame)
+            print(f"; 3 and the blur {used} {converged(fit):.3f}", flush=True)
+
+
+def timed(run, frame, best=3):
+    """Result of a reduction, and its processor time (wall) per row in ms."""
+    run(frame)
+    least = (np.inf, np.inf)
+    for _ in range(best):
+        cpu, wall = time.process_time(), time.perf_counter()
+        fit = run(frame)
+        least = min(least, (time.process_time() - cpu, time.perf_counter() - wall))
+    rows = frame.counts.shape[0]
+    return fit, f"{1e3 * least[0] / rows:.3f} ({1e3 * least[1] / rows:.3f})"
+
+
+def converged(fit):
+    """Share of the blocks that were fitted and converged."""
+    odd = sum(1 << list(xray.FRAME_FLAGS).index(name) for name in ("not_converged", "not_fitted"))
+    return float(np.mean((fit.flags & odd) == 0))
 
 
 TOML = """

@@ -102,7 +102,7 @@ def fit_row(
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
-            trial = largest_likelihood(model, other, free, data, lit)
+            trial = largest_likelihood(model, other, free, data, lit, known=best)
             if trial[3] < best[3] - 1e-3:
                 best = trial
         if best is not first:
