@@ -9,6 +9,7 @@ Phantoms come from the brute-force forward model of the tests, which shares no c
 """
 
 import importlib.util
+import json
 import os
 import resource
 import signal
@@ -191,24 +192,33 @@ volume_fraction = 0.06
 """
 
 RUN = """
-import resource, time
+import json, resource, time
+from pathlib import Path
 from spinline.images import load_images
 from spinline.reduce import reduce_images
 marks = []
 def said(what, done, total): marks.append((what, done, time.perf_counter()))
+def used(who): return sum(resource.getrusage(who)[:2])
 if __name__ == "__main__":
     begun = time.perf_counter()
     result = reduce_images(load_images("images.toml"), checkpoint="job", workers={workers}, progress=said)
+    all_of_it = time.perf_counter() - begun
     summed = max((t for what, _, t in marks if what == "frames"), default=begun) - begun
     status = open("/proc/self/status").read()  # of this program alone: what getrusage says is handed down
-    peak = int(status.split("VmHWM:")[1].split()[0]) / 1024
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    own = resource.getrusage(resource.RUSAGE_SELF)
-    used = own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
-    total = time.perf_counter() - begun
-    print(f"sum {{summed:.1f}} s, all {{total:.1f}} s, processor {{used:.1f}} s, peak {{peak:.0f}} MB")
+    times = dict(sum=summed, all=all_of_it, here=used(resource.RUSAGE_SELF), workers=used(resource.RUSAGE_CHILDREN),
+                 peak=int(status.split("VmHWM:")[1].split()[0]) / 1024,
+                 peak_worker=resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024)
+    Path("times.json").write_text(json.dumps(times))
     result.to_netcdf("result.nc", engine="h5netcdf")
 """
+
+
+def run(folder, workers):
+    """Reduce in a process of its own; what it took."""
+    script = folder / "run.py"
+    script.write_text(RUN.format(workers=workers), encoding="utf-8")
+    subprocess.run([sys.executable, "-W", "ignore", script], cwd=folder, check=True)
+    return json.loads((folder / "times.json").read_text())
 
 
 def frames(folder, count, rows, columns, photons, each, block_rows):
@@ -249,30 +259,45 @@ def stream(folder):
         if when == "from disk":
             forget(folder / "counts.npy")
         print(f"stream, {when}: {size / 1e9:.1f} GB; reading alone {plain:.1f} s;", end=" ", flush=True)
-        subprocess.run([sys.executable, "-c", RUN.format(workers=1)], cwd=folder, check=True)
+        took = run(folder, 1)
+        print(
+            f"sum {took['sum']:.1f} s = {took['sum'] / plain:.2f} times that, {size / 1e9 / took['sum']:.2f} GB/s; with the "
+            f"reduction {took['all']:.1f} s, processor {took['here']:.1f} s, peak {took['peak']:.0f} MB"
+        )
 
 
 def each(folder):
-    """200 frames of 200 x 300, each on its own: one process, two, and two killed half way and run again."""
-    frames(folder, 200, 200, 300, 60000, each=True, block_rows=4)
-    script = folder / "run.py"
-    for workers in (1, 2):
-        script.write_text(RUN.format(workers=workers), encoding="utf-8")
-        print(f"each, {workers} processes:", end=" ", flush=True)
-        subprocess.run([sys.executable, script], cwd=folder, check=True)
-        (folder / "result.nc").rename(folder / f"result-{workers}.nc")
-    job = subprocess.Popen([sys.executable, script], cwd=folder, start_new_session=True)
+    """200 frames of 1000 x 300, each on its own: one process, two, and two killed half way and run again."""
+    frames(folder, 200, 1000, 300, 60000, each=True, block_rows=20)
+    print(f"each: 200 frames of 1000 x 300, blocks of 20 rows, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+    least = {}
+    for turn in range(2):
+        for workers in (1, 2):
+            took = run(folder, workers)
+            least[workers] = min(least.get(workers, np.inf), took["all"])
+            busy = took["here"] + took["workers"]
+            print(
+                f"  {workers} process{'es' if workers > 1 else ''}, run {turn + 1}: wall {took['all']:.1f} s, processor "
+                f"{busy:.1f} s, {busy / took['all']:.2f} cores busy; peak {took['peak']:.0f} MB, "
+                f"a worker {took['peak_worker'] if workers > 1 else 0:.0f} MB; load {os.getloadavg()[0]:.1f}",
+                flush=True,
+            )
+            (folder / "result.nc").replace(folder / f"result-{workers}.nc")
+    print(f"  best wall, one over two: {least[1]:.1f} / {least[2]:.1f} s = {least[1] / least[2]:.2f}")
+    job = subprocess.Popen([sys.executable, "-W", "ignore", folder / "run.py"], cwd=folder, start_new_session=True)
     while len(list((folder / "job").glob("frame-*.npz"))) < 80 and job.poll() is None:
         time.sleep(0.05)
     os.killpg(job.pid, signal.SIGKILL)
     job.wait()
     done = len(list((folder / "job").glob("frame-*.npz")))
-    print(f"killed after {done} frames, run again:", end=" ", flush=True)
-    subprocess.run([sys.executable, script], cwd=folder, check=True)
+    took = run(folder, 2)
     from spinline.results import open_dataset
 
     one, two, resumed = (open_dataset(folder / name) for name in ("result-1.nc", "result-2.nc", "result.nc"))
-    print(f"identical: one and two processes {one.equals(two)}, whole and resumed {two.equals(resumed)}")
+    print(
+        f"  killed after {done} frames, run again in {took['all']:.1f} s; identical: one and two processes {one.equals(two)}, "
+        f"whole and resumed {two.equals(resumed)}"
+    )
 
 
 if __name__ == "__main__":

@@ -429,6 +429,9 @@ REFUSED = [
     ({"transpose": True}, {}, "flat|transpose"),
     ({"saturation": 3.9e6}, {}, "counts.*saturated|flat.*saturated"),
     ({"gain": None}, {"flat": np.full((24, 120), 4e6)}, "gain.*missing.*one flat frame"),
+    ({"gain": None}, {"dark": np.full((24, 120), 1e7)}, "dark.*at or over the flat"),
+    ({}, {"counts": np.zeros((24, 120, 3))}, "counts.*colour image"),
+    ({}, {"flat": np.ones((120, 24))}, "flat.*another shape.*on its side"),
     ({"gain": None}, {"flat": np.full((4, 24, 120), 4e6)}, "gain.*scatter no more"),
     ({"method": "phase"}, {}, "propagation_distance.*missing"),
     ({"method": "abel"}, {}, "method.*chord"),
@@ -454,6 +457,33 @@ def test_refusals_name_the_key(scene, tmp_path, keys, replaced, words) -> None:
 
     with pytest.raises(InputError, match=words):
         attempt()
+
+
+def test_damaged_files_are_named(scene, tmp_path) -> None:
+    import tifffile
+
+    images, arrays = scene()
+    tifffile.imwrite(tmp_path / "whole.tif", arrays["counts"].astype(np.uint16), photometric="minisblack")
+    whole = (tmp_path / "whole.tif").read_bytes()
+    (tmp_path / "cut.tif").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "junk.tif").write_bytes(b"II*\0junk")
+    (tmp_path / "empty.npy").touch()
+    (tmp_path / "junk.h5").write_bytes(b"junk")
+    for name, words in (
+        ("cut.tif", "ends early"), ("junk.tif", "damaged"), ("empty.npy", "No data"), ("junk.h5", "cannot be read"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=rf"counts = '{name}'.*{words}"):
+            reduce_images(images.model_copy(update={"counts": name}))
+
+
+def test_counts_and_flat_that_changed_places(scene, tmp_path) -> None:
+    images, arrays = scene(photons=2e7)
+    np.savez(tmp_path / "a.npz", counts=arrays["flat"], flat=arrays["counts"], dark=arrays["dark"])
+    with pytest.raises(InputError, match="flat: seems to have changed places with counts"):
+        reduce_images(images)
+    np.save(tmp_path / "c.npy", arrays["counts"])
+    with pytest.raises(InputError, match=r"flat = 'c.npy': is the file of the frames"):
+        reduce_images(images_from_dict({**FILE, "counts": "c.npy", "flat": "c.npy"}, folder=tmp_path))
 
 
 def test_noise_over_the_signal_is_refused_with_a_remedy(scene) -> None:

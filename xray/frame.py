@@ -79,7 +79,7 @@ class Frame:
         lit = flat > 0
         if not lit.any():
             raise InputError("flat", "has no good pixel in these rows", value=f"rows {start} to {stop}")
-        filled = np.where(lit, flat, np.median(flat[lit]))
+        filled = flat if lit.all() else np.where(lit, flat, np.median(flat[lit]))
         return counts, Detector(filled, self.pixel, dark, blur=self.blur), lit
 
 

@@ -113,7 +113,7 @@ class RowModel:
         first, last = absorbed_columns(
             self._x, parameters[:k], radius, axis, self.edges, self.base, self.contrast, columns
         )
-        seen = self._seen(columns, first, last, blur)
+        seen = self._through(columns, first, last, blur)
         return self.counts(seen, amplitude, slope)
 
     def counts(self, seen: FloatArray, amplitude: float, slope: float) -> tuple[FloatArray, FloatArray]:
@@ -129,7 +129,7 @@ class RowModel:
         beam_counts(seen, self.flat, self.u, self._background, amplitude, slope, mean, jacobian)
         return mean, jacobian.T
 
-    def _seen(self, columns: FloatArray, first: int, last: int, blur: float) -> FloatArray:
+    def _through(self, columns: FloatArray, first: int, last: int, blur: float) -> FloatArray:
         """Columns, shape (columns, cells), blurred and binned, and the derivative of the first with the blur."""
         out = np.empty((columns.shape[0] + 1, self.flat.size))
         sigma = blur / self._step if self._reach else 1.0
@@ -139,5 +139,5 @@ class RowModel:
 
     def _blurred(self, columns: FloatArray, blur: float) -> tuple[FloatArray, FloatArray]:
         """Blurred and binned columns, shape (cells, columns), and the derivative of the first with the blur."""
-        out = self._seen(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
+        out = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
         return out[:-1].T, out[-1]

@@ -72,7 +72,7 @@ class SpectralRowModel(RowModel):
         by_disc = lines @ step
         columns[:, k + 1] = -(by_radius * by_disc).sum(axis=1)
         columns[:, k + 2] = -(by_axis * by_disc).sum(axis=1)
-        seen = self._seen(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
+        seen = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
         return self.counts(seen, amplitude, slope)
 
 
