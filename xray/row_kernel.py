@@ -254,7 +254,7 @@ def poisson_curvature(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def damped_step(fisher: FloatArray, gradient: FloatArray, damping: float, step: FloatArray) -> float:
-    """Solve ``(F + d diag F) step = gradient`` by Cholesky; return ``gradient . step``, NaN if the matrix is not positive definite.
+    """Solve ``(F + d diag F) step = gradient`` by Cholesky; return ``gradient . step``, NaN if there is no such factor.
 
     Parameters
     ----------

@@ -270,7 +270,9 @@ def _require_order(frame: Frame, medium: "Medium | None") -> None:
     except InputError:
         return
     seen = float(np.median(track.attenuation)) / frame.pixel
-    due = seen if medium is None else medium.absorber.solvent - medium.absorber.air  # fringes brighten a jet by other amounts
+    due = (
+        seen if medium is None else medium.absorber.solvent - medium.absorber.air
+    )  # fringes brighten a jet by other amounts
     if 0.5 * due < seen < 2.0 * due and track.found.mean() > 0.5:
         raise InputError(
             "flat", "seems to have changed places with counts: the jet is in the flat, not in the frames",

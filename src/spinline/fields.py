@@ -394,7 +394,10 @@ def _gain(
         )  # fmt: skip
     if not noise[1] > 0:
         raise InputError(
-            "dark", "is at or over the flat", value=float(np.median(dark)), remedy="give raw flat and dark of the same exposure"
+            "dark",
+            "is at or over the flat",
+            value=float(np.median(dark)),
+            remedy="give raw flat and dark of the same exposure",
         )
     read = 0.0 if dark_noise is None else dark_noise[0]
     signal = noise[0] - read

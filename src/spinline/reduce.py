@@ -46,7 +46,8 @@ Progress = Callable[[str, int, int], None]  # what is done, how much of it, of h
 
 _PAUSE = 10.0  # seconds between two copies of a running sum
 _WORTH_PROCESSES = 4.0  # seconds of fits
-_PER_BLOCK = 2e-3
+_PER_BLOCK = 1e-3
+_PER_PIXEL = 3e-7
 
 
 def reduce_images(
@@ -144,7 +145,8 @@ def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Pr
         store = job or Checkpoint(Path(scratch) / "job", "each")
         todo = [i for i in range(count) if not store.has(_name(i))]
         said("frames reduced", count - len(todo), count)
-        seconds = len(todo) * experiment.stack.rows / experiment.images.block_rows * _PER_BLOCK
+        rows, columns = experiment.stack.rows, experiment.stack.columns
+        seconds = len(todo) * rows * (_PER_BLOCK / experiment.images.block_rows + _PER_PIXEL * columns)
         if workers > 1 and seconds > _WORTH_PROCESSES:
             setup = Path(scratch) / "experiment.pickle"
             setup.write_bytes(pickle.dumps(_portable(experiment)))
