@@ -323,9 +323,10 @@ def each(folder):
     took = {}
     for workers in (1, 2):
         took[workers] = t = run(folder, workers)
+        busy = t["here"] + t["workers"]
         print(
-            f"  {workers} process{'es' if workers > 1 else ''}: wall {t['all']:.1f} s, "
-            f"processor {t['here'] + t['workers']:.1f} s, ready to use {t['ready'] / t['all']:.2f} processors; peak {t['peak']:.0f} MB, worker {t['peak_worker']:.0f} MB; "
+            f"  {workers} process{'es' if workers > 1 else ''}: wall {t['all']:.1f} s, processor {busy:.1f} s, ready to use "
+            f"{t['ready'] / t['all']:.2f} processors; peak {t['peak']:.0f} MB, worker {t['peak_worker']:.0f} MB; "
             f"load {os.getloadavg()[0]:.1f}",
             flush=True,
         )

@@ -307,10 +307,8 @@ def test_each_frame_and_resume_give_identical_arrays(scene, tmp_path) -> None:
     (tmp_path / "e.toml").write_text(text, encoding="utf-8")
     whole = reduce_images(load_images(tmp_path / "e.toml"))
     assert whole.sizes["frame"] == 6
-    stop_after = (
-        "import os, signal, spinline.reduce as r\nkeep = r._keep\ndef killed(store, i, fit):\n    keep(store, i, fit)\n"
-    )
-    stop_after += "    if i == 3: os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
+    stop_after = "import os, signal, spinline.reduce as r\nkeep = r._keep\ndef killed(store, name, fit):\n    keep(store, name, fit)\n"
+    stop_after += "    if name == 'frame-000003': os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
     stop_after += (
         "from spinline.images import load_images\nr.reduce_images(load_images('e.toml'), checkpoint='e.partial')\n"
     )
@@ -341,6 +339,31 @@ def test_each_frame_and_resume_give_identical_arrays(scene, tmp_path) -> None:
         assert alone["mean_polymer_fraction"].values == pytest.approx(
             whole["mean_polymer_fraction"].values[i], rel=1e-9
         )
+
+
+def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(scene, tmp_path) -> None:
+    """A SIGKILL among the blocks of one frame; those that were kept are not fitted again."""
+    scene(photons=4e6, count=2)
+    text = 'counts = "a.npz"\nflat = "a.npz"\ndark = "a.npz"\ngain = 1\npixel_size = "0.67 um"\nenergy = "10 keV"\nshells = 1\n'
+    text += 'block_rows = 2\n[solution]\npolymer = "PEO"\nsolvent = "water"\nmass_fraction = 0.05\n'
+    (tmp_path / "s.toml").write_text(text, encoding="utf-8")
+    whole = reduce_images(load_images(tmp_path / "s.toml"))
+    script = (
+        "import os, signal, numpy as np, spinline.reduce as r\nr._PAUSE = 0.0\nkeep = r._keep\n"
+        "def killed(store, name, fit):\n    keep(store, name, fit)\n"
+        "    if np.isfinite(fit.mean).sum() == 7: os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
+        "from spinline.images import load_images\nr.reduce_images(load_images('s.toml'), checkpoint='s.partial')\n"
+    )
+    ran = subprocess.run([sys.executable, "-W", "ignore", "-c", script], cwd=tmp_path, env=os.environ, check=False)
+    assert ran.returncode == -signal.SIGKILL
+    assert (tmp_path / "s.partial" / "fit.npz").is_file()
+    seen = []
+    resumed = reduce_images(
+        load_images(tmp_path / "s.toml"), checkpoint=tmp_path / "s.partial",
+        progress=lambda what, done, total: seen.append(done) if what == "blocks" else None,
+    )  # fmt: skip
+    assert seen == [8, 9, 10, 11, 12]
+    assert resumed.identical(whole)
 
 
 @pytest.mark.slow
