@@ -207,7 +207,7 @@ if __name__ == "__main__":
     result = reduce_images(load_images("images.toml"), checkpoint="job", workers={workers}, progress=said)
     all_of_it = time.perf_counter() - begun
     pieces = [(done, t) for what, done, t in marks if what == "frames"]
-    (first, early), (last, late) = pieces[0], pieces[-1]
+    (first, early), (last, late) = (pieces[0], pieces[-1]) if pieces else ((0, 0.0), (0, 0.0))
     summed = (late - early) * last / (last - first) if last > first else 0.0  # without start-up and flats
     status = open("/proc/self/status").read()  # of this program alone: what getrusage says is handed down
     times = dict(sum=summed, all=all_of_it, here=used(resource.RUSAGE_SELF), workers=used(resource.RUSAGE_CHILDREN),
@@ -316,10 +316,12 @@ def stream(folder):
         path.unlink()
 
 
-def each(folder):
+def each(folder, count=200, rows=1000):
     """200 frames of 1000 x 300, each on its own: one process, two, and two killed half way and run again."""
-    frames(folder, 200, 1000, 300, 60000, each=True, block_rows=10)
-    print(f"each: 200 frames of 1000 x 300, blocks of 10 rows, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+    frames(folder, count, rows, 300, 60000, each=True, block_rows=10)
+    print(
+        f"each: {count} frames of {rows} x 300, blocks of 10 rows, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
+    )
     took = {}
     for workers in (1, 2):
         took[workers] = t = run(folder, workers)
@@ -337,7 +339,7 @@ def each(folder):
         f"{two['ready'] / two['all'] / (one['ready'] / one['all']):.2f}"
     )
     job = subprocess.Popen([sys.executable, "-W", "ignore", folder / "run.py"], cwd=folder, start_new_session=True)
-    while len(list((folder / "job").glob("frame-*.npz"))) < 80 and job.poll() is None:
+    while len(list((folder / "job").glob("frame-*.npz"))) < 0.4 * count and job.poll() is None:
         time.sleep(0.05)
     os.killpg(job.pid, signal.SIGKILL)
     job.wait()

@@ -14,7 +14,6 @@ import math
 import numpy as np
 
 from spinline.checks import FloatArray
-from spinline.xray.row_kernel import absorbed_columns, beam_counts, blurred_columns
 
 __all__ = ["NUISANCES", "RowModel"]
 
@@ -107,6 +106,8 @@ class RowModel:
         jacobian : ndarray, shape (pixels, shells + 5)
             Its last column is 0 in a model without blur.
         """
+        from spinline.xray.row_kernel import absorbed_columns  # loads the compiler
+
         k = self.shells
         radius, axis, amplitude, slope, blur = parameters[k:].tolist()
         columns = np.empty((k + 3, self._x.size - 1))
@@ -125,12 +126,16 @@ class RowModel:
             Transmission less 1; its derivatives with fractions, radius, axis; with the blur.
         amplitude, slope : float
         """
+        from spinline.xray.row_kernel import beam_counts  # loads the compiler
+
         mean, jacobian = np.empty(self.flat.size), np.empty((self.shells + 5, self.flat.size))
         beam_counts(seen, self.flat, self.u, self._background, amplitude, slope, mean, jacobian)
         return mean, jacobian.T
 
     def _through(self, columns: FloatArray, first: int, last: int, blur: float) -> FloatArray:
         """Columns, shape (columns, cells), blurred and binned, and the derivative of the first with the blur."""
+        from spinline.xray.row_kernel import blurred_columns  # loads the compiler
+
         out = np.empty((columns.shape[0] + 1, self.flat.size))
         sigma = blur / self._step if self._reach else 1.0
         blurred_columns(columns, first, last, self._parts, self._reach, _REACH, sigma, out)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from spinline.checks import BoolArray, FloatArray
 from spinline.xray.model import RowModel
-from spinline.xray.row_kernel import damped_step, poisson_curvature
 
 __all__ = ["largest_likelihood", "poisson_deviance"]
 
@@ -74,6 +73,8 @@ def largest_likelihood(
     parameters, converged, iterations, deviance
         Not converged: 60 steps were not enough, or the model has no meaning at the start.
     """
+    from spinline.xray.row_kernel import damped_step, poisson_curvature  # loads the compiler
+
     which = np.array(free, dtype=np.int64)
     n = which.size
 

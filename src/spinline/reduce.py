@@ -46,7 +46,7 @@ Progress = Callable[[str, int, int], None]  # what is done, how much of it, of h
 
 _PAUSE = 10.0  # seconds between two copies of a running sum, or of a fit of many blocks
 _FIT = "fit"
-_WORTH_PROCESSES = 4.0  # seconds of fits
+_WORTH_PROCESSES = 8.0  # seconds of work: to start them takes three
 _PER_BLOCK = 1e-3
 _PER_PIXEL = 3e-7
 
