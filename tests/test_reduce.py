@@ -307,10 +307,8 @@ def test_each_frame_and_resume_give_identical_arrays(scene, tmp_path) -> None:
     (tmp_path / "e.toml").write_text(text, encoding="utf-8")
     whole = reduce_images(load_images(tmp_path / "e.toml"))
     assert whole.sizes["frame"] == 6
-    stop_after = (
-        "import os, signal, spinline.reduce as r\nkeep = r._keep\ndef killed(store, i, fit):\n    keep(store, i, fit)\n"
-    )
-    stop_after += "    if i == 3: os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
+    stop_after = "import os, signal, spinline.reduce as r\nkeep = r._keep\ndef killed(store, name, fit):\n    keep(store, name, fit)\n"
+    stop_after += "    if name == 'frame-000003': os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
     stop_after += (
         "from spinline.images import load_images\nr.reduce_images(load_images('e.toml'), checkpoint='e.partial')\n"
     )
@@ -341,6 +339,31 @@ def test_each_frame_and_resume_give_identical_arrays(scene, tmp_path) -> None:
         assert alone["mean_polymer_fraction"].values == pytest.approx(
             whole["mean_polymer_fraction"].values[i], rel=1e-9
         )
+
+
+def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(scene, tmp_path) -> None:
+    """A SIGKILL among the blocks of one frame; those that were kept are not fitted again."""
+    scene(photons=4e6, count=2)
+    text = 'counts = "a.npz"\nflat = "a.npz"\ndark = "a.npz"\ngain = 1\npixel_size = "0.67 um"\nenergy = "10 keV"\nshells = 1\n'
+    text += 'block_rows = 2\n[solution]\npolymer = "PEO"\nsolvent = "water"\nmass_fraction = 0.05\n'
+    (tmp_path / "s.toml").write_text(text, encoding="utf-8")
+    whole = reduce_images(load_images(tmp_path / "s.toml"))
+    script = (
+        "import os, signal, numpy as np, spinline.reduce as r\nr._PAUSE = 0.0\nkeep = r._keep\n"
+        "def killed(store, name, fit):\n    keep(store, name, fit)\n"
+        "    if np.isfinite(fit.mean).sum() == 7: os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
+        "from spinline.images import load_images\nr.reduce_images(load_images('s.toml'), checkpoint='s.partial')\n"
+    )
+    ran = subprocess.run([sys.executable, "-W", "ignore", "-c", script], cwd=tmp_path, env=os.environ, check=False)
+    assert ran.returncode == -signal.SIGKILL
+    assert (tmp_path / "s.partial" / "fit.npz").is_file()
+    seen = []
+    resumed = reduce_images(
+        load_images(tmp_path / "s.toml"), checkpoint=tmp_path / "s.partial",
+        progress=lambda what, done, total: seen.append(done) if what == "blocks" else None,
+    )  # fmt: skip
+    assert seen == [8, 9, 10, 11, 12]
+    assert resumed.identical(whole)
 
 
 @pytest.mark.slow
@@ -429,6 +452,9 @@ REFUSED = [
     ({"transpose": True}, {}, "flat|transpose"),
     ({"saturation": 3.9e6}, {}, "counts.*saturated|flat.*saturated"),
     ({"gain": None}, {"flat": np.full((24, 120), 4e6)}, "gain.*missing.*one flat frame"),
+    ({"gain": None}, {"dark": np.full((24, 120), 1e7)}, "dark.*at or over the flat"),
+    ({}, {"counts": np.zeros((24, 120, 3))}, "counts.*colour image"),
+    ({}, {"flat": np.ones((120, 24))}, "flat.*another shape.*on its side"),
     ({"gain": None}, {"flat": np.full((4, 24, 120), 4e6)}, "gain.*scatter no more"),
     ({"method": "phase"}, {}, "propagation_distance.*missing"),
     ({"method": "abel"}, {}, "method.*chord"),
@@ -454,6 +480,33 @@ def test_refusals_name_the_key(scene, tmp_path, keys, replaced, words) -> None:
 
     with pytest.raises(InputError, match=words):
         attempt()
+
+
+def test_damaged_files_are_named(scene, tmp_path) -> None:
+    import tifffile
+
+    images, arrays = scene()
+    tifffile.imwrite(tmp_path / "whole.tif", arrays["counts"].astype(np.uint16), photometric="minisblack")
+    whole = (tmp_path / "whole.tif").read_bytes()
+    (tmp_path / "cut.tif").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "junk.tif").write_bytes(b"II*\0junk")
+    (tmp_path / "empty.npy").touch()
+    (tmp_path / "junk.h5").write_bytes(b"junk")
+    for name, words in (
+        ("cut.tif", "ends early"), ("junk.tif", "damaged"), ("empty.npy", "No data"), ("junk.h5", "cannot be read"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=rf"counts = '{name}'.*{words}"):
+            reduce_images(images.model_copy(update={"counts": name}))
+
+
+def test_counts_and_flat_that_changed_places(scene, tmp_path) -> None:
+    images, arrays = scene(photons=2e7)
+    np.savez(tmp_path / "a.npz", counts=arrays["flat"], flat=arrays["counts"], dark=arrays["dark"])
+    with pytest.raises(InputError, match="flat: seems to have changed places with counts"):
+        reduce_images(images)
+    np.save(tmp_path / "c.npy", arrays["counts"])
+    with pytest.raises(InputError, match=r"flat = 'c.npy': is the file of the frames"):
+        reduce_images(images_from_dict({**FILE, "counts": "c.npy", "flat": "c.npy"}, folder=tmp_path))
 
 
 def test_noise_over_the_signal_is_refused_with_a_remedy(scene) -> None:

@@ -79,7 +79,7 @@ class Frame:
         lit = flat > 0
         if not lit.any():
             raise InputError("flat", "has no good pixel in these rows", value=f"rows {start} to {stop}")
-        filled = np.where(lit, flat, np.median(flat[lit]))
+        filled = flat if lit.all() else np.where(lit, flat, np.median(flat[lit]))
         return counts, Detector(filled, self.pixel, dark, blur=self.blur), lit
 
 
@@ -175,6 +175,8 @@ def fit_frame(
     track: Track | None = None,
     one: Callable[..., RowFit] = fit_row,
     done: Callable[[int], None] | None = None,
+    begun: FrameFit | None = None,
+    keep: Callable[[FrameFit], None] | None = None,
 ) -> FrameFit:
     """Estimate the polymer fraction in the shells of every block of rows, by likelihood.
 
@@ -195,6 +197,10 @@ def fit_frame(
         `fit_row`.
     done : callable, optional
         Called with the number of blocks done so far.
+    begun : FrameFit, optional
+        What an interrupted fit of the same frame passed to `keep`: the blocks in it are not fitted again.
+    keep : callable, optional
+        Called after each block with the fit so far, which is changed afterwards.
 
     Returns
     -------
@@ -214,9 +220,11 @@ def fit_frame(
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     path = require_track(frame) if track is None else track
     half = 0.5 * frame.counts.shape[1] - 1.0
-    fit = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows))
+    fit = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows)) if begun is None else begun
     first: InputError | None = None
     for b, (start, stop) in enumerate(fit.rows.tolist()):
+        if begun is not None and (np.isfinite(fit.mean[b]) or start in fit.reasons):
+            continue
         inside = slice(start, stop)
         radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
         smear = float(
@@ -243,6 +251,8 @@ def fit_frame(
             _fill(fit, b, row)
         if done is not None:
             done(b + 1)
+        if keep is not None:
+            keep(fit)
     if first is not None and len(fit.reasons) == fit.rows.shape[0]:
         raise first
     return fit

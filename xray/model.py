@@ -9,10 +9,11 @@ on beyond the detector's ends. Its kernel is the sampled Gaussian, normalised; s
 deviation, it is exact to 2e-5 of the counts. A blur under an eighth of a pixel tends to none.
 """
 
+import math
+
 import numpy as np
 
 from spinline.checks import FloatArray
-from spinline.xray.chords import disc_chords
 
 __all__ = ["NUISANCES", "RowModel"]
 
@@ -82,13 +83,14 @@ class RowModel:
 
     def allows(self, parameters: FloatArray) -> bool:
         """Whether parameters are such that the model has a meaning: a jet within the row, a beam that shines on all of it."""
-        radius, axis, amplitude, slope, blur = parameters[self.shells :].tolist()
+        values = parameters.tolist()
+        radius, axis, amplitude, slope, blur = values[self.shells :]
         half = 0.5 * self.pixel * self.flat.size
         inside = 0.2 * self.pixel < radius < 4.0 * half and abs(axis) < half
         sharp = blur == 0.0 or 0.1 * self._step < blur < self._reach * self._step / _REACH * 1.001
-        lit = bool(np.isfinite(parameters).all()) and amplitude > 0.0 and abs(slope) < 1.0
-        depth = float((self.base + self.contrast * parameters[: self.shells]).min()) * 2.0 * radius
-        return inside and sharp and lit and depth > -20.0
+        lit = all(map(math.isfinite, values)) and amplitude > 0.0 and abs(slope) < 1.0
+        thinnest = min(self.base + self.contrast * fraction for fraction in values[: self.shells])
+        return inside and sharp and lit and thinnest * 2.0 * radius > -20.0
 
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean counts, and their derivatives.
@@ -104,51 +106,43 @@ class RowModel:
         jacobian : ndarray, shape (pixels, shells + 5)
             Its last column is 0 in a model without blur.
         """
+        from spinline.xray.row_kernel import absorbed_columns  # loads the compiler
+
         k = self.shells
         radius, axis, amplitude, slope, blur = parameters[k:].tolist()
-        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], self._x, axis)
-        mu = self.base + self.contrast * parameters[:k]
-        step = mu.copy()  # what each disc adds to the shell outside it
-        step[:-1] -= mu[1:]
-        transmission = np.exp(-(chords @ step))
-        columns = np.empty((transmission.size, k + 3))
-        columns[:, 0] = transmission
-        columns[:, 1] = chords[:, 0]
-        columns[:, 2 : k + 1] = np.diff(chords, axis=1)
-        columns[:, 1 : k + 1] *= -self.contrast * transmission[:, None]
-        columns[:, k + 1] = -transmission * (by_radius @ (step * self.edges[1:]))
-        columns[:, k + 2] = -transmission * (by_axis @ step)
-        blurred, by_blur = self._blurred(columns, blur)
-        beam = self.flat * (amplitude * (1.0 + slope * self.u))
-        jacobian = np.empty((self.flat.size, k + 5))
-        jacobian[:, : k + 2] = beam[:, None] * blurred[:, 1:]
-        seen = self.flat * blurred[:, 0]
-        jacobian[:, k + 2] = (1.0 + slope * self.u) * seen
-        jacobian[:, k + 3] = amplitude * self.u * seen
-        jacobian[:, k + 4] = beam * by_blur
-        return beam * blurred[:, 0] + self._background, jacobian
+        columns = np.empty((k + 3, self._x.size - 1))
+        first, last = absorbed_columns(
+            self._x, parameters[:k], radius, axis, self.edges, self.base, self.contrast, columns
+        )
+        seen = self._through(columns, first, last, blur)
+        return self.counts(seen, amplitude, slope)
+
+    def counts(self, seen: FloatArray, amplitude: float, slope: float) -> tuple[FloatArray, FloatArray]:
+        """Mean counts and their derivatives, as `evaluate`, from the transmission less 1 of each pixel and its derivatives.
+
+        Parameters
+        ----------
+        seen : ndarray, shape (shells + 4, pixels)
+            Transmission less 1; its derivatives with fractions, radius, axis; with the blur.
+        amplitude, slope : float
+        """
+        from spinline.xray.row_kernel import beam_counts  # loads the compiler
+
+        mean, jacobian = np.empty(self.flat.size), np.empty((self.shells + 5, self.flat.size))
+        beam_counts(seen, self.flat, self.u, self._background, amplitude, slope, mean, jacobian)
+        return mean, jacobian.T
+
+    def _through(self, columns: FloatArray, first: int, last: int, blur: float) -> FloatArray:
+        """Columns, shape (columns, cells), blurred and binned, and the derivative of the first with the blur."""
+        from spinline.xray.row_kernel import blurred_columns  # loads the compiler
+
+        out = np.empty((columns.shape[0] + 1, self.flat.size))
+        sigma = blur / self._step if self._reach else 1.0
+        blurred_columns(columns, first, last, self._parts, self._reach, _REACH, sigma, out)
+        out[-1] /= self._step
+        return out
 
     def _blurred(self, columns: FloatArray, blur: float) -> tuple[FloatArray, FloatArray]:
-        """Blurred and binned columns, and the derivative of the first with the blur."""
-        m, n = self._reach, self.flat.size
-        if m == 0:
-            if self._parts > 1:
-                columns = columns.reshape(n, self._parts, -1).mean(axis=1)
-            return columns, np.zeros(n)
-        k = np.arange(m + 1) * (self._step / blur)
-        kernel = np.exp(-0.5 * k**2)
-        kernel /= kernel[0] + 2.0 * kernel[1:].sum()
-        variance = 2.0 * (kernel * k**2).sum()
-        change = kernel * (k**2 - variance) / blur
-        length = columns.shape[0] - 2 * m
-        out = kernel[0] * columns[m : m + length]
-        first = change[0] * columns[m : m + length, 0]
-        for i in range(1, m + 1):
-            pair = columns[m - i : m - i + length] + columns[m + i : m + i + length]
-            first += change[i] * pair[:, 0]
-            pair *= kernel[i]
-            out += pair
-        if self._parts > 1:
-            out = out.reshape(n, self._parts, -1).mean(axis=1)
-            first = first.reshape(n, self._parts).mean(axis=1)
-        return out, first
+        """Blurred and binned columns, shape (cells, columns), and the derivative of the first with the blur."""
+        out = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
+        return out[:-1].T, out[-1]

@@ -9,6 +9,7 @@ scoring zigzags. The end is within about 1e-3 of a standard deviation.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spinline.checks import BoolArray, FloatArray
 from spinline.xray.model import RowModel
@@ -18,6 +19,8 @@ __all__ = ["largest_likelihood", "poisson_deviance"]
 _STEPS = 60
 _STALLED = 1e-4  # fall of the deviance over three steps
 _LEAST_DAMPING = 1e-9  # keeps a singular matrix solvable
+_HOPE = 10.0  # the deviance falls by no more than this times what a step promises
+_SAME = 1e-2  # of the deviance, and of the squared distance of two maxima in standard deviations
 _TOLERANCE = 1e-6  # of the squared step, in standard deviations
 
 
@@ -44,7 +47,12 @@ def poisson_deviance(counts: FloatArray, expected: FloatArray) -> float:
 
 
 def largest_likelihood(
-    model: RowModel, start: FloatArray, free: list[int], counts: FloatArray, lit: BoolArray
+    model: RowModel,
+    start: FloatArray,
+    free: list[int],
+    counts: FloatArray,
+    lit: BoolArray,
+    known: tuple[FloatArray, bool, int, float] | None = None,
 ) -> tuple[FloatArray, bool, int, float]:
     """Parameters of the largest likelihood near a start.
 
@@ -57,42 +65,44 @@ def largest_likelihood(
         Those that are fitted.
     counts, lit : ndarray, shape (pixels,)
         Counts, and which of them are used.
+    known : tuple, optional
+        A maximum found from elsewhere, as returned: the search ends early where it comes to the same or to a lower one.
 
     Returns
     -------
     parameters, converged, iterations, deviance
         Not converged: 60 steps were not enough, or the model has no meaning at the start.
     """
-    data = counts[lit]
+    from spinline.xray.row_kernel import damped_step, poisson_curvature  # loads the compiler
+
+    which = np.array(free, dtype=np.int64)
+    n = which.size
 
     def look(at: FloatArray) -> _Point | None:
         if not model.allows(at):
             return None
         mean, jacobian = model.evaluate(at)
-        mean = mean[lit]
-        if mean.min() <= 0.0:
-            return None
-        used = jacobian[lit][:, free]
-        weighted = used / mean[:, None]
-        return _Point(at, poisson_deviance(data, mean), used.T @ weighted, (data - mean) @ weighted)
+        fisher, gradient = np.empty((n, n)), np.empty(n)
+        deviance = poisson_curvature(counts, lit, mean, np.asfortranarray(jacobian), which, fisher, gradient)
+        return _Point(at, deviance, fisher, gradient) if deviance < np.inf else None
 
     here = look(start)
     if here is None:
         return start.copy(), False, 0, np.inf
     damping, fallen = 1e-3, [np.inf]
     for turn in range(1, _STEPS + 1):
-        scale = np.sqrt(np.maximum(np.diag(here.fisher), 1e-300))
-        scaled = here.fisher / np.outer(scale, scale)
         while True:
-            step = np.linalg.solve(scaled + damping * np.eye(len(free)), here.gradient / scale) / scale
-            gain = float(here.gradient @ step)
+            step = np.empty(n)
+            gain = damped_step(here.fisher, here.gradient, damping, step)
             if gain < _TOLERANCE:
                 return here.at, damping < 1.0, turn, here.deviance
-            there = look(_moved(here.at, free, step))
+            if known is not None and _idle(here, gain, known, free):
+                return here.at, True, turn, here.deviance
+            there = look(_moved(here.at, which, step))
             if there is not None:
                 slope = float(there.gradient @ step)
                 if slope < -0.2 * gain:  # overshot: the noise bends the likelihood more than its expectation does
-                    nearer = look(_moved(here.at, free, step * (gain / (gain - slope))))
+                    nearer = look(_moved(here.at, which, step * (gain / (gain - slope))))
                     if nearer is not None and nearer.deviance < there.deviance:
                         there = nearer
                 if there.deviance < here.deviance:
@@ -108,7 +118,15 @@ def largest_likelihood(
     return here.at, False, _STEPS, here.deviance
 
 
-def _moved(at: FloatArray, free: list[int], step: FloatArray) -> FloatArray:
+def _idle(here: _Point, gain: float, known: tuple[FloatArray, bool, int, float], free: list[int]) -> bool:
+    """Whether a search has come to the maximum that is known, or will end in a lower one."""
+    if here.deviance - _HOPE * gain > known[3]:
+        return True
+    off = (here.at - known[0])[free]
+    return here.deviance - known[3] < _SAME and float(off @ here.fisher @ off) < _SAME
+
+
+def _moved(at: FloatArray, free: NDArray[np.int64], step: FloatArray) -> FloatArray:
     new = at.copy()
     new[free] += step
     return new

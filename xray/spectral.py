@@ -65,22 +65,15 @@ class SpectralRowModel(RowModel):
         step[:, :-1] -= mu[:, 1:]
         lines = m.weight * np.exp(-(chords @ step.T))
         columns = np.empty((lines.shape[0], k + 3))
-        columns[:, 0] = lines.sum(axis=1)
+        columns[:, 0] = lines.sum(axis=1) - 1.0
         columns[:, 1] = chords[:, 0]
         columns[:, 2 : k + 1] = np.diff(chords, axis=1)
         columns[:, 1 : k + 1] *= -(lines @ m.contrast)[:, None]
         by_disc = lines @ step
         columns[:, k + 1] = -(by_radius * by_disc).sum(axis=1)
         columns[:, k + 2] = -(by_axis * by_disc).sum(axis=1)
-        blurred, by_blur = self._blurred(columns, blur)
-        beam = self.flat * (amplitude * (1.0 + slope * self.u))
-        jacobian = np.empty((self.flat.size, k + 5))
-        jacobian[:, : k + 2] = beam[:, None] * blurred[:, 1:]
-        seen = self.flat * blurred[:, 0]
-        jacobian[:, k + 2] = (1.0 + slope * self.u) * seen
-        jacobian[:, k + 3] = amplitude * self.u * seen
-        jacobian[:, k + 4] = beam * by_blur
-        return beam * blurred[:, 0] + self._background, jacobian
+        seen = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
+        return self.counts(seen, amplitude, slope)
 
 
 def spectral_law(medium: Medium) -> Callable[..., RowFit]:

@@ -229,6 +229,7 @@ def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
         try:
             return require_track(frame)
         except InputError:
+            _require_order(frame, medium)
             if (
                 medium is not None
                 and medium.energy_kev.size == 1
@@ -259,6 +260,24 @@ def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
     return Track(
         radius, axis, one, 0 * one, 0 * one, np.full((rows, 5, 5), np.nan), one, one, np.zeros(rows, dtype=np.bool_)
     )
+
+
+def _require_order(frame: Frame, medium: "Medium | None") -> None:
+    """Refuse frames that are brighter in a jet's shadow than the flat: counts and flat changed places."""
+    shadow = np.where(frame.good, np.maximum(frame.counts - frame.dark, 1e-9), 1.0)
+    try:
+        track = require_track(Frame(frame.flat + frame.dark, shadow, frame.dark, frame.good, frame.pixel))
+    except InputError:
+        return
+    seen = float(np.median(track.attenuation)) / frame.pixel
+    due = (
+        seen if medium is None else medium.absorber.solvent - medium.absorber.air
+    )  # fringes brighten a jet by other amounts
+    if 0.5 * due < seen < 2.0 * due and track.found.mean() > 0.5:
+        raise InputError(
+            "flat", "seems to have changed places with counts: the jet is in the flat, not in the frames",
+            remedy="counts are the frames with the jet, flat those without",
+        )  # fmt: skip
 
 
 def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:

@@ -65,6 +65,10 @@ class Fields:
 def open_counts(images: Images) -> Stack:
     """Stack of the frames with the jet."""
     stack = open_stack(images.counts, "counts", images.folder, transpose=images.transpose)
+    shape = stack.reader.shape
+    if len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4:
+        raise InputError("counts", "is a colour image, no counts", value=f"array of shape {shape}",
+                         remedy="give the detector's raw frames, (frame, z, x) or (z, x)")  # fmt: skip
     if stack.columns < 8:
         raise InputError("counts", "has fewer than 8 pixels across the jet", value=f"{stack.rows} x {stack.columns}",
                          remedy="check transpose: a row runs across the jet")  # fmt: skip
@@ -176,7 +180,7 @@ def photons_frame(
     saturated = summed.saturated(images.saturation, whole=True)
     if saturated.mean() > _MOST_SATURATED:
         raise InputError(
-            "counts", f"{int(saturated.sum())} pixels ({100 * saturated.mean():.2g} %) are saturated",
+            "counts", f"{int(saturated.sum())} pixels ({100 * saturated.mean():.3g} %) are saturated",
             value=float(summed.highest.max()), allowed="up to 0.1 % of the frame, which are masked",
             remedy="expose for less time, or give saturation if this is no limit of the detector",
         )  # fmt: skip
@@ -329,14 +333,23 @@ def _pixels_in_mean(source: Source, stack: Stack) -> int:
 
 def _opened(source: Source, key: str, images: Images, counts: Stack) -> Stack:
     assert source.file is not None
+    whole = source.rows is None and source.columns is None
+    one = source.file.lower().endswith((".tif", ".tiff", ".npy")) or ":" in source.file  # not a file of many arrays
+    if whole and one and source.file == images.counts:
+        raise InputError(
+            key, "is the file of the frames with the jet", value=source.file,
+            remedy=f"name the {key}'s own file, or a part of the frames, {{ columns = [first, last] }}",
+        )  # fmt: skip
     stack = open_stack(source.file, key, images.folder, transpose=images.transpose)
     _part(source, stack, key)
     rows_fit = stack.rows in (1, counts.rows) or source.rows is not None
     columns_fit = stack.columns == counts.columns or source.columns is not None
     if not (rows_fit and columns_fit):
+        turned = (stack.columns, stack.rows) == (counts.rows, counts.columns)
         raise InputError(
             key, "has another shape than the frames", value=(stack.rows, stack.columns),
             allowed=f"({counts.rows}, {counts.columns}), or one row of {counts.columns}",
+            remedy=f"counts or {key} lies on its side: store both alike" if turned else "",
         )  # fmt: skip
     return stack
 
@@ -379,9 +392,16 @@ def _gain(
             "gain", "is missing, and one flat frame does not tell it",
             remedy="give gain in photons per count (1 for a photon counter), or a stack of flat frames",
         )  # fmt: skip
+    if not noise[1] > 0:
+        raise InputError(
+            "dark",
+            "is at or over the flat",
+            value=float(np.median(dark)),
+            remedy="give raw flat and dark of the same exposure",
+        )
     read = 0.0 if dark_noise is None else dark_noise[0]
     signal = noise[0] - read
-    if not (signal > 0 and noise[1] > 0):
+    if not signal > 0:
         raise InputError(
             "gain", "is missing, and the flats scatter no more than the dark",
             remedy="give gain in photons per count",

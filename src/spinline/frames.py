@@ -89,7 +89,7 @@ class Stack:
         try:
             block = self.reader.read(start, stop)
         except (OSError, ValueError, zipfile.BadZipFile, EOFError, RuntimeError) as error:
-            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+            reason = _first_line(error)
             raise InputError(self.key, f"frames {start} to {stop} cannot be read ({reason})", value=self.name) from None
         block = block.reshape(stop - start, *self.reader.shape[-2:])
         return np.swapaxes(block, 1, 2) if self.transpose else block
@@ -123,8 +123,8 @@ def open_stack(source: str, key: str, folder: Path = Path(), *, transpose: bool 
         reader = _open(source, key, folder)
     except InputError:
         raise
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, RuntimeError, TypeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, RuntimeError, TypeError, IndexError) as error:
+        reason = "damaged" if isinstance(error, IndexError) else _first_line(error)
         raise InputError(key, f"cannot be read ({reason})", value=source) from None
     shape = reader.shape
     if len(shape) not in (2, 3) or min(shape) < 1:
@@ -134,6 +134,10 @@ def open_stack(source: str, key: str, folder: Path = Path(), *, transpose: bool 
     if reader.dtype.kind not in "uif":
         raise InputError(key, "holds no real numbers", value=str(reader.dtype), allowed="integers or floats")
     return Stack(key, source, reader, transpose)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
 
 
 def _open(source: str, key: str, folder: Path) -> _Reader:
@@ -295,8 +299,11 @@ class _Hdf5:
 
 
 def _tiff(path: Path) -> _Reader:
+    import logging
+
     import tifffile
 
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)  # what is wrong with a file is raised, and said once
     with suppress(ValueError):  # compressed: not to be mapped
         return _mapped(tifffile.memmap(path, mode="r"))
     return _Tiff(path)
@@ -318,7 +325,10 @@ class _Tiff:
         """Frames from `start` to before `stop`."""
         if len(self.shape) == 2:
             return np.asarray(self.file.asarray(key=0))
-        return np.stack([self.file.asarray(key=i) for i in range(start, stop)])
+        try:
+            return np.stack([self.file.asarray(key=i) for i in range(start, stop)])
+        except IndexError:
+            raise EOFError(f"{self.file.filename} ends early") from None
 
 
 class _Files:

@@ -1,7 +1,8 @@
 """The methods of reduction, each from one frame of photons to fractions: the place where a new one is added.
 
-A method takes an experiment, a frame, the track of the jet (None: to be found) and a function to call with the number of blocks
-done, and returns a `FrameFit`. Its name is a value of the key `method`, its meaning goes into the result.
+A method takes an experiment, a frame, the track of the jet (None: to be found), a function to call with the number of blocks
+done, and what is done already, and returns a `FrameFit`. Its name is a value of the key `method`, its meaning goes into the
+result.
 """
 
 from collections.abc import Callable
@@ -20,9 +21,24 @@ from spinline.xray.model import NUISANCES
 from spinline.xray.quick import chord_frame
 from spinline.xray.track import Track
 
-__all__ = ["METHODS", "Method", "require_method"]
+__all__ = ["METHODS", "Kept", "Method", "require_method"]
 
 Done = Callable[[int], None] | None
+
+
+class Kept(NamedTuple):
+    """Work that may be interrupted.
+
+    Attributes
+    ----------
+    begun : FrameFit or None
+        What was done before.
+    keep : callable
+        Called with what is done so far.
+    """
+
+    begun: FrameFit | None
+    keep: Callable[[FrameFit], None]
 
 
 class Method(NamedTuple):
@@ -31,22 +47,22 @@ class Method(NamedTuple):
     Attributes
     ----------
     reduce : callable
-        ``reduce(experiment, frame, track, done)``: a `FrameFit`.
+        ``reduce(experiment, frame, track, done, kept)``: a `FrameFit`.
     meaning : str
         In a sentence.
     """
 
-    reduce: Callable[[Experiment, Frame, Track | None, Done], FrameFit]
+    reduce: Callable[[Experiment, Frame, Track | None, Done, Kept | None], FrameFit]
     meaning: str
 
 
-def _chord(experiment: Experiment, frame: Frame, track: Track | None, _: Done) -> FrameFit:
+def _chord(experiment: Experiment, frame: Frame, track: Track | None, _: Done, __: Kept | None) -> FrameFit:
     images = experiment.images
     same = track if images.block_rows == 1 else None
     return chord_frame(frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, track=same)
 
 
-def _map(experiment: Experiment, frame: Frame, track: Track | None, _: Done) -> FrameFit:
+def _map(experiment: Experiment, frame: Frame, track: Track | None, _: Done, __: Kept | None) -> FrameFit:
     images = experiment.images
     path = require_track(frame) if track is None else track
     rows = blocks_of(frame.counts.shape[0], images.block_rows)
@@ -86,11 +102,12 @@ def _block(frame: Frame, start: int, stop: int) -> tuple[FloatArray, Detector, B
     return np.zeros(n), Detector(np.ones(n), frame.pixel, blur=frame.blur), np.zeros(n, dtype=np.bool_)
 
 
-def _row(experiment: Experiment, frame: Frame, track: Track | None, done: Done) -> FrameFit:
+def _row(experiment: Experiment, frame: Frame, track: Track | None, done: Done, kept: Kept | None) -> FrameFit:
     images = experiment.images
     fit = fit_frame(
         frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, nuisances=nuisances(images),
         track=track, one=row_law(images, experiment.medium), done=done,
+        begun=None if kept is None else kept.begun, keep=None if kept is None else kept.keep,
     )  # fmt: skip
     return replace(fit, method=images.method)
 

@@ -8,7 +8,7 @@ four methods:
 method      what it does                                               price
 ==========  =========================================================  ==============
 `chord`     Eqs. (41)-(42), every chord on its own: the quick look     0.1 ms a row
-`row`       Poisson likelihood of shells, radius, axis, beam, blur     1 to 2 ms a row
+`row`       Poisson likelihood of shells, radius, axis, beam, blur     0.5 to 2 ms a row
 `map`       penalised likelihood of all rows, smooth in (r, z)         1 ms a row
 `phase`     as `row`, of the wave with its fringes                     60 ms a block
 ==========  =========================================================  ==============
@@ -33,7 +33,7 @@ from spinline.errors import InputError
 from spinline.experiment import Experiment, prepare, require_signal
 from spinline.frames import FrameSum, Stack, open_stack, sum_frames
 from spinline.images import Images
-from spinline.methods import require_method
+from spinline.methods import Kept, require_method
 from spinline.xray.chords import equal_shells
 from spinline.xray.frame import FrameFit, blocks_of
 
@@ -44,9 +44,11 @@ __all__ = ["reduce_images"]
 
 Progress = Callable[[str, int, int], None]  # what is done, how much of it, of how much
 
-_PAUSE = 10.0  # seconds between two copies of a running sum
-_WORTH_PROCESSES = 4.0  # seconds of fits
-_PER_BLOCK = 2e-3
+_PAUSE = 10.0  # seconds between two copies of a running sum, or of a fit of many blocks
+_FIT = "fit"
+_WORTH_PROCESSES = 8.0  # seconds of work: to start them takes three
+_PER_BLOCK = 1e-3
+_PER_PIXEL = 3e-7
 
 
 def reduce_images(
@@ -104,7 +106,8 @@ def reduce_images(
         experiment = replace(experiment, images=images, remarks=(*experiment.remarks, said_so))
     if images.frames == "sum" or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
-        fits = [method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks))]
+        kept = None if job is None else Kept(_begun(job, images.method), _pause(job))
+        fits = [method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks), kept)]
     else:
         fits = _each(experiment, job, workers, said)
     result = assemble(experiment, fits, facts, each=images.frames == "each")
@@ -137,6 +140,23 @@ def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
     return sum_frames(stack, begun=begun, pause=pause)
 
 
+def _begun(job: Checkpoint, method: str) -> FrameFit | None:
+    return _kept(job, _FIT, method) if job.has(_FIT) else None
+
+
+def _pause(job: Checkpoint) -> Callable[[FrameFit], None]:
+    """Stores a fit that goes on, not too often."""
+    last = time.monotonic()
+
+    def keep(fit: FrameFit) -> None:
+        nonlocal last
+        if time.monotonic() - last > _PAUSE:
+            _keep(job, _FIT, fit)
+            last = time.monotonic()
+
+    return keep
+
+
 def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Progress) -> list[FrameFit]:
     """Every frame on its own: here, or in processes that dask looks after."""
     count = experiment.stack.frames
@@ -144,7 +164,8 @@ def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Pr
         store = job or Checkpoint(Path(scratch) / "job", "each")
         todo = [i for i in range(count) if not store.has(_name(i))]
         said("frames reduced", count - len(todo), count)
-        seconds = len(todo) * experiment.stack.rows / experiment.images.block_rows * _PER_BLOCK
+        rows, columns = experiment.stack.rows, experiment.stack.columns
+        seconds = len(todo) * rows * (_PER_BLOCK / experiment.images.block_rows + _PER_PIXEL * columns)
         if workers > 1 and seconds > _WORTH_PROCESSES:
             setup = Path(scratch) / "experiment.pickle"
             setup.write_bytes(pickle.dumps(_portable(experiment)))
@@ -153,9 +174,9 @@ def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Pr
             )
         else:
             for done, i in enumerate(todo):
-                _keep(store, i, _one(experiment, i))
+                _keep(store, _name(i), _one(experiment, i))
                 said("frames reduced", count - len(todo) + done + 1, count)
-        fits = [_kept(store, i, experiment.images.method) for i in range(count)]
+        fits = [_kept(store, _name(i), experiment.images.method) for i in range(count)]
     if not any(np.isfinite(fit.mean).any() for fit in fits):
         raise InputError(
             "frames", "no single frame can be reduced: " + next(iter(fits[0].reasons.values())), value="each",
@@ -215,7 +236,7 @@ def _portable(experiment: Experiment) -> Experiment:
 
 def _task(setup: str, folder: str, index: int) -> int:
     experiment = _loaded(setup)
-    _keep(Checkpoint(Path(folder), None), index, _one(experiment, index))
+    _keep(Checkpoint(Path(folder), None), _name(index), _one(experiment, index))
     return index
 
 
@@ -229,7 +250,7 @@ def _one(experiment: Experiment, index: int) -> FrameFit:
     images = experiment.images
     try:
         frame, _ = experiment.frame(summed, (index + 0.5) / stack.frames)
-        return require_method(images.method).reduce(experiment, frame, None, None)
+        return require_method(images.method).reduce(experiment, frame, None, None, None)
     except InputError as error:
         rows = blocks_of(stack.rows, images.block_rows)
         fit = FrameFit.empty(images.method, equal_shells(images.shells), rows)
@@ -243,21 +264,19 @@ def _name(index: int) -> str:
     return f"frame-{index:06d}"
 
 
-def _keep(store: Checkpoint, index: int, fit: FrameFit) -> None:
+def _keep(store: Checkpoint, name: str, fit: FrameFit) -> None:
     arrays = {name: getattr(fit, name) for name in _ARRAYS}
     values = {f"value_{k}": v for k, v in fit.values.items()} | {f"std_{k}": v for k, v in fit.std.items()}
-    store.save(
-        _name(index), **arrays, **values, reasons=np.array([f"{k} {v}" for k, v in fit.reasons.items()], dtype=np.str_)
-    )
+    store.save(name, **arrays, **values, reasons=np.array([f"{k} {v}" for k, v in fit.reasons.items()], dtype=np.str_))
 
 
 _ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", "limit_std", "misfit", "flags")
 
 
-def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
-    data = store.load(_name(index))
+def _kept(store: Checkpoint, name: str, method: str) -> FrameFit:
+    data = store.load(name)
     if data is None:
-        raise InputError(str(store.folder), f"lost frame {index} while the frames were reduced", remedy="run it again")
+        raise InputError(str(store.folder), f"lost {name} while the frames were reduced", remedy="run it again")
     values, std = ({k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_"))
     reasons = {int(line.split(" ", 1)[0]): line.split(" ", 1)[1] for line in data["reasons"].tolist()}
     return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: data[name] for name in _ARRAYS})
