@@ -27,7 +27,7 @@ __all__ = ["KEV", "Images", "Source", "bundled_images", "images_from_dict", "ima
 
 KEV = 1.602176634e-16  # J
 
-Energy = Annotated[Measured, Read("energy", 1.0 * KEV, 200.0 * KEV, closed=True, remedy="1 to 200 keV")]
+Energy = Annotated[Measured, Read("energy", 1.0 * KEV, 200.0 * KEV, closed=True, words="1 to 200 keV")]
 MassAttenuation = Annotated[Measured, Read("mass attenuation", 0.0, 1e6)]
 Distance = Annotated[Measured, Read("length", 0.0, 1e3, closed=True)]
 

@@ -41,14 +41,15 @@ REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
     "mean_polymer_concentration_std": ("kg m-3", "its standard deviation"),
     "calibration_std": (
         "1",
-        "part of mean_polymer_fraction_std that all blocks share, from the calibration of the attenuation",
+        "part of mean_polymer_fraction_std that all blocks share: from the calibration of the attenuation, or from the errors "
+        "that pixel size, energy, attenuation and density are given with",
     ),
     "limit_std": ("1", "Cramer-Rao bound of mean_polymer_fraction if nothing but the shells were unknown"),
     "limit_ratio": ("1", "standard deviation of mean_polymer_fraction, without calibration, over limit_std"),
     "jet_radius": ("m", "jet radius"),
-    "jet_radius_std": ("m", "its standard deviation"),
+    "jet_radius_std": ("m", "its standard deviation, that of the pixel's size included"),
     "jet_axis": ("m", "position of the jet's axis from the middle of the row"),
-    "jet_axis_std": ("m", "its standard deviation"),
+    "jet_axis_std": ("m", "its standard deviation, that of the pixel's size included"),
     "beam_level": ("1", "level of the beam over that of the flat"),
     "beam_slope": ("1", "relative change of the beam from the middle of the row to its end"),
     "blur": ("m", "standard deviation of the point spread"),
@@ -121,7 +122,11 @@ def assemble(
     ):  # fmt: skip
         data[name] = ((*lead, "row"), stack([f.values[key] for f in fits]))
         if with_std:
-            data[f"{name}_std"] = ((*lead, "row"), stack([f.std[key] for f in fits]))
+            own = stack([f.std[key] for f in fits])
+            data[f"{name}_std"] = (
+                (*lead, "row"),
+                np.hypot(own, data[name][1] * experiment.pixel_std / experiment.pixel),
+            )
     for name, value in {
         "volume_fraction": experiment.solution.volume_fraction, "attenuation_scale": experiment.calibration.scale,
         "attenuation_scale_std": experiment.calibration.std, "pixel_size": experiment.pixel,
