@@ -110,8 +110,9 @@ def _one_frame(result: xr.Dataset) -> xr.Dataset:
         weight = 1.0 / result[f"{name}_std"] ** 2
         weight = weight.where(np.isfinite(weight) & np.isfinite(result[name]), 0.0)
         total = weight.sum("frame")
+        shared = 0.0 if name == "jet_radius" else result["calibration_std"].max("frame")
         out[name] = (result[name].fillna(0.0) * weight).sum("frame") / total.where(total > 0)
-        out[f"{name}_std"] = total.where(total > 0) ** -0.5
+        out[f"{name}_std"] = np.maximum(total.where(total > 0) ** -0.5, shared)
     return out
 
 
@@ -151,7 +152,10 @@ def _radius(axis: "Axes", one: xr.Dataset, along: Any) -> None:
 
 
 def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
-    """Profiles of the first, middle and last third of the rows, each the weighted mean of its blocks."""
+    """Profiles of the first, middle and last third of the rows, each the weighted mean of its blocks.
+
+    What blocks share does not average out: the calibration, and in a map, whose rows are smoothed together, all of the error.
+    """
     r = one["relative_radius"].values
     for part, (colour, line, mark) in zip(
         np.array_split(np.arange(along.size), min(3, along.size)), _STYLES, strict=False
@@ -162,8 +166,13 @@ def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
         if not (total > 0).all():
             continue
         mean = (np.nan_to_num(phi) * weight).sum(axis=0) / total
+        shared = np.full(part.size, np.nanmedian(one["calibration_std"].values[part]))[:, None]
+        own = np.maximum(np.nan_to_num(std) ** 2 - shared**2, 0.0)
+        error = np.sqrt((weight**2 * own).sum(axis=0) / total**2 + shared[0] ** 2)
+        if one.attrs["method"] == "map":
+            error = (np.nan_to_num(std) * weight).sum(axis=0) / total
         axis.errorbar(
-            r, mean, total**-0.5, color=colour, linestyle=line, marker=mark, markersize=4, capsize=2, linewidth=1,
+            r, mean, error, color=colour, linestyle=line, marker=mark, markersize=4, capsize=2, linewidth=1,
             label=f"z = {along[part[0]]:.3g} to {along[part[-1]]:.3g} mm",
         )  # fmt: skip
     kind = "|x|/R" if one.attrs["method"] == "chord" else "r/R"

@@ -1,0 +1,201 @@
+"""What a reduction makes of errors that are given, and of what is not said: blur, clipping, few flats of one row."""
+
+import numpy as np
+import pytest
+
+from spinline.build import build_solution
+from spinline.doubt import relative_doubts
+from spinline.errors import InputError
+from spinline.experiment import build_absorber
+from spinline.figures_images import reduction_sheet
+from spinline.images import images_from_dict
+from spinline.preview import preview_images
+from spinline.reduce import reduce_images
+
+PIXEL, PHI = 1e-6, 0.0444256
+FILE = {
+    "counts": "a.npz", "flat": "a.npz", "dark": 0, "gain": 1.0, "pixel_size": "1 um", "energy": "10 keV", "shells": 1,
+    "block_rows": 12, "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
+}  # fmt: skip
+ROWS, COLUMNS = 24, 100
+
+pytestmark = pytest.mark.filterwarnings("ignore::spinline.errors.SpinlineWarning")
+
+
+@pytest.fixture(scope="module")
+def transmission(request):
+    """Of a round jet of 30 um by brute force, for a profile and a blur."""
+    counts = request.getfixturevalue("brute_force")
+    made = {}
+
+    def make(profile=(PHI, 0.0), blur=0.0):
+        if (profile, blur) not in made:
+            made[profile, blur] = counts(
+                lambda r: profile[0] + profile[1] * r**2, 30e-6, flat=np.ones(COLUMNS), pixel=PIXEL, solvent=531.87,
+                contrast=-137.44, air=0.6, axis=1.3 * PIXEL, blur=blur, parts=32, along=400,
+            )  # fmt: skip
+        return made[profile, blur]
+
+    return make
+
+
+@pytest.fixture
+def images(tmp_path, transmission):
+    """Write frames and flats; check an images file of them."""
+
+    def make(photons=1e6, seed=3, flats=40, one_row=False, profile=(PHI, 0.0), blurred=0.0, change=None, **keys):
+        rng = np.random.default_rng(seed)
+        seen = rng.poisson(photons * transmission(profile, blurred), (ROWS, COLUMNS)).astype(float)
+        flat = rng.poisson(photons, (flats, 1 if one_row else ROWS, COLUMNS)).astype(float)
+        np.savez(tmp_path / "a.npz", counts=seen if change is None else change(seen), flat=flat)
+        data = {key: value for key, value in {**FILE, **keys}.items() if value is not None}
+        return images_from_dict(data, folder=tmp_path)
+
+    return make
+
+
+def test_errors_given_reach_the_fraction_by_the_derivative(images) -> None:
+    """Each error alone against the change of the reduced fraction when its key is moved by that much."""
+    cases = {
+        "pixel_size": ("1 um", "1.01 um", "1 +/- 0.01 um"),
+        "energy": ("10 keV", "10.02 keV", "10 +/- 0.02 keV"),
+    }
+    for key, (plain, moved, given) in cases.items():
+        here = reduce_images(images(**{key: plain}))
+        there = reduce_images(images(**{key: moved}))
+        said = reduce_images(images(**{key: given}))
+        shift = float((there["mean_polymer_fraction"] - here["mean_polymer_fraction"]).mean())
+        assert (here["calibration_std"] == 0).all()
+        assert said["calibration_std"].values == pytest.approx(abs(shift), rel=0.03)
+        assert said["mean_polymer_fraction_std"].values == pytest.approx(
+            np.hypot(here["mean_polymer_fraction_std"], said["calibration_std"]).values, rel=1e-6
+        )
+        assert key in said.attrs["shared_error_source"]
+        assert key in said.attrs["warnings"]
+
+
+def test_error_of_the_pixel_is_in_the_radius_and_a_calibration_takes_it_from_the_fraction(images) -> None:
+    plain = reduce_images(images())
+    doubtful = reduce_images(images(pixel_size="1 +/- 0.02 um"))
+    radius = float(plain["jet_radius"][0])
+    assert float(doubtful["jet_radius_std"][0]) == pytest.approx(
+        float(np.hypot(plain["jet_radius_std"][0], 0.02 * radius)), rel=1e-6
+    )
+    calibrated = reduce_images(images(pixel_size="1 +/- 0.02 um", calibration_rows=[0, 12]))
+    assert float(calibrated["calibration_std"].max()) < 0.3 * float(doubtful["calibration_std"].min())
+    assert "shared_error_source" not in calibrated.attrs
+
+
+def test_doubts_of_attenuation_and_density_by_hand(images) -> None:
+    """phi (s_p rho_p) and (1 - phi) (s_s rho_s), each over mu, times the relative error."""
+    solution = {**FILE["solution"], "polymer_density": "1.13 +/- 0.01 g/cm3", "solvent_density": "1 +/- 0.001 g/cm3"}
+    file = images(
+        polymer_attenuation="3.49 +/- 0.1 cm2/g", solvent_attenuation="5.33 +/- 0.05 cm2/g", solution=solution
+    )
+    made = build_solution(file)
+    absorber, medium, words = build_absorber(file, made)
+    assert medium is not None
+    assert absorber.air == pytest.approx(0.6, abs=0.05)
+    assert "air at 10 keV" in words
+    phi = made.volume_fraction
+    heavy, light = 0.349 * 1130.0, 0.533 * 1000.0
+    mu = phi * heavy + (1 - phi) * light - absorber.air
+    doubts = relative_doubts(file, made, absorber, 1e-6, 0.0)
+    assert doubts == pytest.approx(
+        {
+            "polymer_attenuation": phi * heavy / mu * 0.1 / 3.49, "solvent_attenuation": (1 - phi) * light / mu * 0.05 / 5.33,
+            "solution.polymer_density": phi * heavy / mu * 0.01 / 1.13,
+            "solution.solvent_density": (1 - phi) * light / mu * 0.001,
+        }, rel=1e-9,
+    )  # fmt: skip
+
+
+def test_a_blur_that_is_not_given_is_told_with_its_size_and_its_bias(images) -> None:
+    said = reduce_images(images(photons=1e7, blurred=1.5e-6)).attrs["warnings"]
+    assert "edges are blurred by 1.5 um (1.5 pixels)" in said
+    assert 'blur = "fit"' in said
+    assert "fringes" not in said.split("blur", 1)[0]
+    for quiet in ({}, {"blurred": 1.5e-6, "blur": "1.5 um"}):
+        assert "edges are blurred" not in reduce_images(images(photons=1e7, **quiet)).attrs["warnings"]
+
+
+@pytest.mark.parametrize("blurred", [0.0, 1.5e-6])
+def test_a_profile_that_no_shell_follows_is_not_taken_for_fringes(images, blurred) -> None:
+    """24 rows of 1e8 photons of a parabolic profile: one shell misfits, three nearly fit, and none of it is refraction."""
+    file = images(photons=1e8, profile=(0.09, -0.09), blurred=blurred)
+    assert "meets fringes" not in reduce_images(file).attrs["warnings"]
+
+
+def test_the_noise_of_a_flat_of_one_row_adds_up_over_a_block(images) -> None:
+    """12 rows against 6 flats of one row: variance 1 + 12/6; the scatter over replicates bears it out."""
+    z, narrow = [], []
+    for seed in range(40):
+        result = reduce_images(images(seed=seed, flats=6, one_row=True), noisy=True).isel(row=0)
+        error = float(result["mean_polymer_fraction"]) - PHI
+        z.append(error / float(result["mean_polymer_fraction_std"]))
+        narrow.append(z[-1] * np.sqrt(3.0 / (1.0 + 1.0 / 6.0)))
+    assert result.attrs["flat_noise"] == pytest.approx(3.0)
+    assert 0.7 < np.std(z) < 1.35  # 4 standard deviations of the deviation of 40
+    assert np.std(narrow) > 1.35
+    seen = preview_images(images(flats=6, one_row=True))
+    assert seen.facts["flat_noise"] == pytest.approx(3.0)
+
+
+def test_a_detector_that_clips_anywhere_is_told(images) -> None:
+    def clip(counts):
+        return np.minimum(counts, 9.95e5)
+
+    said = reduce_images(images(change=clip), noisy=True).attrs["warnings"]
+    assert "hold exactly the highest count, 995000" in said
+    assert "saturation = 995000" in said
+    assert "highest count" not in reduce_images(images()).attrs["warnings"]
+    low = reduce_images(images(photons=300.0, block_rows=24), noisy=True)
+    assert "highest count" not in low.attrs["warnings"]
+    with pytest.raises(InputError, match="saturated"):
+        reduce_images(images(change=clip, saturation=9.95e5))
+
+
+def test_counts_beyond_counting_and_flats_without_light_are_refused(images, tmp_path) -> None:
+    for factor in (1e300, 1e11):
+        with pytest.raises(InputError, match=r"gain = .*photons.*allowed: up to 1e\+15"):
+            reduce_images(images(change=lambda counts, factor=factor: counts * factor))
+    file = images()
+    np.savez(tmp_path / "a.npz", counts=np.full((ROWS, COLUMNS), 9.0), flat=np.zeros((3, ROWS, COLUMNS)))
+    with pytest.raises(InputError, match=r"flat = 0\.0: holds no light"):
+        reduce_images(file)
+
+
+def test_energy_is_refused_in_the_unit_it_is_given_in() -> None:
+    with pytest.raises(InputError, match="allowed: 1 to 200 keV"):
+        images_from_dict({**FILE, "energy": "0.1 keV"})
+
+
+def test_one_file_of_another_shape_is_named_once(images, tmp_path) -> None:
+    (tmp_path / "frames").mkdir()
+    np.save(tmp_path / "frames" / "a.npy", np.ones((ROWS, COLUMNS)))
+    np.save(tmp_path / "frames" / "b.npy", np.ones((ROWS, 50)))
+    with pytest.raises(InputError, match=r"^counts = \(24, 50\): b.npy has another shape"):
+        reduce_images(images(counts="frames/*.npy"))
+
+
+def test_exposure_names_its_options(spinline) -> None:
+    for option, value in (("--energy", "38.5 keV"), ("--sigma", "0"), ("--photons", "-1"), ("--highest", "4 keV")):
+        ran = spinline("exposure", "peo5-water", option, value)
+        assert ran.code == 2
+        assert f"error: {option} = " in ran.err
+
+
+def test_the_figure_does_not_average_away_what_blocks_share(images) -> None:
+    """Error bars of the profiles: the calibration's stays, and a map's rows are no replicates."""
+    result = reduce_images(images(pixel_size="1 +/- 0.02 um", block_rows=1), noisy=True)
+    shared = float(result["calibration_std"].median())
+    sheet = reduction_sheet(result)
+    assert min(_bars(sheet)) > shared
+    result.attrs["method"] = "map"
+    assert min(_bars(reduction_sheet(result))) > 0.9 * float(result["polymer_fraction_std"].min())
+
+
+def _bars(sheet):
+    """Half the heights of the error bars in the profiles' panel."""
+    panel = next(axis for axis in sheet.axes if axis.get_xlabel() == "r/R")
+    return [0.5 * float(np.ptp(s[:, 1])) for bar in panel.containers for s in bar.lines[2][0].get_segments()]
