@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spinline import xray
 from spinline.build import build_solution
 from spinline.doubt import relative_doubts
 from spinline.errors import InputError
@@ -11,6 +12,7 @@ from spinline.figures_images import reduction_sheet
 from spinline.images import images_from_dict
 from spinline.preview import preview_images
 from spinline.reduce import reduce_images
+from spinline.reduction import lines, plausible
 
 PIXEL, PHI = 1e-6, 0.0444256
 FILE = {
@@ -163,6 +165,70 @@ def test_counts_beyond_counting_and_flats_without_light_are_refused(images, tmp_
     np.savez(tmp_path / "a.npz", counts=np.full((ROWS, COLUMNS), 9.0), flat=np.zeros((3, ROWS, COLUMNS)))
     with pytest.raises(InputError, match=r"flat = 0\.0: holds no light"):
         reduce_images(file)
+
+
+def test_a_blur_that_is_none_is_fitted_as_none(images) -> None:
+    """The likelihood is largest at the edge, no blur: found, not given up."""
+    result = reduce_images(images(photons=1e7, block_rows=1, blur="fit"))
+    z = (result["mean_polymer_fraction"] - PHI) / result["mean_polymer_fraction_std"]
+    assert (result["flags"] & 1 == 0).all()
+    assert float((result["blur"] == 0.0).mean()) > 0.2
+    assert float(result["blur"].max()) < 0.6 * PIXEL
+    assert abs(float(z.mean())) * ROWS**0.5 < 4
+    assert 0.55 < float(z.std()) < 1.45
+
+
+def test_a_block_that_cannot_be_does_not_set_the_headline_nor_the_scale(images) -> None:
+    """The nozzle's end in the first rows: that block says nonsense, flagged; the answer and the figure are those of the rest."""
+
+    def shadowed(counts):
+        counts[:6, 12:92] *= 0.01
+        return counts
+
+    result = reduce_images(images(change=shadowed, photons=4e6, block_rows=6))
+    assert abs(float(result["mean_polymer_fraction"][0])) > 1
+    can = plausible(result)
+    assert can.tolist() == [False, True, True, True]
+    said = lines(result)
+    first = float(result["mean_polymer_fraction"][1])
+    assert f"Mean polymer fraction {first:.4f} +/-" in said[1]
+    assert "Left out of these numbers, not of the file: 1 whose fraction cannot be." in said
+    panel = reduction_sheet(result).axes[1]
+    assert max(abs(edge) for edge in panel.get_ylim()) < 0.2
+    result["flags"][:] = result["flags"] | 8
+    assert plausible(result).all()
+
+
+def test_a_map_of_a_spectrum_says_what_its_mean_attenuation_is_worth(images, request) -> None:
+    """5 % of the signal at 30 keV, hardened by brute force: the warning's shift is the one that is there."""
+    counts = request.getfixturevalue("brute_force")
+    line = xray.solution_medium(
+        xray.Material("C2H4O", 1130.0),
+        xray.Material("H2O", 998.2),
+        xray.Spectrum(np.array([10.0, 30.0]), np.array([0.95, 0.05])),
+    )
+    shape = {"flat": np.ones(220), "pixel": PIXEL, "axis": 1.3 * PIXEL, "parts": 16, "along": 400}
+    seen = sum(
+        share * counts(lambda r: PHI + 0 * r, 80e-6, solvent=mu, contrast=d, air=air, **shape)
+        for share, mu, d, air in zip(line.weight, line.solvent, line.contrast, line.air, strict=True)
+    )
+    rng = np.random.default_rng(2)
+    keys = {"spectrum": {"10 keV": 0.95, "30 keV": 0.05}, "energy": None, "block_rows": 1, "method": "chord"}
+    file = images(**keys)
+    np.savez(
+        file.folder / "a.npz",
+        counts=rng.poisson(1e8 * seen, (ROWS, 220)),
+        flat=np.full((1, ROWS, 220), 1e10) / 100,
+        dark=0,
+    )
+    result = reduce_images(file)
+    words = next(w for w in result.attrs["warnings"].splitlines() if "mean attenuation of the spectrum" in w)
+    shift = float(result["mean_polymer_fraction"].mean()) - PHI
+    said = float(words.split("about ")[1].split(";")[0])
+    assert said == pytest.approx(shift, rel=0.25)
+    row = reduce_images(file.model_copy(update={"method": "row"}))
+    assert "mean attenuation" not in row.attrs["warnings"]
+    assert abs(float(row["mean_polymer_fraction"].mean()) - PHI) < 0.3 * abs(shift)
 
 
 def test_energy_is_refused_in_the_unit_it_is_given_in() -> None:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from spinline.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, check_format
 from spinline.outputs import replacing
+from spinline.reduction import plausible
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +35,7 @@ def reduction_sheet(result: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    one = _one_frame(result)
+    one = _shown(_one_frame(result), result)
     sheet = Figure(figsize=(9.6, 7.0), layout="constrained")
     FigureCanvasAgg(sheet)
     axes = sheet.subplots(2, 2)
@@ -47,8 +48,10 @@ def reduction_sheet(result: xr.Dataset) -> Figure:
         axis.grid(visible=True, color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
     method = result.attrs["method"]
+    hidden = int((~plausible(result)).sum())
+    note = f"; {hidden} whose fraction cannot be are not shown" if hidden else ""
     sheet.suptitle(
-        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows", fontsize=10.5
+        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows{note}", fontsize=10.5
     )
     return sheet
 
@@ -114,6 +117,13 @@ def _one_frame(result: xr.Dataset) -> xr.Dataset:
         out[name] = (result[name].fillna(0.0) * weight).sum("frame") / total.where(total > 0)
         out[f"{name}_std"] = np.maximum(total.where(total > 0) ** -0.5, shared)
     return out
+
+
+def _shown(one: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
+    """Without blocks that cannot be, whose numbers would set the scale of all others."""
+    can = xr.DataArray(plausible(result), dims="row")
+    names = [name for name in one.data_vars if one[name].dims[:1] == ("row",) and one[name].dtype.kind == "f"]
+    return one.assign({name: one[name].where(can) for name in names})
 
 
 def _map(sheet: Figure, axis: "Axes", one: xr.Dataset, along: Any) -> None:

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from spinline.checks import FloatArray
+from spinline.checks import BoolArray, FloatArray
 from spinline.experiment import Experiment, nuisances
 from spinline.methods import METHODS
 from spinline.outputs import replacing
 from spinline.xray.frame import FRAME_FLAGS, FrameFit
 
-__all__ = ["REDUCTION_VARIABLES", "UNIDENTIFIABLE", "assemble", "lines", "to_csv"]
+__all__ = ["REDUCTION_VARIABLES", "UNIDENTIFIABLE", "assemble", "lines", "plausible", "to_csv"]
 
 UNIDENTIFIABLE = (
     "One view cannot tell an elliptic section (depth 1 % over width: -0.04 in the fraction at 10 keV, R = 50 um) nor a "
@@ -224,17 +224,19 @@ def _provenance(
 def lines(result: xr.Dataset) -> list[str]:
     """The answer in sentences."""
     last = result.median("frame") if "frame" in result.dims else result
-    good = np.isfinite(last["mean_polymer_fraction"].values)
-    blocks = int(good.sum())
-    if not blocks:
+    fitted = np.isfinite(last["mean_polymer_fraction"].values)
+    if not fitted.any():
         return ["Nothing could be fitted."]
+    good = fitted & plausible(result)
+    blocks = int(good.sum())
     phi, std = last["mean_polymer_fraction"].values[good], last["mean_polymer_fraction_std"].values[good]
     radius = 1e6 * last["jet_radius"].values[good]
     tops = [0, blocks - 1]
     rho = float(result.attrs["polymer_density"])
     frames = f"{result.sizes['frame']} frames, each " if "frame" in result.dims else ""
     said = [
-        f"{frames}{blocks} of {result.sizes['row']} blocks of {result.attrs['block_rows']} rows by {result.attrs['method']!r}; "
+        f"{frames}{int(fitted.sum())} of {result.sizes['row']} blocks of {result.attrs['block_rows']} rows by "
+        f"{result.attrs['method']!r}; "
         f"radius {radius[tops[0]]:.4g} um at the first, {radius[tops[1]]:.4g} um at the last."
     ]
     ratio = float(np.nanmedian(last["limit_ratio"].values))
@@ -244,10 +246,29 @@ def lines(result: xr.Dataset) -> list[str]:
         f"at the last; median {np.median(phi):.4f} +/- {np.median(std):.4f} ({1e-3 * rho * np.median(phi):.4f} +/- "
         f"{1e-3 * rho * np.median(std):.4f} g/cm3); solution {float(result['volume_fraction']):.4f}."
     )
+    if blocks < fitted.sum():
+        said.append(
+            f"Left out of these numbers, not of the file: {int(fitted.sum()) - blocks} whose fraction cannot be."
+        )
     said.append(f"Errors are {ratio:.3g} times the Cramer-Rao bound of a jet and beam that are known.")
     if "calibration_source" in result.attrs:
         said.append(f"Attenuation: {result.attrs['calibration_source']}.")
     return said
+
+
+def plausible(result: xr.Dataset) -> BoolArray:
+    """Blocks whose mean fraction can be, within its error; all of them where none can (then attenuation or flat is wrong).
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Of a reduction; a block of many frames counts if it can be in half of them.
+    """
+    bit = 1 << list(FRAME_FLAGS).index("impossible")
+    odd = ((result["flags"] & bit) > 0).astype(float)
+    share = odd.mean("frame") if "frame" in odd.dims else odd
+    can: BoolArray = np.asarray(share.values <= 0.5)
+    return can if can.any() else np.ones_like(can)
 
 
 def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
