@@ -231,6 +231,20 @@ def test_a_map_of_a_spectrum_says_what_its_mean_attenuation_is_worth(images, req
     assert abs(float(row["mean_polymer_fraction"].mean()) - PHI) < 0.3 * abs(shift)
 
 
+def test_averages_and_transmissions_are_not_taken_for_counts(images, transmission) -> None:
+    """A mean of ten frames scatters by a third of what counts do; a transmission is at most about 1."""
+
+    def averaged(counts):
+        rng = np.random.default_rng(8)
+        return np.mean([rng.poisson(1e6 * transmission(), counts.shape) for _ in range(10)], axis=0)
+
+    assert "scatter less than Poisson: averaged frames" in reduce_images(images(change=averaged)).attrs["warnings"]
+    assert "scatter less" not in reduce_images(images()).attrs["warnings"]
+    for wrong in (lambda counts: counts / 1e6, lambda counts: -np.log(counts / 1.1e6)):
+        with pytest.raises(InputError, match=r"counts = .*not transmissions"):
+            reduce_images(images(change=wrong))
+
+
 def test_energy_is_refused_in_the_unit_it_is_given_in() -> None:
     with pytest.raises(InputError, match="allowed: 1 to 200 keV"):
         images_from_dict({**FILE, "energy": "0.1 keV"})

@@ -18,7 +18,8 @@ FLAGS = {
     "not_gaussian": (
         "too few photons to hold radius and fraction at once: errors are not Gaussian; give the radius, or sum rows"
     ),
-    "impossible": ("the mean fraction lies outside [0, 1] by more than its error: check attenuation, flat and fringes"),
+    "impossible": "the mean fraction lies outside [0, 1] by more than its error: check energy, pixel size, flat, "
+    "fringes, and that one jet with air on both sides is in view",
     "misfit": "the counts scatter more than Poisson about the model: a blur that is not given, fringes, an elliptic jet, or a "
     "wrong flat or gain",
     "outlier": "a pixel lies 8 standard deviations off: mask it if it is bad",

@@ -196,6 +196,16 @@ def photons_frame(
 
     exposures = summed.exposures.astype(np.float64)
     seen = exposures > 0
+    if (
+        images.gain == 1
+        and summed.frames == 1
+        and 0 < summed.highest[seen].max() <= 2
+        and (summed.total % 1 != 0).any()
+    ):
+        raise InputError(
+            "counts", "are no counts: at most 2, and not whole", value=float(summed.highest[seen].max()), allowed="raw counts",
+            remedy="give the raw frames, not transmissions, nor their logarithm; or gain in photons per count",
+        )  # fmt: skip
     saturated = summed.saturated(images.saturation, whole=True)
     if saturated.mean() > _MOST_SATURATED:
         raise InputError(

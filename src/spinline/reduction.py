@@ -20,6 +20,8 @@ UNIDENTIFIABLE = (
     "(0.2 %: 0.008) nor evaporated solvent from one of the polymer fraction."
 )
 
+_TOO_QUIET = -4.0  # median misfit, standard deviations
+
 # name: (unit, what it is)
 REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
     "row": ("1", "row of the frame, middle of the block"),
@@ -187,6 +189,11 @@ def _flag_words(flags: Any, fits: list[FrameFit]) -> tuple[str, ...]:
         if count:
             reason = next((r for f in fits for r in f.reasons.values()), "") if name == "not_fitted" else ""
             said.append(f"{count} of {blocks} blocks: {words}" + (f" (the first: {reason})" if reason else ""))
+    misfit = np.concatenate([f.misfit[np.isfinite(f.misfit)] for f in fits])
+    if misfit.size and float(np.median(misfit)) < _TOO_QUIET:
+        said.append(
+            "the counts scatter less than Poisson: averaged frames or flats, or a gain that is too small; errors are too large"
+        )
     return tuple(said)
 
 
