@@ -12,14 +12,16 @@ own. All blocks share the shift. Calibrated on the known fraction at the nozzle,
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from spinline.images import KEV, Images
 from spinline.xray.forward import Absorber
-from spinline.xray.medium import solution_medium
+from spinline.xray.medium import Medium, solution_medium
 
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
-__all__ = ["doubt_words", "relative_doubts"]
+__all__ = ["doubt_words", "hardened", "ideal_mixture", "relative_doubts"]
 
 _WORTH_SAYING = 0.1  # of the fraction
 
@@ -90,3 +92,30 @@ def doubt_words(parts: dict[str, float], absorber: Absorber, fraction: float) ->
     said = ", ".join(f"{key} {worth * value:.2g}" for key, value in parts.items())
     total = worth * math.hypot(*parts.values())
     return f"standard deviation of the fraction that all blocks share: {said}", total > _WORTH_SAYING * fraction
+
+
+def hardened(method: str, medium: Medium, fraction: float, radius: float) -> str:
+    """What the mean attenuation of a spectrum is worth, which chords and the map take: to first order in a jet's mean chord."""
+    chord = 0.5 * np.pi * radius
+    mu = medium.solvent - medium.air + fraction * medium.contrast
+    through = -np.log(medium.weight @ np.exp(-mu * chord)) / chord
+    shift = float((through - medium.weight @ mu) / (medium.weight @ medium.contrast))
+    return (
+        f"method {method!r} takes the mean attenuation of the spectrum: the fraction is off by about {shift:+.2g}; "
+        'method "row" holds every line'
+    )
+
+
+def ideal_mixture(images: Images, solution: "Solution", absorber: Absorber) -> list[str]:
+    """What the volume of mixing of a solvent is worth, which its density leaves out."""
+    if (
+        len(solution.solvent) < 2
+        or images.solution.solvent_density is not None
+        or images.solvent_attenuation is not None
+    ):
+        return []
+    share = 0.01 * (1.0 - solution.volume_fraction) * absorber.solvent / abs(absorber.contrast)
+    return [
+        f"the solvent's density, {solution.solvent_density:.4g} kg/m3, is that of an ideal mixture: 1 % of it is {share:.2g} in "
+        "the fraction (half ethanol, half water is 3.6 % denser); give solution.solvent_density, or calibration_rows"
+    ]

@@ -15,7 +15,7 @@ import numpy as np
 from spinline.blur_check import steady_rows, unsaid_blur
 from spinline.build import build_solution
 from spinline.checks import FloatArray
-from spinline.doubt import doubt_words, relative_doubts
+from spinline.doubt import doubt_words, hardened, ideal_mixture, relative_doubts
 from spinline.errors import InputError
 from spinline.fields import Fields, build_fields, open_counts, photons_frame
 from spinline.frames import FrameSum, Stack, sample_frames
@@ -157,7 +157,9 @@ def prepare(
     remarks += _fringes(images, medium, frame, track, fields.shared)
     remarks += _odd(facts)
     if images.method in ("chord", "map") and medium is not None and medium.energy_kev.size > 1:
-        remarks.append(_hardened(images.method, medium, solution.volume_fraction, track, pixel))
+        remarks.append(
+            hardened(images.method, medium, solution.volume_fraction, float(np.median(track.radius)) * pixel)
+        )
     if images.method == "chord" and blur > 0.5 * pixel:
         remarks.append(
             "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
@@ -169,6 +171,7 @@ def prepare(
         return calibrated(experiment, frame, track), frame, track, facts
     if images.polymer_attenuation is None and images.energy is not None:
         remarks.append(_uncalibrated(images, solution, absorber))
+    remarks += ideal_mixture(images, solution, absorber)
     doubts = relative_doubts(images, solution, absorber, pixel, pixel_std)
     if doubts:
         notes["shared_error"], much = doubt_words(doubts, absorber, solution.volume_fraction)
@@ -531,18 +534,6 @@ def _odd(facts: dict[str, float]) -> list[str]:
     if facts["added_noise"]:
         said.append("counts under the dark level by more than the read noise: more read noise is assumed")
     return said
-
-
-def _hardened(method: str, medium: Medium, fraction: float, track: Track, pixel: float) -> str:
-    """What the mean attenuation of a spectrum is worth, which chords and the map take: to first order in a jet's mean chord."""
-    chord = 0.5 * np.pi * float(np.median(track.radius)) * pixel
-    mu = medium.solvent - medium.air + fraction * medium.contrast
-    through = -np.log(medium.weight @ np.exp(-mu * chord)) / chord
-    shift = float((through - medium.weight @ mu) / (medium.weight @ medium.contrast))
-    return (
-        f"method {method!r} takes the mean attenuation of the spectrum: the fraction is off by about {shift:+.2g}; "
-        'method "row" holds every line'
-    )
 
 
 def _uncalibrated(images: Images, solution: "Solution", absorber: Absorber) -> str:

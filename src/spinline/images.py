@@ -151,7 +151,7 @@ class Images(Sheet):
     calibration_rows: Rows | None = None
     frames: Literal["sum", "each"] = "sum"
     method: Literal["chord", "row", "map", "phase"] = "row"
-    shells: Annotated[int, Field(ge=1, le=200)] = 3
+    shells: Annotated[int, Field(ge=1, le=200)] = 5
     block_rows: Annotated[int, Field(ge=1)] = 1
     solution: SolutionSection
 
