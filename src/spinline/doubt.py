@@ -116,6 +116,6 @@ def ideal_mixture(images: Images, solution: "Solution", absorber: Absorber) -> l
         return []
     share = 0.01 * (1.0 - solution.volume_fraction) * absorber.solvent / abs(absorber.contrast)
     return [
-        f"the solvent's density, {solution.solvent_density:.4g} kg/m3, is that of an ideal mixture: 1 % of it is {share:.2g} in "
-        "the fraction (half ethanol, half water is 3.6 % denser); give solution.solvent_density, or calibration_rows"
+        f"the solvent's density, {solution.solvent_density:.4g} kg/m3, is that of an ideal mixture: 1 % of it is {share:.2g} "
+        "in the fraction (half ethanol, half water is 3.6 % denser); give solution.solvent_density, or calibration_rows"
     ]
