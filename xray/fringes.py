@@ -3,8 +3,11 @@
 Reduced as absorption, fringes of 1 cm of propagation bias the mean fraction by -0.25, of 10 cm by -1.9 (R = 50 um, PEO in
 water, 10 keV). What they leave in the residuals of the absorption fit is known: the model of `fresnel` at the fitted jet, less
 that of absorption. For distances from 1 mm to 1 m the residuals, in their standard deviations, are projected on that pattern,
-after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the significance.
+after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the significance,
+in standard deviations that what fringes do not explain widens: a profile that no shells follow is not taken for fringes.
 It is one-sided: a blur that was left out leaves the opposite pattern. A blur that was overstated leaves the same.
+
+Where absorption fits badly, jets from fringes folded back are tried too; they count if they fit better than absorption does.
 """
 
 from collections.abc import Sequence
@@ -33,6 +36,7 @@ _TRIED = tuple(float(z) for z in np.geomspace(1e-3, 1.0, 25))
 _CELLS = 8
 _PLAUSIBLE = 0.05
 _ODD = 3.0  # misfit of an absorption fit that is no guide
+_SHELLS = 3  # one is a misfit of its own where the profile is not flat and the photons are many
 _NUISANCES = ("radius", "axis", "amplitude", "slope")
 
 
@@ -85,7 +89,7 @@ def detect_fringes(
     medium : Medium
         Attenuation and refraction (`solution_medium`).
     fit : RowFit, optional
-        The absorption fit of the same counts; made here, with one shell, where left out.
+        The absorption fit of the same counts; made here, with three shells or one, where left out.
     nuisances : sequence of str
         What that fit had free beside the fractions.
     threshold : float
@@ -109,15 +113,16 @@ def detect_fringes(
     least = positive("threshold", threshold)
     data, rows = summed_counts(counts, detector, good, saturation)
     lit = rows > 0
-    edges = equal_shells(1) if fit is None else fit.jet.shell_edges
+    absorption = fit or _absorption(counts, medium, detector, nuisances, good, saturation)
+    edges = equal_shells(1) if absorption is None else absorption.jet.shell_edges
     k = edges.size - 1
     free = free_parameters(k, nuisances)
     plain = row_model(medium.absorber, detector, edges)
     plain.scale_exposure(rows)
-    absorption = fit or _absorption(counts, medium, detector, nuisances, good, saturation)
     wave = WaveRowModel(detector, edges, medium, detector.pixel, cells=_CELLS)
     wave.scale_exposure(rows)
-    looks = []
+    looks: list[tuple[FloatArray, float]] = []
+    guessed: list[tuple[FloatArray, float]] = []
     if absorption is not None:
         held = [absorption.values[name] for name in NUISANCES[:-1]]
         looks = [(np.array([*absorption.jet.fraction, *held, detector.blur]), z) for z in _DISTANCES]
@@ -129,11 +134,20 @@ def detect_fringes(
         for z in _DISTANCES:
             place = phase_start(counts, medium, detector, z, good=good, saturation=saturation)
             numbers = [*np.full(k, _PLAUSIBLE), place.radius, place.axis, level, 0.0, detector.blur]
-            looks.append((np.array(numbers), z))
+            guessed.append((np.array(numbers), z))
     significance, overshoot = -np.inf, 0.0
     for at, z in looks:
         score, over = _score(plain, wave, at, z, free, data, lit)
         if score > significance:
+            significance, overshoot = score, over
+    reached = (
+        np.inf
+        if absorption is None
+        else float(((data[lit] - absorption.expected[lit]) ** 2 / absorption.expected[lit]).sum())
+    )
+    for at, z in guessed:
+        score, over = _score(plain, wave, at, z, free, data, lit)
+        if score > significance and _left(plain, wave, at, z, free, data, lit) < reached:
             significance, overshoot = score, over
     if significance < least:
         return FringeTest(False, significance, np.nan, np.nan, overshoot, "")
@@ -156,16 +170,19 @@ def _absorption(
     good: ArrayLike | None,
     saturation: float,
 ) -> RowFit | None:
-    """The absorption fit, or None where the counts have none."""
-    try:
-        fit = fit_row(
-            counts, medium.absorber, detector, shells=1, nuisances=nuisances, good=good, saturation=saturation
-        )
-    except InputError as error:
-        if error.field in ("shells", "jet"):
-            return None
-        raise
-    return fit if fit.converged else None
+    """The absorption fit, with one shell where three cannot be told apart; None where the counts have none."""
+    for shells in (_SHELLS, 1):
+        try:
+            fit = fit_row(
+                counts, medium.absorber, detector, shells=shells, nuisances=nuisances, good=good, saturation=saturation
+            )
+        except InputError as error:
+            if error.field not in ("shells", "jet"):
+                raise
+        else:
+            if fit.converged and "narrow_shells" not in fit.flags:
+                return fit
+    return None
 
 
 def _score(
@@ -183,8 +200,25 @@ def _score(
     basis = _basis(jacobian[lit][:, free] / sd[:, None])
     pattern = pattern - basis @ (basis.T @ pattern)
     size = float(np.sqrt(pattern @ pattern))
+    projection = float(pattern @ residual) / size if size > 0.0 else 0.0
+    residual = residual - basis @ (basis.T @ residual)
+    rest = (residual @ residual - projection**2) / max(residual.size - basis.shape[1] - 1, 1)
     over = float(np.max((data[lit] - expected[lit]) / (plain.flat[lit] * at[plain.shells + 2])))
-    return (float(pattern @ residual) / size if size > 0.0 else 0.0), over
+    return projection / float(np.sqrt(max(rest, 1.0))), over
+
+
+def _left(
+    plain: RowModel, wave: WaveRowModel, at: FloatArray, z: float, free: list[int], data: FloatArray, lit: BoolArray
+) -> float:
+    """Chi-square of the wave's counts at a guess, after a linear step of the fit's unknowns; inf where no wave is."""
+    if not wave.allows(np.append(at, [z, 1.0])):
+        return np.inf
+    mean = wave.mean(np.append(at, [z, 1.0]))[lit]
+    sd = np.sqrt(np.maximum(mean, 1.0))
+    basis = _basis(plain.evaluate(at)[1][lit][:, free] / sd[:, None])
+    residual = (data[lit] - mean) / sd
+    residual -= basis @ (basis.T @ residual)
+    return float(residual @ residual)
 
 
 def _basis(columns: FloatArray) -> FloatArray:

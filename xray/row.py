@@ -9,6 +9,7 @@ A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiase
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +30,7 @@ __all__ = ["fit_row"]
 _MANY_MAXIMA = (
     0.04  # error of the mean from which on edges that cross pixels make several maxima: start from other radii too
 )
+_SHARP = 0.5  # pixels: a fitted blur under this that does not settle may be none
 
 
 def fit_row(
@@ -56,7 +58,8 @@ def fit_row(
     shells : int or array_like
         Number of shells of equal width, or their edges r/R from 0 to 1. Few: each more costs precision (see `error_limit`).
     nuisances : sequence of str
-        What is fitted beside the fractions: any of "radius", "axis", "amplitude", "slope", "blur".
+        What is fitted beside the fractions: any of "radius", "axis", "amplitude", "slope", "blur". Where the counts are
+        likeliest with no blur, it is 0, and its standard deviation too.
     radius, axis : float, optional
         m. The start where fitted (found where left out), the value where not (then needed).
     amplitude, slope : float
@@ -107,6 +110,14 @@ def fit_row(
                 best = trial
         if best is not first:
             fit = row_outcome(model, best, free, data, lit)
+    if "blur" in nuisances and not fit.converged and fit.values["blur"] < _SHARP * detector.pixel:
+        sharp = fit_row(
+            counts, absorber, replace(detector, blur=0.0), shells=edges, nuisances=[n for n in nuisances if n != "blur"],
+            radius=fit.jet.radius if "radius" in nuisances else radius, axis=fit.jet.axis if "axis" in nuisances else axis,
+            amplitude=amplitude, slope=slope, good=good, saturation=saturation,
+        )  # fmt: skip
+        if sharp.converged and sharp.deviance < fit.deviance + 1.0:
+            return sharp  # the likelihood is largest at no blur at all, where its slope does not vanish
     return fit
 
 

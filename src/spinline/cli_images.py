@@ -123,6 +123,28 @@ def reduce(
     typer.echo("wrote " + ", ".join(map(str, files)))
 
 
+_OPTIONS = {
+    "energy_kev": "--energy", "low_kev": "--lowest", "high_kev": "--highest", "sigma": "--sigma", "photons": "--photons",
+    "shells": "--shells", "radius": "--radius", "pixel": "--pixel",
+}  # fmt: skip
+
+
+@contextmanager
+def _as_options() -> "Iterator[None]":
+    """Errors by the names of the options."""
+    try:
+        yield
+    except InputError as error:
+        remedy = error.remedy.replace("low_kev", "--lowest").replace("high_kev", "--highest")
+        raise InputError(
+            _OPTIONS.get(error.field, error.field),
+            error.problem,
+            value=error.value,
+            allowed=error.allowed,
+            remedy=remedy,
+        ) from None
+
+
 def exposure(
     source: Annotated[
         str, typer.Argument(metavar="SCENE", help="Scene or images file, or a bundled name: the solution.")
@@ -155,11 +177,12 @@ def exposure(
     fixed = parse(energy, "energy", "--energy").value / KEV if energy is not None else given_energy
     from spinline.exposure import as_rows, plan_exposure, table
 
-    plans = plan_exposure(
-        solution, radii, sigma=sigma, pixel=width, energy_kev=fixed, photons_per_frame=photons, shells=shells,
-        lowest_kev=parse(lowest, "energy", "--lowest").value / KEV,
-        highest_kev=parse(highest, "energy", "--highest").value / KEV, coherent=coherent,
-    )  # fmt: skip
+    ends = [parse(text, "energy", name).value / KEV for text, name in ((lowest, "--lowest"), (highest, "--highest"))]
+    with _as_options():
+        plans = plan_exposure(
+            solution, radii, sigma=sigma, pixel=width, energy_kev=fixed, photons_per_frame=photons, shells=shells,
+            lowest_kev=ends[0], highest_kev=ends[1], coherent=coherent,
+        )  # fmt: skip
     if json:
         _print_json(as_rows(plans))
         return

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spinline.blur_check import steady_rows, unsaid_blur
 from spinline.build import build_solution
 from spinline.checks import FloatArray
+from spinline.doubt import doubt_words, hardened, ideal_mixture, relative_doubts
 from spinline.errors import InputError
 from spinline.fields import Fields, build_fields, open_counts, photons_frame
 from spinline.frames import FrameSum, Stack, sample_frames
@@ -51,7 +53,8 @@ class Calibration:
     Attributes
     ----------
     scale, std : float
-        Measured over assumed attenuation, and its standard deviation; 1 and 0 without a calibration.
+        Measured over assumed attenuation, and its standard deviation. Without a calibration 1, and what the errors given for
+        pixel size, energy, mass attenuation and density make of it (`doubt`).
     """
 
     scale: float = 1.0
@@ -150,8 +153,13 @@ def prepare(
     _require_upright(frame)
     track = find_track(images, medium, frame)
     _expect_fringes(images, pixel, blur, remarks)
-    remarks += _fringes(images, medium, frame, track)
+    remarks += unsaid_blur(images, absorber, frame, track)
+    remarks += _fringes(images, medium, frame, track, fields.shared)
     remarks += _odd(facts)
+    if images.method in ("chord", "map") and medium is not None and medium.energy_kev.size > 1:
+        remarks.append(
+            hardened(images.method, medium, solution.volume_fraction, float(np.median(track.radius)) * pixel)
+        )
     if images.method == "chord" and blur > 0.5 * pixel:
         remarks.append(
             "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
@@ -160,10 +168,17 @@ def prepare(
         images, stack, fields, solution, pixel, pixel_std, blur, absorber, medium, Calibration(), notes, tuple(remarks)
     )
     if images.calibration_rows is not None:
-        experiment = calibrated(experiment, frame, track)
-    elif images.polymer_attenuation is None and images.energy is not None:
-        experiment = replace(experiment, remarks=(*remarks, _uncalibrated(images, solution, absorber)))
-    return experiment, frame, track, facts
+        return calibrated(experiment, frame, track), frame, track, facts
+    if images.polymer_attenuation is None and images.energy is not None:
+        remarks.append(_uncalibrated(images, solution, absorber))
+    remarks += ideal_mixture(images, solution, absorber)
+    doubts = relative_doubts(images, solution, absorber, pixel, pixel_std)
+    if doubts:
+        notes["shared_error"], much = doubt_words(doubts, absorber, solution.volume_fraction)
+        if much:
+            remarks.append(f"{notes['shared_error']}; calibration_rows would take it out")
+    given = Calibration(1.0, float(np.sqrt(sum(value**2 for value in doubts.values()))))
+    return replace(experiment, calibration=given, remarks=tuple(remarks)), frame, track, facts
 
 
 def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, "Medium | None", str]:
@@ -180,8 +195,12 @@ def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, "Med
         s_p, s_s = images.polymer_attenuation, images.solvent_attenuation
         d = float(contrast(s_p.value, polymer.density, s_s.value, solution.solvent_density))
         absorber = Absorber(s_s.value * solution.solvent_density, d)
-        require_contrast(absorber)
-        return absorber, None, f"given: polymer {s_p.text}, solvent {s_s.text}; air neglected"
+        _require_given_contrast(absorber)
+        words = f"given: polymer {s_p.text}, solvent {s_s.text}"
+        medium = None if energy is None else _refracting(images, solution, energy, absorber)
+        if medium is None:
+            return absorber, None, f"{words}; air neglected"
+        return medium.absorber, medium, f"{words}; air at {energy:.6g} keV"
     beam = energy if energy is not None else _spectrum(images)
     heavy = _matter("solution.polymer", polymer.repeat_unit or polymer.name, polymer.density)
     light = _matter("solution.solvent", solution.solvent, solution.solvent_density)
@@ -200,6 +219,30 @@ def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, "Med
     light_of = f"{energy:.6g} keV" if energy is not None else f"{medium.energy_kev.size} lines"
     words = f"xraylib at {light_of}, {part}: solvent {absorber.solvent:.5g} 1/m, contrast {absorber.contrast:.5g} 1/m"
     return absorber, medium, words
+
+
+def _require_given_contrast(absorber: Absorber) -> None:
+    """Refuse attenuations given alike."""
+    try:
+        require_contrast(absorber)
+    except InputError as error:
+        raise InputError(
+            "polymer_attenuation", "times its density is within 1 % of the solvent's: absorption does not tell them apart",
+            value=f"contrast {absorber.contrast:.4g} 1/m", allowed=error.allowed,
+            remedy="take another photon energy, with the attenuations there",
+        ) from None  # fmt: skip
+
+
+def _refracting(images: Images, solution: "Solution", energy: float, absorber: Absorber) -> "Medium | None":
+    """Refraction, and air, from the tables beside an attenuation that is given; None for matter without a formula."""
+    polymer = solution.polymer
+    try:
+        heavy = Material(polymer.repeat_unit or polymer.name, polymer.density)
+        light = Material(solution.solvent, solution.solvent_density)
+        medium = solution_medium(heavy, light, energy, coherent=images.coherent, temperature=solution.temperature)
+    except InputError:
+        return None
+    return medium.with_absorber(replace(absorber, air=medium.absorber.air))
 
 
 def _spectrum(images: Images) -> Spectrum:
@@ -297,15 +340,14 @@ def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:
     return fit_row
 
 
-def _fringes(images: Images, medium: "Medium | None", frame: Frame, track: Track) -> list[str]:
+def _fringes(images: Images, medium: "Medium | None", frame: Frame, track: Track, shared: bool) -> list[str]:
     """Words where fringes would be reduced as absorption."""
     if images.method == "phase" or medium is None or medium.energy_kev.size > 1:
         return []
-    start = int(np.argmax(np.where(track.found, track.radius, 0.0)))
-    steady = np.hypot(track.radius - track.radius[start], track.axis - track.axis[start]) < 0.5
-    changed = np.flatnonzero(~steady[start:])
-    height = int(changed[0]) if changed.size else int(steady.size - start)
-    said = _fringe_words(frame, medium, start, start + height)
+    start, stop = steady_rows(track)
+    if shared:  # more rows than a block would see the noise of their common flat
+        stop = min(stop, start + images.block_rows)
+    said = _fringe_words(frame, medium, start, stop)
     return [said] if said else []
 
 
@@ -499,6 +541,11 @@ def _odd(facts: dict[str, float]) -> list[str]:
         said.append(f"{facts['saturated_pixels']:.0f} saturated pixels are masked")
     if facts["outlying_pixels"]:
         said.append(f"{facts['outlying_pixels']:.0f} pixels far off their neighbours are masked")
+    if facts["piled_up_pixels"]:
+        said.append(
+            f"{facts['piled_up_pixels']:.0f} pixels hold exactly the highest count, {facts['highest_count']:g}: if the "
+            f"detector clips there, the fraction is wrong; give saturation = {facts['highest_count']:g}"
+        )
     if facts["flat_noise"] > 1.05:
         said.append(
             f"the flats are few: their noise makes errors {np.sqrt(facts['flat_noise']):.3g} times larger (accounted for)"

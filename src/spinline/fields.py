@@ -5,7 +5,8 @@
 The likelihood knows Poisson counts alone, so every noise is put into their form. Read noise: dark counts of variance v_d
 (from pairs of dark frames) are shifted to a mean of v_d, which leaves the signal as it is. Flats of finite exposure: counts
 N against a flat of F photons scatter by ``(1 + N/F)`` more than Poisson, so all photons are divided by that number, v: they
-then carry the information that is really there, and no error bar is too small for want of flats.
+then carry the information that is really there, and no error bar is too small for want of flats. A flat of one row
+serves all rows: summed over B of them its noise adds up, and v = 1 + B N/F.
 """
 
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Fields", "build_fields", "lone_outliers", "open_counts", "photons_frame"]
 
+_MOST_PHOTONS = 1e15  # differences of single photons are lost in a float beyond
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 
 
@@ -44,6 +46,8 @@ class Fields:
         Exposures that each number of `flat` is a mean of.
     gain : float
         Photons per count.
+    shared : bool
+        Every row has the same flat, and the same noise of it.
     bad : ndarray of bool
         Pixels left out.
     notes : dict of str
@@ -60,6 +64,12 @@ class Fields:
     bad: BoolArray
     notes: dict[str, str]
     remarks: tuple[str, ...] = ()
+    shared: bool = False
+
+    def flat_noise(self, images: Images, exposures: float, rows: int) -> float:
+        """How much more than Poisson a block of rows scatters for the noise of the flats: v."""
+        together = (rows if images.method == "map" else images.block_rows) if self.shared else 1
+        return 1.0 + together * (1.0 if self.region is not None else exposures) / self.flat_exposures
 
 
 def open_counts(images: Images) -> Stack:
@@ -130,10 +140,16 @@ def build_fields(images: Images, counts: Stack) -> Fields:
         else f"variance of {variance:.4g} photons^2 per exposure, from pairs of dark frames"
     )
     if flat is not None:
+        if not float(np.median(flat + dark)) > 0:
+            raise InputError(
+                "flat", "holds no light in more than half of its pixels", value=float(np.median(flat + dark)),
+                allowed="> 0 counts", remedy="give frames of the beam without a jet",
+            )  # fmt: skip
         dead = ~(flat > 0) | (~(flat_after > 0) if flat_after is not None else False)
         if dead.mean() > 0.5:
             raise InputError(
                 "dark", "is at or over the flat in more than half of the pixels", value=float(np.median(dark)),
+                allowed=f"under the flat, whose median is {np.median(flat + dark):.4g}",
                 remedy="give raw flat and dark of the same exposure",
             )  # fmt: skip
         bad |= dead
@@ -144,7 +160,14 @@ def build_fields(images: Images, counts: Stack) -> Fields:
                 "bad_pixels", "has another shape than the frames", value=(mask.rows, mask.columns), allowed=str(shape)
             )
         bad |= mask.read(0, 1)[0] != 0
-    return Fields(dark, variance, flat, flat_after, own, exposures, gain, bad, notes, tuple(remarks))
+    shared = (
+        source.rows is not None and source.columns is None
+        if source.rows is not None or own is not None
+        else stack.rows == 1
+    )
+    return Fields(
+        dark, variance, flat, flat_after, own, exposures, gain, bad, notes, tuple(remarks), shared and counts.rows > 1
+    )
 
 
 def photons_frame(
@@ -177,6 +200,16 @@ def photons_frame(
 
     exposures = summed.exposures.astype(np.float64)
     seen = exposures > 0
+    if (
+        images.gain == 1
+        and summed.frames == 1
+        and 0 < summed.highest[seen].max() <= 2
+        and (summed.total % 1 != 0).any()
+    ):
+        raise InputError(
+            "counts", "are no counts: at most 2, and not whole", value=float(summed.highest[seen].max()), allowed="raw counts",
+            remedy="give the raw frames, not transmissions, nor their logarithm; or gain in photons per count",
+        )  # fmt: skip
     saturated = summed.saturated(images.saturation, whole=True)
     if saturated.mean() > _MOST_SATURATED:
         raise InputError(
@@ -192,6 +225,7 @@ def photons_frame(
                 "dark", "is at or over the counts: no signal is left", value=float(np.median(fields.dark)),
                 allowed=f"under the counts, whose median is {dim:.4g}", remedy="give raw counts with their dark",
             )  # fmt: skip
+    piled = 0 if images.saturation is not None else summed.piled_up()
     bad = fields.bad | saturated | ~seen
     flat = _flat_of_frame(fields, each, bad, moment)
     bad |= ~(flat > 0)
@@ -202,12 +236,19 @@ def photons_frame(
     lone = lone_outliers(np.where(bad, np.nan, ratio), signal)
     bad |= lone
     mean_exposures = float(exposures[~bad].mean())
-    extra = 1.0 + (1.0 if fields.region is not None else mean_exposures) / fields.flat_exposures
+    extra = fields.flat_noise(images, mean_exposures, each.shape[0])
     variance = (
         fields.gain * fields.dark if fields.dark_variance is None else np.full_like(fields.dark, fields.dark_variance)
     )
     counts = fields.gain * summed.total - exposures * (fields.gain * fields.dark - variance)
     dark = np.broadcast_to(variance, counts.shape) * exposures
+    highest = float(counts[~bad].max())
+    if highest > _MOST_PHOTONS:
+        raise InputError(
+            "gain" if images.gain is not None else "counts", "makes more photons in a pixel than can be counted",
+            value=f"{highest:.3g} photons", allowed=f"up to {_MOST_PHOTONS:g}",
+            remedy="give raw counts, and gain in photons per count",
+        )  # fmt: skip
     lowest = float(counts[~bad].min())
     if lowest < 0:  # read noise below its own shift: assume as much more of it
         counts, dark = counts - lowest, dark - lowest
@@ -215,7 +256,7 @@ def photons_frame(
     facts = {
         "bad_pixels": float(bad.sum()), "saturated_pixels": float(saturated.sum()), "outlying_pixels": float(lone.sum()),
         "flat_noise": extra, "photons": float(np.median(fields.gain * exposures[~bad] * flat[~bad])),
-        "added_noise": max(-lowest, 0.0),
+        "added_noise": max(-lowest, 0.0), "piled_up_pixels": float(piled), "highest_count": float(summed.highest[seen].max()),
     }  # fmt: skip
     return Frame(counts, signal, dark, ~bad, pixel, blur), facts
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from spinline.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, check_format
 from spinline.outputs import replacing
+from spinline.reduction import plausible
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +35,7 @@ def reduction_sheet(result: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    one = _one_frame(result)
+    one = _shown(_one_frame(result), result)
     sheet = Figure(figsize=(9.6, 7.0), layout="constrained")
     FigureCanvasAgg(sheet)
     axes = sheet.subplots(2, 2)
@@ -47,8 +48,10 @@ def reduction_sheet(result: xr.Dataset) -> Figure:
         axis.grid(visible=True, color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
     method = result.attrs["method"]
+    hidden = int((~plausible(result)).sum())
+    note = f"; {hidden} whose fraction cannot be are not shown" if hidden else ""
     sheet.suptitle(
-        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows", fontsize=10.5
+        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows{note}", fontsize=10.5
     )
     return sheet
 
@@ -110,9 +113,17 @@ def _one_frame(result: xr.Dataset) -> xr.Dataset:
         weight = 1.0 / result[f"{name}_std"] ** 2
         weight = weight.where(np.isfinite(weight) & np.isfinite(result[name]), 0.0)
         total = weight.sum("frame")
+        shared = 0.0 if name == "jet_radius" else result["calibration_std"].max("frame")
         out[name] = (result[name].fillna(0.0) * weight).sum("frame") / total.where(total > 0)
-        out[f"{name}_std"] = total.where(total > 0) ** -0.5
+        out[f"{name}_std"] = np.maximum(total.where(total > 0) ** -0.5, shared)
     return out
+
+
+def _shown(one: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
+    """Without blocks that cannot be, whose numbers would set the scale of all others."""
+    can = xr.DataArray(plausible(result), dims="row")
+    names = [name for name in one.data_vars if one[name].dims[:1] == ("row",) and one[name].dtype.kind == "f"]
+    return one.assign({name: one[name].where(can) for name in names})
 
 
 def _map(sheet: Figure, axis: "Axes", one: xr.Dataset, along: Any) -> None:
@@ -151,7 +162,10 @@ def _radius(axis: "Axes", one: xr.Dataset, along: Any) -> None:
 
 
 def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
-    """Profiles of the first, middle and last third of the rows, each the weighted mean of its blocks."""
+    """Profiles of the first, middle and last third of the rows, each the weighted mean of its blocks.
+
+    What blocks share does not average out: the calibration, and in a map, whose rows are smoothed together, all of the error.
+    """
     r = one["relative_radius"].values
     for part, (colour, line, mark) in zip(
         np.array_split(np.arange(along.size), min(3, along.size)), _STYLES, strict=False
@@ -162,8 +176,13 @@ def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
         if not (total > 0).all():
             continue
         mean = (np.nan_to_num(phi) * weight).sum(axis=0) / total
+        shared = np.full(part.size, np.nanmedian(one["calibration_std"].values[part]))[:, None]
+        own = np.maximum(np.nan_to_num(std) ** 2 - shared**2, 0.0)
+        error = np.sqrt((weight**2 * own).sum(axis=0) / total**2 + shared[0] ** 2)
+        if one.attrs["method"] == "map":
+            error = (np.nan_to_num(std) * weight).sum(axis=0) / total
         axis.errorbar(
-            r, mean, total**-0.5, color=colour, linestyle=line, marker=mark, markersize=4, capsize=2, linewidth=1,
+            r, mean, error, color=colour, linestyle=line, marker=mark, markersize=4, capsize=2, linewidth=1,
             label=f"z = {along[part[0]]:.3g} to {along[part[-1]]:.3g} mm",
         )  # fmt: skip
     kind = "|x|/R" if one.attrs["method"] == "chord" else "r/R"

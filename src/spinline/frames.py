@@ -26,6 +26,7 @@ _AT_ONCE = 24_000_000  # bytes of frames in one read
 _HDF5 = re.compile(r"(?P<file>.+\.(?:h5|hdf5|hdf|he5|nxs|nx|nc|mat))(?::(?P<inside>/?[^:]+))?", re.IGNORECASE)
 _TIFF = {".tif", ".tiff", ".btf", ".tf8", ".lsm"}
 _PAIRS = 16
+_PILE_FROM = 100.0  # counts; below, a few values are all there are
 
 Array = NDArray[Any]
 
@@ -88,6 +89,8 @@ class Stack:
         """Frames from `start` to before `stop`: (frames, rows, columns)."""
         try:
             block = self.reader.read(start, stop)
+        except InputError:
+            raise
         except (OSError, ValueError, zipfile.BadZipFile, EOFError, RuntimeError) as error:
             reason = _first_line(error)
             raise InputError(self.key, f"frames {start} to {stop} cannot be read ({reason})", value=self.name) from None
@@ -396,6 +399,15 @@ class FrameSum:
         clipped = self.highest == top
         beside = int((self.highest == top - 1.0).sum())
         return clipped if clipped.sum() > 3 * beside + 4 else np.zeros(clipped.shape, dtype=np.bool_)
+
+    def piled_up(self) -> int:
+        """Pixels that hold exactly the highest number, where more of them do than under it: a detector that clips, anywhere."""
+        top = float(self.highest.max())
+        if not top >= _PILE_FROM:
+            return 0
+        equal = int((self.highest == top).sum())
+        under = int(((self.highest < top) & (self.highest >= top - max(np.sqrt(top), 1.0))).sum())
+        return equal if equal > max(0.01 * self.highest.size, 8.0) and equal > 3 * under else 0
 
 
 def sum_frames(

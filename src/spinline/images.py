@@ -27,7 +27,7 @@ __all__ = ["KEV", "Images", "Source", "bundled_images", "images_from_dict", "ima
 
 KEV = 1.602176634e-16  # J
 
-Energy = Annotated[Measured, Read("energy", 1.0 * KEV, 200.0 * KEV, closed=True, remedy="1 to 200 keV")]
+Energy = Annotated[Measured, Read("energy", 1.0 * KEV, 200.0 * KEV, closed=True, words="1 to 200 keV")]
 MassAttenuation = Annotated[Measured, Read("mass attenuation", 0.0, 1e6)]
 Distance = Annotated[Measured, Read("length", 0.0, 1e3, closed=True)]
 
@@ -151,7 +151,7 @@ class Images(Sheet):
     calibration_rows: Rows | None = None
     frames: Literal["sum", "each"] = "sum"
     method: Literal["chord", "row", "map", "phase"] = "row"
-    shells: Annotated[int, Field(ge=1, le=200)] = 3
+    shells: Annotated[int, Field(ge=1, le=200)] = 5
     block_rows: Annotated[int, Field(ge=1)] = 1
     solution: SolutionSection
 

@@ -52,7 +52,8 @@ def read_map(
     -----
     Rows that the reduction left as NaN are left out and counted in `notes`. Shells of a row without a covariance are taken as
     independent, and so are "mean" and "core" of a row: they come from the same counts, so that intervals from both are
-    somewhat too narrow; a note says so. A calibration error that all rows share (``calibration_std``) is taken out of the
+    somewhat too narrow; a note says so. So does one for rows by method "map",
+    which are smoothed together. A calibration error that all rows share (``calibration_std``) is taken out of the
     standard deviation of the mean: it belongs in ``fraction_offset`` or ``fraction_scale``, and the note says how much.
     """
     import xarray as xr
@@ -81,6 +82,12 @@ def read_map(
     z = _place(dataset, file)
     found = [_of_map(dataset, file, kind, z, core_within) for kind in chosen]
     shared = [kind for kind in chosen if kind != "radius"]
+    if dataset.attrs.get("method") == "map":
+        note = (
+            f"{file}: rows of a map are smoothed together and are taken as independent: chi-squared and standard errors are "
+            'too sharp; method "row" has rows that are'
+        )
+        found[0] = replace(found[0], notes=(*found[0].notes, note))
     if len(shared) > 1:
         note = f"{file}: {' and '.join(shared)} of a row come from the same counts and are taken as independent"
         found[-1] = replace(found[-1], notes=(*found[-1].notes, note))

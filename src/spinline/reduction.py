@@ -6,19 +6,21 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from spinline.checks import FloatArray
+from spinline.checks import BoolArray, FloatArray
 from spinline.experiment import Experiment, nuisances
 from spinline.methods import METHODS
 from spinline.outputs import replacing
 from spinline.xray.frame import FRAME_FLAGS, FrameFit
 
-__all__ = ["REDUCTION_VARIABLES", "UNIDENTIFIABLE", "assemble", "lines", "to_csv"]
+__all__ = ["REDUCTION_VARIABLES", "UNIDENTIFIABLE", "assemble", "lines", "plausible", "to_csv"]
 
 UNIDENTIFIABLE = (
     "One view cannot tell an elliptic section (depth 1 % over width: -0.04 in the fraction at 10 keV, R = 50 um) nor a "
     "fraction that depends on the azimuth from a round, axisymmetric jet. Absorption alone cannot tell a change of density "
     "(0.2 %: 0.008) nor evaporated solvent from one of the polymer fraction."
 )
+
+_TOO_QUIET = -4.0  # median misfit, standard deviations
 
 # name: (unit, what it is)
 REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
@@ -41,14 +43,15 @@ REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
     "mean_polymer_concentration_std": ("kg m-3", "its standard deviation"),
     "calibration_std": (
         "1",
-        "part of mean_polymer_fraction_std that all blocks share, from the calibration of the attenuation",
+        "part of mean_polymer_fraction_std that all blocks share: from the calibration of the attenuation, or from the errors "
+        "that pixel size, energy, attenuation and density are given with",
     ),
     "limit_std": ("1", "Cramer-Rao bound of mean_polymer_fraction if nothing but the shells were unknown"),
     "limit_ratio": ("1", "standard deviation of mean_polymer_fraction, without calibration, over limit_std"),
     "jet_radius": ("m", "jet radius"),
-    "jet_radius_std": ("m", "its standard deviation"),
+    "jet_radius_std": ("m", "its standard deviation, that of the pixel's size included"),
     "jet_axis": ("m", "position of the jet's axis from the middle of the row"),
-    "jet_axis_std": ("m", "its standard deviation"),
+    "jet_axis_std": ("m", "its standard deviation, that of the pixel's size included"),
     "beam_level": ("1", "level of the beam over that of the flat"),
     "beam_slope": ("1", "relative change of the beam from the middle of the row to its end"),
     "blur": ("m", "standard deviation of the point spread"),
@@ -121,7 +124,11 @@ def assemble(
     ):  # fmt: skip
         data[name] = ((*lead, "row"), stack([f.values[key] for f in fits]))
         if with_std:
-            data[f"{name}_std"] = ((*lead, "row"), stack([f.std[key] for f in fits]))
+            own = stack([f.std[key] for f in fits])
+            data[f"{name}_std"] = (
+                (*lead, "row"),
+                np.hypot(own, data[name][1] * experiment.pixel_std / experiment.pixel),
+            )
     for name, value in {
         "volume_fraction": experiment.solution.volume_fraction, "attenuation_scale": experiment.calibration.scale,
         "attenuation_scale_std": experiment.calibration.std, "pixel_size": experiment.pixel,
@@ -182,6 +189,11 @@ def _flag_words(flags: Any, fits: list[FrameFit]) -> tuple[str, ...]:
         if count:
             reason = next((r for f in fits for r in f.reasons.values()), "") if name == "not_fitted" else ""
             said.append(f"{count} of {blocks} blocks: {words}" + (f" (the first: {reason})" if reason else ""))
+    misfit = np.concatenate([f.misfit[np.isfinite(f.misfit)] for f in fits])
+    if misfit.size and float(np.median(misfit)) < _TOO_QUIET:
+        said.append(
+            "the counts scatter less than Poisson: averaged frames or flats, or a gain that is too small; errors are too large"
+        )
     return tuple(said)
 
 
@@ -219,17 +231,19 @@ def _provenance(
 def lines(result: xr.Dataset) -> list[str]:
     """The answer in sentences."""
     last = result.median("frame") if "frame" in result.dims else result
-    good = np.isfinite(last["mean_polymer_fraction"].values)
-    blocks = int(good.sum())
-    if not blocks:
+    fitted = np.isfinite(last["mean_polymer_fraction"].values)
+    if not fitted.any():
         return ["Nothing could be fitted."]
+    good = fitted & plausible(result)
+    blocks = int(good.sum())
     phi, std = last["mean_polymer_fraction"].values[good], last["mean_polymer_fraction_std"].values[good]
     radius = 1e6 * last["jet_radius"].values[good]
     tops = [0, blocks - 1]
     rho = float(result.attrs["polymer_density"])
     frames = f"{result.sizes['frame']} frames, each " if "frame" in result.dims else ""
     said = [
-        f"{frames}{blocks} of {result.sizes['row']} blocks of {result.attrs['block_rows']} rows by {result.attrs['method']!r}; "
+        f"{frames}{int(fitted.sum())} of {result.sizes['row']} blocks of {result.attrs['block_rows']} rows by "
+        f"{result.attrs['method']!r}; "
         f"radius {radius[tops[0]]:.4g} um at the first, {radius[tops[1]]:.4g} um at the last."
     ]
     ratio = float(np.nanmedian(last["limit_ratio"].values))
@@ -239,10 +253,29 @@ def lines(result: xr.Dataset) -> list[str]:
         f"at the last; median {np.median(phi):.4f} +/- {np.median(std):.4f} ({1e-3 * rho * np.median(phi):.4f} +/- "
         f"{1e-3 * rho * np.median(std):.4f} g/cm3); solution {float(result['volume_fraction']):.4f}."
     )
+    if blocks < fitted.sum():
+        said.append(
+            f"Left out of these numbers, not of the file: {int(fitted.sum()) - blocks} whose fraction cannot be."
+        )
     said.append(f"Errors are {ratio:.3g} times the Cramer-Rao bound of a jet and beam that are known.")
     if "calibration_source" in result.attrs:
         said.append(f"Attenuation: {result.attrs['calibration_source']}.")
     return said
+
+
+def plausible(result: xr.Dataset) -> BoolArray:
+    """Blocks whose mean fraction can be, within its error; all of them where none can (then attenuation or flat is wrong).
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Of a reduction; a block of many frames counts if it can be in half of them.
+    """
+    bit = 1 << list(FRAME_FLAGS).index("impossible")
+    odd = ((result["flags"] & bit) > 0).astype(float)
+    share = odd.mean("frame") if "frame" in odd.dims else odd
+    can: BoolArray = np.asarray(share.values <= 0.5)
+    return can if can.any() else np.ones_like(can)
 
 
 def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:

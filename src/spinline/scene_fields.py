@@ -20,10 +20,13 @@ class Read:
     high: float
     closed: bool = False
     remedy: str = ""
+    words: str = ""
 
     @property
     def allowed(self) -> str:
         """The range in words."""
+        if self.words:
+            return self.words
         ends = "[]" if self.closed else "()"
         return f"{ends[0]}{self.low:g}, {self.high:g}{ends[1]} {QUANTITIES[self.kind].unit}".strip()
 
