@@ -23,7 +23,8 @@ from spinline.xray.limit import free_parameters
 from spinline.xray.medium import Medium
 from spinline.xray.model import NUISANCES, RowModel
 from spinline.xray.outcome import RowFit
-from spinline.xray.phase_fit import fit_row_phase, phase_start, start_ratio
+from spinline.xray.phase_fit import fit_row_phase
+from spinline.xray.phase_start import phase_start, start_ratio
 from spinline.xray.row import fit_row
 
 __all__ = ["FringeTest", "detect_fringes"]

@@ -28,7 +28,8 @@ from spinline.xray.fringes import detect_fringes
 from spinline.xray.limit import error_limit, require_contrast
 from spinline.xray.medium import Medium, solution_medium
 from spinline.xray.outcome import RowFit
-from spinline.xray.phase_fit import phase_law, phase_start
+from spinline.xray.phase_fit import phase_law
+from spinline.xray.phase_start import phase_start
 from spinline.xray.row import fit_row
 from spinline.xray.spectral import spectral_law
 from spinline.xray.spectrum import Spectrum
