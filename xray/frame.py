@@ -175,6 +175,8 @@ def fit_frame(
     track: Track | None = None,
     one: Callable[..., RowFit] = fit_row,
     done: Callable[[int], None] | None = None,
+    change: FloatArray | None = None,
+    again: tuple[FrameFit, BoolArray] | None = None,
 ) -> FrameFit:
     """Estimate the polymer fraction in the shells of every block of rows, by likelihood.
 
@@ -195,6 +197,10 @@ def fit_frame(
         `fit_row`.
     done : callable, optional
         Called with the number of blocks done so far.
+    change : ndarray, shape (blocks, 2), optional
+        Change of radius and axis over each block, m, for a `one` that takes them as taper and lean; else it is left to a blur.
+    again : (FrameFit, ndarray of bool), optional
+        A fit made before, and which of its blocks are to be fitted again, in place.
 
     Returns
     -------
@@ -214,9 +220,12 @@ def fit_frame(
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     path = require_track(frame) if track is None else track
     half = 0.5 * frame.counts.shape[1] - 1.0
-    fit = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows))
+    fit = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows)) if again is None else again[0]
     first: InputError | None = None
     for b, (start, stop) in enumerate(fit.rows.tolist()):
+        if again is not None and not again[1][b]:
+            continue
+        more: dict[str, float] = {}
         inside = slice(start, stop)
         radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
         smear = float(
@@ -225,6 +234,8 @@ def fit_frame(
                 _trend(axis, path.axis_std[inside], path.found[inside]),
             )
         )
+        if change is not None:
+            more, smear = {"taper": float(change[b, 0]), "lean": float(change[b, 1])}, 0.0
         if smear > _SMEARED:
             fit.flag(b, "smeared")
         try:
@@ -233,13 +244,17 @@ def fit_frame(
                 detector = replace(detector, blur=float(np.hypot(frame.blur, smear * frame.pixel)))
             row = one(
                 counts, absorber, detector, shells=edges, nuisances=nuisances, good=good,
-                radius=float(radius.mean()) * frame.pixel, axis=float(axis.mean()) * frame.pixel,
+                radius=float(radius.mean()) * frame.pixel, axis=float(axis.mean()) * frame.pixel, **more,
             )  # fmt: skip
         except InputError as error:
+            if again is not None:
+                continue
             first = first or error
             fit.reasons[start] = str(error)
             fit.flag(b, "not_fitted")
         else:
+            if again is not None:
+                fit.flags[b] = 0
             _fill(fit, b, row)
         if done is not None:
             done(b + 1)

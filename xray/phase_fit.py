@@ -268,13 +268,15 @@ def _profile(profile: str | ArrayLike, edges: FloatArray) -> Profile:
 def _sections(taper: float, lean: float, pixel: float) -> FloatArray:
     """Radius and axis of the sections of a block, less their means."""
     change = np.array([number("taper", taper, unit="m"), number("lean", lean, unit="m")])
-    count = int(np.ceil(float(np.abs(change).sum()) / (_APART * pixel)))
+    count = max(int(np.ceil(float(np.abs(change).sum()) / (_APART * pixel))), 1)
     if count > _MOST_SECTIONS:
         raise InputError(
             "taper", "changes the jet too much within the block", value=float(np.abs(change).sum()),
             allowed=f"{_APART * _MOST_SECTIONS:g} pixels", remedy="a block of fewer rows",
         )  # fmt: skip
-    at = (np.arange(max(count, 1)) + 0.5) / max(count, 1) - 0.5
+    at = (np.arange(count) + 0.5) / count - 0.5
+    if count > 1:
+        at /= np.sqrt(1.0 - count**-2.0)  # the variance of the continuous block
     return np.asarray(at[:, None] * change)
 
 

@@ -23,12 +23,13 @@ from spinline.xray.absorption import contrast
 from spinline.xray.attenuation import Composition, Material, mass_attenuation
 from spinline.xray.energy import usable_contrast
 from spinline.xray.forward import Absorber, RoundJet
-from spinline.xray.frame import Frame, fit_frame, require_track
+from spinline.xray.frame import Frame, FrameFit, fit_frame, require_track
 from spinline.xray.fringes import detect_fringes
 from spinline.xray.limit import error_limit, require_contrast
 from spinline.xray.medium import Medium, solution_medium
 from spinline.xray.outcome import RowFit
 from spinline.xray.phase_fit import phase_law
+from spinline.xray.phase_frame import fit_frame_phase
 from spinline.xray.phase_start import phase_start
 from spinline.xray.row import fit_row
 from spinline.xray.spectral import spectral_law
@@ -38,7 +39,7 @@ from spinline.xray.track import Track, track_jet
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
-__all__ = ["Calibration", "Experiment", "build_absorber", "calibrated", "expected_errors", "nuisances", "prepare"]
+__all__ = ["Calibration", "Experiment", "build_absorber", "calibrated", "expected_errors", "fit_blocks", "nuisances", "prepare"]
 
 _FRINGE_GROUPS = 12
 _FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
@@ -262,6 +263,29 @@ def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
     )
 
 
+def fit_blocks(
+    experiment: Experiment,
+    frame: Frame,
+    track: Track | None,
+    *,
+    shells: int,
+    block_rows: int,
+    done: Callable[[int], None] | None = None,
+) -> FrameFit:
+    """The likelihood of every block of rows, by absorption or with fringes, as the images file says."""
+    images = experiment.images
+    law = row_law(images, experiment.medium)
+    if images.method == "phase":
+        return fit_frame_phase(
+            frame, experiment.absorber, law, shells=shells, block_rows=block_rows, nuisances=nuisances(images),
+            track=track, done=done,
+        )  # fmt: skip
+    return fit_frame(
+        frame, experiment.absorber, shells=shells, block_rows=block_rows, nuisances=nuisances(images), track=track,
+        one=law, done=done,
+    )  # fmt: skip
+
+
 def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:
     """What fits a block of rows: absorption at one energy, of a spectrum, or with fringes."""
     if images.method == "phase":
@@ -329,10 +353,7 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
     part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
     here = Track(*(getattr(track, item.name)[rows] for item in dataclasses.fields(Track)))
     height = min(experiment.images.block_rows, last - first)
-    fit = fit_frame(
-        part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here,
-        one=row_law(experiment.images, experiment.medium),
-    )  # fmt: skip
+    fit = fit_blocks(experiment, part, here, shells=1, block_rows=height)
     known = np.isfinite(fit.mean)
     weight = fit.mean_std[known] ** -2.0
     found, std = float((weight * fit.mean[known]).sum() / weight.sum()), float(weight.sum() ** -0.5)
