@@ -30,6 +30,7 @@ FRAME_FLAGS = FLAGS | {
     "not_fitted": "the block could not be fitted",
     "smeared": "radius or axis changes by more than two pixels within the block: take fewer rows",
     "few_counts": "few counts: the logarithm's bias is over a tenth of the error; use the likelihood",
+    "fringes": "Fresnel fringes, reduced as absorption: the fraction is wrong, by -0.2 to -6; take the phase method",
 }
 
 
@@ -109,6 +110,8 @@ class FrameFit:
         Bit i for the i-th key of `FRAME_FLAGS`.
     reasons : dict
         First row of a block that could not be fitted, to the reason.
+    fringes : float
+        Significance of fringes in a frame that is reduced as absorption (`fringe_frame`); NaN where they were not looked for.
     """
 
     method: str
@@ -124,6 +127,7 @@ class FrameFit:
     misfit: FloatArray
     flags: NDArray[np.int64]
     reasons: dict[int, str] = field(default_factory=dict)
+    fringes: float = np.nan
 
     @classmethod
     def empty(cls, method: str, edges: FloatArray, rows: NDArray[np.int64]) -> "FrameFit":

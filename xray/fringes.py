@@ -40,6 +40,7 @@ _CELLS = 8
 _PLAUSIBLE = 0.05
 _ODD = 3.0  # misfit of an absorption fit that may be no guide
 _SEEN, _PART = 8.0, 0.25  # a brightening of the air that must be seen, and how much of it
+_PART_OF_ROW, _PART_OF_AIR, _FAINT = 0.1, 0.02, 3.0
 _NUISANCES = ("radius", "axis", "amplitude", "slope")
 
 
@@ -154,16 +155,21 @@ class FringeLook:
     def significance(self) -> float:
         """Largest significance over the distances.
 
-        That of the whole row counts as far as the air does not deny it: where the pattern would brighten the air by over
-        8 standard deviations, a quarter of that has to be there.
+        A projection counts where it is a good part of what fringes of that distance would give, a tenth in the whole row, a
+        fiftieth in the air: what is less is another flaw, in many photons. And that of the whole row counts as far as the air
+        does not deny it: where the pattern would brighten the air by over 8 standard deviations, a quarter has to be there.
         """
-        size, air_size = (np.sqrt(np.maximum(part[:, 1], 0.0)) for part in (self.whole, self.air))
-        whole, air = (
-            np.where(s > 0.0, part[:, 0] / np.where(s > 0.0, s, 1.0), -np.inf)
-            for part, s in ((self.whole, size), (self.air, air_size))
-        )
+        whole, size = _deviations(self.whole, _PART_OF_ROW)
+        air, air_size = _deviations(self.air, _PART_OF_AIR)
         denied = (air_size > _SEEN) & (air < _PART * air_size)
         return float(max(np.max(np.where(denied, np.minimum(whole, air), whole)), np.max(air)))
+
+
+def _deviations(look: FloatArray, part: float) -> tuple[FloatArray, FloatArray]:
+    """Projections in standard deviations, held to under 3 where they are less than a part of the pattern, and its size."""
+    size = np.sqrt(np.maximum(look[:, 1], 0.0))
+    value = np.where(size > 0.0, look[:, 0] / np.where(size > 0.0, size, 1.0), 0.0)
+    return np.where(value < part * size, np.minimum(value, _FAINT), value), size
 
 
 def look_for_fringes(
@@ -207,7 +213,7 @@ def look_for_fringes(
         for at in looks:
             seen, brightest = _beside(wave, at, z, data, lit)
             over = max(over, brightest)
-            if seen[1] > 0.0 and seen[0] / np.sqrt(seen[1]) > air[i, 0] / np.sqrt(max(air[i, 1], 1e-300)):
+            if seen[1] > 0.0 and (air[i, 1] == 0.0 or seen[0] / np.sqrt(seen[1]) > air[i, 0] / np.sqrt(air[i, 1])):
                 air[i] = seen
     return FringeLook(whole, air, over)
 

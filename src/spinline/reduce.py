@@ -30,7 +30,7 @@ import numpy as np
 
 from spinline.checkpoint import Checkpoint, fingerprint
 from spinline.errors import InputError
-from spinline.experiment import Experiment, prepare, require_signal
+from spinline.experiment import FRINGES, Experiment, fringes_in, prepare, require_signal
 from spinline.frames import FrameSum, Stack, open_stack, sum_frames
 from spinline.images import Images
 from spinline.methods import require_method
@@ -104,7 +104,8 @@ def reduce_images(
         experiment = replace(experiment, images=images, remarks=(*experiment.remarks, said_so))
     if images.frames == "sum" or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
-        fits = [method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks))]
+        fit = method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks))
+        fits = [_flagged(fit, experiment.fringes)]
     else:
         fits = _each(experiment, job, workers, said)
     result = assemble(experiment, fits, facts, each=images.frames == "each")
@@ -113,6 +114,14 @@ def reduce_images(
     if job is not None:
         job.clear()
     return result
+
+
+def _flagged(fit: FrameFit, fringes: float) -> FrameFit:
+    """The fit with the significance of fringes, and its blocks flagged where they are seen: they fill the whole frame."""
+    if fringes >= FRINGES:
+        for block in range(fit.rows.shape[0]):
+            fit.flag(block, "fringes")
+    return replace(fit, fringes=fringes)
 
 
 def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
@@ -229,7 +238,11 @@ def _one(experiment: Experiment, index: int) -> FrameFit:
     images = experiment.images
     try:
         frame, _ = experiment.frame(summed, (index + 0.5) / stack.frames)
-        return require_method(images.method).reduce(experiment, frame, None, None)
+        fit = require_method(images.method).reduce(experiment, frame, None, None)
+        if images.method == "phase":
+            return fit
+        own, _ = fringes_in(frame, experiment.wave_medium, None)
+        return _flagged(fit, float(np.fmax(own, experiment.fringes)))
     except InputError as error:
         rows = blocks_of(stack.rows, images.block_rows)
         fit = FrameFit.empty(images.method, equal_shells(images.shells), rows)
@@ -251,7 +264,7 @@ def _keep(store: Checkpoint, index: int, fit: FrameFit) -> None:
     )
 
 
-_ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", "limit_std", "misfit", "flags")
+_ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", "limit_std", "misfit", "flags", "fringes")
 
 
 def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
@@ -260,7 +273,7 @@ def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
         raise InputError(str(store.folder), f"lost frame {index} while the frames were reduced", remedy="run it again")
     values, std = ({k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_"))
     reasons = {int(line.split(" ", 1)[0]): line.split(" ", 1)[1] for line in data["reasons"].tolist()}
-    return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: data[name] for name in _ARRAYS})
+    return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: float(data[name]) if name == "fringes" else data[name] for name in _ARRAYS})
 
 
 def _job(images: Images) -> str:
