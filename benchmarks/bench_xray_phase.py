@@ -97,7 +97,7 @@ def depths(shape, radius, angle, base, rate):
     return 2 * radius * height * (base + 0.05 / shape(_ROOTS).mean() * fraction * rate)
 
 
-def profiles() -> None:
+def profiles(distances=(0.01, 0.1, 0.2), shapes=tuple(SHAPES)) -> None:
     """Bias of the mean where the jet is no staircase: 0.05 of each shape, noise-free counts of 1e7 photons."""
     print("bias of the mean fraction, R = 50 um, 1e7 photons, phantoms by quadrature; +/- error given, [misfit]")
     detectors = {b: xray.Detector(np.full(224, 1e7), PIXEL, blur=b) for b in (0.0, 1.2e-6)}
@@ -108,8 +108,8 @@ def profiles() -> None:
         "smooth": {"nuisances": free},
         "smooth, refraction free": {"nuisances": (*free, "refraction")},
     }
-    for z, blur in itertools.product((0.01, 0.1, 0.2), detectors):
-        for name, shape in SHAPES.items():
+    for z, blur in itertools.product(distances, detectors):
+        for name, shape in ((name, SHAPES[name]) for name in shapes):
             seen = 1e7 * quadrature(50e-6, z, 224, 2e-6, shape=shape, blur=blur)
             said = []
             for way, options in ways.items():
@@ -148,7 +148,10 @@ def tapered(distance, photons, taper, blur, rows=40, lean=0.0, height=6):
     radius, axis = 50e-6 - taper * PIXEL * at, 1e-6 + lean * PIXEL * at
     detector = xray.Detector(np.ones(224), PIXEL, blur=blur)
     image = np.array(
-        [xray.fresnel_counts(xray.RoundJet(PHI, r, a), WATER, detector, distance) for r, a in zip(radius, axis, strict=True)]
+        [
+            xray.fresnel_counts(xray.RoundJet(PHI, r, a), WATER, detector, distance)
+            for r, a in zip(radius, axis, strict=True)
+        ]
     )
     image = image.reshape(rows, height, -1).mean(axis=1)
     counts = np.random.default_rng(3).poisson(photons * image).astype(float)
@@ -159,18 +162,24 @@ def tapered(distance, photons, taper, blur, rows=40, lean=0.0, height=6):
 def taper() -> None:
     """Blocks of ten rows of a jet that narrows and leans, each section its own wave."""
     from spinline.xray.frame import Frame, fit_frame
-    from spinline.xray.phase_frame import fit_frame_phase
-    from spinline.xray.track import track_jet
+    from spinline.xray.phase_frame import fit_frame_phase, track_fringes
 
-    print("blocks of 10 rows at 1e6 photons a row: scores of the mean, misfit, radius off; taper left out, and modelled")
-    for z, pixels, blur, lean in ((0.1, 0.1, 0.0, 0.0), (0.1, 0.05, 1.2e-6, 0.03), (0.05, 0.03, 0.5e-6, 0.0), (0.01, 0.05, 0.0, 0.0)):
+    print(
+        "blocks of 10 rows at 1e6 photons a row: scores of the mean, misfit, radius off; taper left out, and modelled"
+    )
+    for z, pixels, blur, lean in (
+        (0.1, 0.1, 0.0, 0.0),
+        (0.1, 0.05, 1.2e-6, 0.03),
+        (0.05, 0.03, 0.5e-6, 0.0),
+        (0.01, 0.05, 0.0, 0.0),
+    ):
         counts, flat, radius = tapered(z, 1e6, pixels, blur, lean=lean)
         frame = Frame(counts, flat, 0 * flat, np.ones(flat.shape, bool), PIXEL, blur)
-        track = track_jet(counts, flat, 0 * flat, frame.good)
+        track = track_fringes(frame, WATER, z)
         law = xray.phase_law(WATER, z)
         for name, fit in (
             ("left out", fit_frame(frame, WATER.absorber, shells=1, block_rows=10, track=track, one=law)),
-            ("modelled", fit_frame_phase(frame, WATER.absorber, law, shells=1, block_rows=10, track=track)),
+            ("modelled", fit_frame_phase(frame, WATER, z, shells=1, block_rows=10, track=track)),
         ):
             off = 1e9 * (fit.values["radius"] - radius.reshape(-1, 10).mean(axis=1))
             print(
@@ -192,7 +201,8 @@ def reduced(folder, counts, photons, **keys):
         flat=rng.poisson(photons, (40, *counts.shape[1:])).astype(float),
     )  # fmt: skip
     file = {
-        "counts": "a.npz", "flat": "a.npz", "dark": "a.npz", "gain": 1.0, "pixel_size": "0.67 um", "energy": "10 keV", "shells": 1,
+        "counts": "a.npz", "flat": "a.npz", "dark": "a.npz", "gain": 1.0, "pixel_size": "0.67 um", "energy": "10 keV",
+        "shells": 1,
         "solution": {"polymer": "PEO", "solvent": "water", "volume_fraction": 0.05}, **keys,
     }  # fmt: skip
     try:
@@ -200,7 +210,12 @@ def reduced(folder, counts, photons, **keys):
             warnings.simplefilter("always", SpinlineWarning)
             result = reduce_images(images_from_dict(file, folder=folder), noisy=True)
     except InputError as error:
-        return f"refused ({error.field}: {error.problem[:40]})" if "fringes" in error.problem else f"stopped ({error.field})", np.nan
+        return (
+            f"refused ({error.field}: {error.problem[:40]})"
+            if "fringes" in error.problem
+            else f"stopped ({error.field})",
+            np.nan,
+        )
     masks, names = result["flags"].attrs["flag_masks"], result["flags"].attrs["flag_meanings"].split()
     bit = masks[names.index("fringes")]
     flagged = bool((result["flags"].values & bit > 0).all())
@@ -209,15 +224,17 @@ def reduced(folder, counts, photons, **keys):
     return "flagged" if whole else "silent", float(result["fringe_significance"])
 
 
-def matrix() -> None:
+def matrix(methods=("chord", "row", "map"), distances=(0.01, 0.1, 0.2)) -> None:
     """Fringed frames of 8 rows reduced as absorption: every one has to be refused or flagged."""
     tally, missed = {}, []
     cases = itertools.product(
-        ("chord", "row", "map"), (0.01, 0.1, 0.2), (1e3, 1e4, 1e5, 1e6, 1e7), ((0.0, None), (1.2e-6, "1.2 um"), (1.2e-6, None)),
+        methods, distances, (1e3, 1e4, 1e5, 1e6, 1e7), ((0.0, None), (1.2e-6, "1.2 um"), (1.2e-6, None)),
         (None, True),
     )  # fmt: skip
     with tempfile.TemporaryDirectory() as scratch:
         for method, z, photons, (blur, said), told in cases:
+            if method == "map" and (told or photons in (1e4, 1e6) or (blur and not said)):
+                continue  # ten seconds each; the test is the same
             mean = xray.fresnel_counts(
                 xray.RoundJet(PHI, 50e-6, 2e-6), WATER, xray.Detector(np.full(224, photons), PIXEL, blur=blur), z
             )
@@ -243,7 +260,10 @@ def quiet() -> None:
     middle = 0.5 * (edges[1:] + edges[:-1])
     found = []
     for shape, photons, (blur, said), radius in itertools.product(
-        SHAPES.values(), (1e3, 1e5, 1e7), ((0.0, 0.0), (1.2e-6, 1.2e-6), (1.2e-6, 0.0), (0.8e-6, 1.2e-6)), (50e-6, 25e-6)
+        SHAPES.values(),
+        (1e3, 1e5, 1e7),
+        ((0.0, 0.0), (1.2e-6, 1.2e-6), (1.2e-6, 0.0), (0.8e-6, 1.2e-6)),
+        (50e-6, 25e-6),
     ):
         fraction = 0.05 * shape(middle) / shape(_ROOTS).mean()
         detector = xray.Detector(np.full(int(4.5 * radius / PIXEL), photons), PIXEL, blur=blur)
@@ -256,7 +276,9 @@ def quiet() -> None:
         track = track_jet(counts, flat, 0 * flat, frame.good)
         found.append(frame_fringes(frame, WATER, track=track).significance)
     s = np.array(found)
-    print(f"  {s.size} frames of 24 rows without fringes: {(s >= 5).sum()} alarms, largest {s.max():.2f}, mean {s.mean():.2f}")
+    print(
+        f"  {s.size} frames of 24 rows without fringes: {(s >= 5).sum()} alarms, largest {s.max():.2f}, mean {s.mean():.2f}"
+    )
 
 
 def bias() -> None:
@@ -419,8 +441,8 @@ def speed() -> None:
 
 if __name__ == "__main__":
     parts = {
-        "bias": bias, "profiles": profiles, "scatter": scatter, "smooth": smooth, "taper": taper, "matrix": matrix, "quiet": quiet,
-        "alarms": alarms, "spectra": spectra, "scans": scans, "speed": speed,
+        "bias": bias, "profiles": profiles, "scatter": scatter, "smooth": smooth, "taper": taper, "matrix": matrix,
+        "quiet": quiet, "alarms": alarms, "spectra": spectra, "scans": scans, "speed": speed,
     }  # fmt: skip
     for part in sys.argv[1:] or parts:
         parts[part]()

@@ -221,7 +221,8 @@ class WaveRowModel(RowModel):
         self, line: int, fraction: FloatArray, bend: float
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128], complex]:
         """What a metre of each part does to the wave: all of it, the refraction's for a factor of 1, and its slope with the
-        fraction."""
+        fraction.
+        """
         m = self.medium
         turn = 2j * np.pi / m.wavelength[line]
         delta = turn * (m.delta_solvent[line] - m.delta_air[line] + m.delta_contrast[line] * fraction)

@@ -1,10 +1,12 @@
 """Whether a frame holds fringes: groups of its rows tested together, so that what no row shows alone is seen.
 
-Each group of rows is summed where the jet stands still in it and tested as `fringes` does. Groups share the distance, so at each
-one their projections add up, ``sum_g p_g . r_g / sqrt(sum_g p_g . p_g)``: the most powerful test of fringes of that distance in all of
-them, 0 to 2 without any. Rows in which no jet is found are tested in groups of equal height with the fringes folded back first.
+Each group of rows is summed where the jet stands still in it and tested as `fringes` does. Groups share the distance, so at
+each one their projections add up, ``sum_g p_g . r_g / sqrt(sum_g p_g . p_g)``: the most powerful test of fringes of that
+distance in all of them, 0 to 2 without any. Rows in which no jet is found are tested in groups of equal height with the
+fringes folded back first.
 
-`brightened_air` is the quick look of it, without a model: light beside the jet over that farther off, which no absorption makes.
+`brightened_air` is the quick look of it, without a model: light beside the jet over that farther off, which no absorption
+makes.
 """
 
 import numpy as np
@@ -57,7 +59,9 @@ def frame_fringes(frame: Frame, medium: Medium, *, track: Track | None = None, t
     first: InputError | None = None
     groups = _groups(frame, track)
     significance = -np.inf
-    for start, stop in groups[np.argsort(np.arange(len(groups)) % 3, kind="stable")].tolist():  # from all over the frame
+    for start, stop in groups[
+        np.argsort(np.arange(len(groups)) % 3, kind="stable")
+    ].tolist():  # from all over the frame
         try:
             counts, detector, good = frame.block(start, stop)
             look = look_for_fringes(counts, medium, detector, good=good)

@@ -1,15 +1,15 @@
 """Whether a row of counts holds Fresnel fringes, which absorption alone would take for polymer.
 
 Reduced as absorption, fringes of 1 cm of propagation bias the mean fraction by -0.25, of 10 cm by -1.9 (R = 50 um, PEO in
-water, 10 keV). What they leave in the residuals of the absorption fit is known: the model of `fresnel` at the fitted jet, less
-that of absorption. For distances from 1 mm to 1 m the residuals, in their standard deviations, are projected on that pattern,
-after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the significance.
-It is one-sided: a blur that was left out leaves the opposite pattern.
+water, 10 keV). What they leave in the residuals of the absorption fit is known: the model of `fresnel` at the fitted jet,
+less that of absorption. For distances from 1 mm to 1 m the residuals, in their standard deviations, are projected on that
+pattern, after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the
+significance. It is one-sided: a blur that was left out leaves the opposite pattern.
 
-A blur that was overstated leaves the same, and so may a profile that few shells do not fit, where photons are many. But absorption
-cannot brighten the air beside the jet over the beam, and fringes do: counts there are projected on the brightening alone, the beam's
-level and slope taken out. Where it ought to be seen and is not, the rest is not believed; where the absorption fit is astray, it alone
-decides.
+A blur that was overstated leaves the same, and so may a profile that few shells do not fit, where photons are many. But
+absorption cannot brighten the air beside the jet over the beam, and fringes do: counts there are projected on the brightening
+alone, the beam's level and slope taken out. Where it ought to be seen and is not, the rest is not believed; where the
+absorption fit is astray, it alone decides.
 """
 
 from collections.abc import Sequence
@@ -115,9 +115,7 @@ def detect_fringes(
     15 ms for 220 pixels without the estimate. The sum of many rows tells more than each: test blocks.
     """
     least = positive("threshold", threshold)
-    seen = look_for_fringes(
-        counts, medium, detector, fit=fit, nuisances=nuisances, good=good, saturation=saturation
-    )
+    seen = look_for_fringes(counts, medium, detector, fit=fit, nuisances=nuisances, good=good, saturation=saturation)
     significance = seen.significance()
     if significance < least:
         return FringeTest(False, significance, np.nan, np.nan, seen.overshoot, "")
@@ -140,7 +138,7 @@ class FringeLook:
     ----------
     whole, air : ndarray, shape (10, 2)
         Projection of the residuals on the pattern of fringes, and the pattern's square, in squared standard deviations: within
-        the row, after an absorption fit (0 where there is none that fits), and in the air beside the jet, where they brighten it.
+        the row, after an absorption fit (0 where there is none), and in the air beside the jet, where they brighten it.
     overshoot : float
         As in `FringeTest`.
     """
@@ -159,7 +157,7 @@ class FringeLook:
         fiftieth in the air: what is less is another flaw, in many photons. And that of the whole row counts as far as the air
         does not deny it: where the pattern would brighten the air by over 8 standard deviations, a quarter has to be there.
         """
-        whole, size = _deviations(self.whole, _PART_OF_ROW)
+        whole, _size = _deviations(self.whole, _PART_OF_ROW)
         air, air_size = _deviations(self.air, _PART_OF_AIR)
         denied = (air_size > _SEEN) & (air < _PART * air_size)
         return float(max(np.max(np.where(denied, np.minimum(whole, air), whole)), np.max(air)))
@@ -196,7 +194,9 @@ def look_for_fringes(
     whole, air, over = np.zeros((len(_DISTANCES), 2)), np.zeros((len(_DISTANCES), 2)), 0.0
     guide = None
     if absorption is not None:
-        guide = np.array([*absorption.jet.fraction, *(absorption.values[name] for name in NUISANCES[:-1]), detector.blur])
+        guide = np.array(
+            [*absorption.jet.fraction, *(absorption.values[name] for name in NUISANCES[:-1]), detector.blur]
+        )
         if not wave.allows(np.append(guide, [_DISTANCES[0], 1.0])):
             guide = None
     astray = guide is None or (absorption is not None and absorption.misfit > _ODD)
@@ -254,11 +254,10 @@ def _within(
     return np.array([pattern @ residual, pattern @ pattern])
 
 
-def _beside(
-    wave: WaveRowModel, at: FloatArray, z: float, data: FloatArray, lit: BoolArray
-) -> tuple[FloatArray, float]:
+def _beside(wave: WaveRowModel, at: FloatArray, z: float, data: FloatArray, lit: BoolArray) -> tuple[FloatArray, float]:
     """Counts beside the jet over a straight beam, projected on what fringes of a distance add to it there; that pattern's
-    square; and the largest excess as a share of the beam."""
+    square; and the largest excess as a share of the beam.
+    """
     sane = np.append(_sane(wave, at), [z, 1.0])
     radius, axis, level, slope = sane[wave.shells : wave.shells + 4].tolist()
     u = wave.u
@@ -268,7 +267,9 @@ def _beside(
     shine = wave.flat * (level * (1.0 + slope * u))
     beam = shine + wave.flat * wave.veil + wave.dark
     brighter = np.maximum(wave.mean(sane) - beam, 0.0)
-    far = aside > 2.0 * wave.pixel + 5.0 * float(sane[wave.shells + 4])  # nearer, blur and a radius a little off darken the air
+    far = aside > 2.0 * wave.pixel + 5.0 * float(
+        sane[wave.shells + 4]
+    )  # nearer, blur and a radius a little off darken the air
     outside = lit & (aside > 0.5 * wave.pixel) & (far | (brighter > 0.0))
     if outside.sum() < 8:
         return np.zeros(2), 0.0

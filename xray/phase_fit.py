@@ -1,22 +1,23 @@
 """Polymer fraction from one row of counts with Fresnel fringes, by their likelihood.
 
-The counts are Poisson about the model of `fresnel`; fractions, radius, axis, level and slope of the beam, and if asked for the
-blur and the distance, are those of the largest likelihood.
+The counts are Poisson about the model of `fresnel`; fractions, radius, axis, level and slope of the beam, and if asked for
+the blur and the distance, are those of the largest likelihood.
 
-**What the fringes say of the mean is what is assumed of the profile.** The wave near an edge goes as ``delta(R) sqrt(R - r)``: the
-fringes measure the refraction at the rim, to 20 times the precision of absorption, and that is the mean where the fraction is
-uniform. Taken for uniform, a parabola that falls to a tenth at the rim comes out 0.03 to 0.07 wrong, far outside its error; in a
-staircase of few shells the steps make fringes of their own (`profiles`), and the bias stays. So the profile is continuous here,
-`profiles.Ramps` on knots that are denser at the rim, and the mean then is absorption's, at absorption's precision, with the
-fringes modelled; the rim's fraction is the fringes', far more precise. A jet that is known to be uniform, or to have edges at known
-places, is fitted as such by ``profile = "shells"``: 5 to 20 times the precision of the mean, on that assumption.
+**What the fringes say of the mean is what is assumed of the profile.** The wave near an edge goes as ``delta(R) sqrt(R -
+r)``: the fringes measure the refraction at the rim, to 20 times the precision of absorption, and that is the mean where the
+fraction is uniform. Taken for uniform, a parabola that falls to a tenth at the rim comes out 0.03 to 0.07 wrong, far outside
+its error; in a staircase of few shells the steps make fringes of their own (`profiles`), and the bias stays. So the profile
+is continuous here, `profiles.Ramps` on knots that are denser at the rim, and the mean then is absorption's, at absorption's
+precision, with the fringes modelled; the rim's fraction is the fringes', far more precise. A jet that is known to be uniform,
+or to have edges at known places, is fitted as such by ``profile = "shells"``: 5 to 20 times the precision of the mean, on
+that assumption.
 
-What must be known: an error of the solvent's density by 0.1 % changes delta by as much as 0.01 in the fraction of PEO in water
-does; fit a factor on the refraction ("refraction"), which costs nothing here. A blur or a distance that is held wrong is
-mistaken for fringes of another size, and shows in the misfit: fit them.
+What must be known: an error of the solvent's density by 0.1 % changes delta by as much as 0.01 in the fraction of PEO in
+water does; fit a factor on the refraction ("refraction"), which costs nothing here. A blur or a distance that is held wrong
+is mistaken for fringes of another size, and shows in the misfit: fit them.
 
-A beam of many energies is the sum of what each line's wave makes, by its share of the signal. A block of rows in which radius or
-axis changes (`taper`, `lean`) is the mean of sections a fifth of a pixel apart.
+A beam of many energies is the sum of what each line's wave makes, by its share of the signal. A block of rows in which radius
+or axis changes (`taper`, `lean`) is the mean of sections a fifth of a pixel apart.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,35 +1,40 @@
 """A frame with fringes, block by block, the jet's taper and lean within each block modelled.
 
-The rows of a block are summed (`frame`); where radius or axis changes along it by a good part of a fringe, the sum is that of as
-many sections (`phase_fit`). How much they change is known from the neighbours: first from the track, then from the fitted radii
-and axes of the blocks before and after, to nanometres; blocks for which these differ by more than 0.005 pixels are fitted again.
-What is left out is the bend of the jet's outline within a block, ``R'' h^2/12`` for a height h.
+The rows of a block are summed (`frame`); where radius or axis changes along it by a good part of a fringe, the sum is that of
+as many sections (`phase_fit`). How much they change is known from the neighbours: first from the track, then from the fitted
+radii and axes of the blocks before and after, to nanometres; blocks for which these differ by more than 0.005 pixels are
+fitted again. What is left out is the bend of the jet's outline within a block, ``R'' h^2/12`` for a height h.
 """
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
-from spinline.checks import FloatArray
-from spinline.xray.forward import Absorber
+from spinline.checks import BoolArray, FloatArray
+from spinline.errors import InputError
 from spinline.xray.frame import Frame, FrameFit, blocks_of, fit_frame, require_track
-from spinline.xray.outcome import RowFit
+from spinline.xray.medium import Medium
+from spinline.xray.phase_fit import phase_law
+from spinline.xray.phase_start import phase_start
 from spinline.xray.track import Track
 
-__all__ = ["fit_frame_phase"]
+__all__ = ["fit_frame_phase", "track_fringes"]
 
+_GROUPS = 12
 _TOLD_APART = 0.005  # pixels over a block
 _SURE = 3.0  # standard deviations
 
 
 def fit_frame_phase(
     frame: Frame,
-    absorber: Absorber,
-    law: Callable[..., RowFit],
+    medium: Medium,
+    distance: float,
     *,
     shells: int | FloatArray = 3,
+    profile: str = "smooth",
     block_rows: int = 1,
-    nuisances: Sequence[str] = ("radius", "axis", "amplitude", "slope"),
+    nuisances: Sequence[str] = ("radius", "axis", "amplitude", "slope", "distance", "refraction"),
     track: Track | None = None,
     done: Callable[[int], None] | None = None,
 ) -> FrameFit:
@@ -37,10 +42,10 @@ def fit_frame_phase(
 
     Parameters
     ----------
-    frame, absorber, shells, block_rows, nuisances, track, done
-        As in `fit_frame`.
-    law : callable
-        `phase_fit.phase_law`.
+    frame, block_rows, track, done
+        As in `fit_frame`; the track is found by the fringes where left out.
+    medium, distance, shells, profile, nuisances
+        As in `fit_row_phase`.
 
     Returns
     -------
@@ -49,27 +54,64 @@ def fit_frame_phase(
     Raises
     ------
     InputError
-        As `fit_frame`.
+        As `fit_frame` and `fit_row_phase`.
 
     Notes
     -----
     0.1 to 0.3 s a block, times the sections: five for a change of a pixel.
     """
-    path = require_track(frame) if track is None else track
+    path = track_fringes(frame, medium, distance) if track is None else track
+    law = phase_law(medium, distance, fitted=(), profile=profile)
+    absorber = medium.absorber
     blocks = blocks_of(frame.counts.shape[0], block_rows)
     height = np.diff(blocks, axis=1)[:, 0]
     middle = blocks.mean(axis=1) - 0.5
-    at = np.arange(path.radius.size)
+    at = np.arange(path.radius.size, dtype=np.float64)
     slopes = [np.interp(middle, at, _gradient(_smoothed(v, height[0]), at)) for v in (path.radius, path.axis)]
     change = frame.pixel * np.stack(slopes, axis=1) * height[:, None]
-    options = {"shells": shells, "nuisances": nuisances, "track": path, "one": law}
-    fit = fit_frame(frame, absorber, block_rows=block_rows, change=change, done=done, **options)
+
+    def fitted(by: FloatArray, again: tuple[FrameFit, BoolArray] | None = None) -> FrameFit:
+        return fit_frame(
+            frame, absorber, shells=shells, block_rows=block_rows, nuisances=nuisances, track=path, one=law,
+            done=None if again else done, change=by, again=again,
+        )  # fmt: skip
+
+    fit = fitted(change)
     found, sure = _changes(fit, middle, height)
-    off = (np.abs(found - change) > np.maximum(_TOLD_APART * frame.pixel, _SURE * sure)).any(axis=1)
+    off: BoolArray = np.any(np.abs(found - change) > np.maximum(_TOLD_APART * frame.pixel, _SURE * sure), axis=1)
     if off.any():
-        new = np.where(off[:, None], found, change)
-        fit_frame(frame, absorber, block_rows=block_rows, change=new, again=(fit, off), **options)
+        fitted(np.where(off[:, None], found, change), (fit, off))
     return fit
+
+
+def track_fringes(frame: Frame, medium: Medium, distance: float) -> Track:
+    """Track of a jet by its fringes, from a dozen groups of rows; by its absorption where they do not place it.
+
+    Raises
+    ------
+    InputError
+        Where no jet is found.
+    """
+    rows = frame.counts.shape[0]
+    bounds = np.linspace(0, rows, min(_GROUPS, rows) + 1).astype(int)
+    places, radii, axes = [], [], []
+    for start, stop in pairwise(bounds.tolist()):
+        try:
+            counts, detector, good = frame.block(start, stop)
+            found = phase_start(counts, medium, detector, distance, good=good)
+        except InputError:
+            continue
+        places.append(0.5 * (start + stop - 1))
+        radii.append(found.radius / frame.pixel)
+        axes.append(found.axis / frame.pixel)
+    if not places:
+        return require_track(frame)
+    at = np.arange(rows)
+    radius, axis = np.interp(at, places, radii), np.interp(at, places, axes)
+    one = np.ones(rows)
+    return Track(
+        radius, axis, one, 0 * one, 0 * one, np.full((rows, 5, 5), np.nan), one, one, np.zeros(rows, dtype=np.bool_)
+    )
 
 
 def _changes(fit: FrameFit, middle: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -19,7 +19,16 @@ from spinline.xray.phase_retrieval import contact_transmission
 from spinline.xray.scoring import poisson_deviance
 from spinline.xray.start import find_jet
 
-__all__ = ["PLAUSIBLE_FRACTION", "PhaseStart", "air_level", "coarse_place", "phase_start", "placed", "searched", "start_ratio"]
+__all__ = [
+    "PLAUSIBLE_FRACTION",
+    "PhaseStart",
+    "air_level",
+    "coarse_place",
+    "phase_start",
+    "placed",
+    "searched",
+    "start_ratio",
+]
 
 PLAUSIBLE_FRACTION = 0.05  # to start from
 

@@ -4,16 +4,16 @@
 
     phi(q) = phi(1) + sum_k kappa_k (q_k - q)_+,   kappa_k = m_k - m_(k-1),   m_k = (c_(k+1) - c_k)/(q_(k+1) - q_k)
 
-with m after the last knot 0, so that a parabola is exact, the mean over the section the trapezium rule over the knots' values c, and
-the chord of each term that of a cap, ``(4/3) (r_k^2 - x^2)^(3/2)/R^2``. Its average over a cell has the closed form
+with m after the last knot 0, so that a parabola is exact, the mean over the section the trapezium rule over the knots' values
+c, and the chord of each term that of a cap, ``(4/3) (r_k^2 - x^2)^(3/2)/R^2``. Its average over a cell has the closed form
 
     int (r^2 - x^2)^(3/2) dx = (x (5 r^2 - 2 x^2) sqrt(r^2 - x^2) + 3 r^4 asin(x/r))/8.
 
-Why it matters for fringes: an edge at r_j across which the refraction jumps by d(delta) turns the wave by
-``(2 pi/lambda) d(delta) 2 sqrt(2 r_j (r_j - x))`` a little inside. The jet's own edge makes the fringes so; a staircase has such
-an edge at every step, and each makes fringes that a smooth jet has not: of a step of 0.05 of PEO in water 0.005 of those of the
-jet's edge, which is as much as a uniform change of the fraction by 0.05 does. A fit of a staircase to a smooth jet matches them
-by the steps rather than by the mean. A change of slope leaves ``(r_k - x)^(3/2)``, which makes none to speak of.
+Why it matters for fringes: an edge at r_j across which the refraction jumps by d turns the wave by ``(4 pi d/lambda) sqrt(2
+r_j (r_j - x))`` a little inside of it. The jet's own edge makes the fringes so, and a staircase has such an edge at every
+step: of a step of 0.05 of PEO in water with 0.005 of the strength of the jet's edge, as much as a uniform change of the
+fraction by 0.05 makes there. A staircase fitted to a smooth jet fits these, not the mean. A change of slope leaves ``(r_k -
+x)^(3/2)``, which makes none to speak of.
 """
 
 from typing import Protocol
@@ -39,7 +39,9 @@ class Profile(Protocol):
     """
 
     @property
-    def size(self) -> int: ...
+    def size(self) -> int:
+        """Number of unknowns."""
+        ...
 
     def depths(self, radius: float, x: FloatArray, axis: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Chords of each base function averaged over cells of edges x, with their derivatives with radius and axis.

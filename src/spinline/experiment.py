@@ -7,7 +7,6 @@ before anyone waits; `calibrated` scales the attenuation so that the polymer fra
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,8 +28,7 @@ from spinline.xray.limit import error_limit, require_contrast
 from spinline.xray.medium import Medium, solution_medium
 from spinline.xray.outcome import RowFit
 from spinline.xray.phase_fit import phase_law
-from spinline.xray.phase_frame import fit_frame_phase
-from spinline.xray.phase_start import phase_start
+from spinline.xray.phase_frame import fit_frame_phase, track_fringes
 from spinline.xray.row import fit_row
 from spinline.xray.spectral import spectral_law
 from spinline.xray.spectrum import Spectrum
@@ -39,9 +37,19 @@ from spinline.xray.track import Track, track_jet
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
-__all__ = ["FRINGES", "Calibration", "Experiment", "build_absorber", "calibrated", "expected_errors", "fit_blocks", "fringes_in", "nuisances", "prepare"]
+__all__ = [
+    "FRINGES",
+    "Calibration",
+    "Experiment",
+    "build_absorber",
+    "calibrated",
+    "expected_errors",
+    "fit_blocks",
+    "fringes_in",
+    "nuisances",
+    "prepare",
+]
 
-_FRINGE_GROUPS = 12
 _FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
 FRINGES = 5.0  # significance that is an alarm
 
@@ -251,26 +259,7 @@ def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
     row_law(images, medium)
     assert medium is not None
     assert images.propagation_distance is not None
-    rows = frame.counts.shape[0]
-    bounds = np.linspace(0, rows, min(_FRINGE_GROUPS, rows) + 1).astype(int)
-    places, radii, axes = [], [], []
-    for start, stop in pairwise(bounds.tolist()):
-        try:
-            counts, detector, good = frame.block(start, stop)
-            found = phase_start(counts, medium, detector, images.propagation_distance.value, good=good)
-        except InputError:
-            continue
-        places.append(0.5 * (start + stop - 1))
-        radii.append(found.radius / frame.pixel)
-        axes.append(found.axis / frame.pixel)
-    if not places:
-        return require_track(frame)
-    at = np.arange(rows)
-    radius, axis = np.interp(at, places, radii), np.interp(at, places, axes)
-    one = np.ones(rows)
-    return Track(
-        radius, axis, one, 0 * one, 0 * one, np.full((rows, 5, 5), np.nan), one, one, np.zeros(rows, dtype=np.bool_)
-    )
+    return track_fringes(frame, medium, images.propagation_distance.value)
 
 
 def fit_blocks(
@@ -286,9 +275,11 @@ def fit_blocks(
     images = experiment.images
     law = row_law(images, experiment.medium)
     if images.method == "phase":
+        assert experiment.medium is not None
+        assert images.propagation_distance is not None
         return fit_frame_phase(
-            frame, experiment.absorber, law, shells=shells, block_rows=block_rows, nuisances=nuisances(images),
-            track=track, done=done,
+            frame, experiment.medium, images.propagation_distance.value, shells=shells, block_rows=block_rows,
+            nuisances=(*nuisances(images), "distance", "refraction"), track=track, done=done,
         )  # fmt: skip
     return fit_frame(
         frame, experiment.absorber, shells=shells, block_rows=block_rows, nuisances=nuisances(images), track=track,

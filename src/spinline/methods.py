@@ -99,7 +99,10 @@ METHODS = {
     ),
     "row": Method(_row, "joint Poisson likelihood of shells, radius, axis, level and slope of every block of rows"),
     "map": Method(_map, "penalised Poisson likelihood of a fraction that is smooth in r and z, all rows at once"),
-    "phase": Method(_row, "joint Poisson likelihood as row, of the wave with its fringes and a continuous profile; distance, refraction and taper are fitted"),
+    "phase": Method(
+        _row,
+        "as row, of the wave with its fringes and a continuous profile; distance, refraction and taper are fitted",
+    ),
 }
 
 

@@ -264,7 +264,18 @@ def _keep(store: Checkpoint, index: int, fit: FrameFit) -> None:
     )
 
 
-_ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", "limit_std", "misfit", "flags", "fringes")
+_ARRAYS = (
+    "shell_edges",
+    "rows",
+    "fraction",
+    "covariance",
+    "mean",
+    "mean_std",
+    "limit_std",
+    "misfit",
+    "flags",
+    "fringes",
+)
 
 
 def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
@@ -273,7 +284,8 @@ def _kept(store: Checkpoint, index: int, method: str) -> FrameFit:
         raise InputError(str(store.folder), f"lost frame {index} while the frames were reduced", remedy="run it again")
     values, std = ({k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_"))
     reasons = {int(line.split(" ", 1)[0]): line.split(" ", 1)[1] for line in data["reasons"].tolist()}
-    return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: float(data[name]) if name == "fringes" else data[name] for name in _ARRAYS})
+    arrays = {name: data[name] for name in _ARRAYS if name != "fringes"}
+    return FrameFit(method=method, values=values, std=std, reasons=reasons, fringes=float(data["fringes"]), **arrays)
 
 
 def _job(images: Images) -> str:

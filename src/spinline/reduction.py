@@ -59,7 +59,7 @@ REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
     "flags": ("", "what is odd about a block"),
     "fringe_significance": (
         "1",
-        "Fresnel fringes in the frame, standard deviations: over 5 they are there, and absorption is wrong; NaN: not looked for",
+        "Fresnel fringes in the frame, standard deviations: over 5 they are there, absorption is wrong; NaN: not looked for",
     ),
     "volume_fraction": ("1", "polymer volume fraction of the solution"),
     "attenuation_scale": ("1", "attenuation measured at the nozzle over that assumed; 1 where not calibrated"),
