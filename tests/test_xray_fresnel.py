@@ -268,6 +268,42 @@ def test_retrieval_passes_the_mean_and_inverts_its_own_equation() -> None:
     assert xray.contact_transmission(noise, PIXEL, 0.0, 4.4e-9) == pytest.approx(noise)
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"distance": np.inf}, "distance"),
+        ({"distance": np.nan}, "distance"),
+        ({"distance": -0.1}, "distance"),
+        ({"pixel": 0.0}, "pixel"),
+        ({"pixel": 1e-200}, "pixel.*too small"),
+        ({"delta_over_mu": -1.0}, "delta_over_mu"),
+        ({"delta_over_mu": np.inf}, "delta_over_mu"),
+        ({"delta_over_mu": "water"}, "delta_over_mu"),
+        ({"delta_over_mu": WATER, "fraction": np.nan}, "fraction"),
+        ({"ratio": np.ones(3)}, "ratio"),
+        ({"ratio": np.ones((3, 8)), "across": False}, "ratio.*rows"),
+        ({"ratio": np.array([1.0, np.nan, 1.0, 1.0])}, "ratio"),
+        ({"ratio": np.ones((0, 8)), "across": False}, "ratio"),
+    ],
+)
+def test_retrieval_refuses(change, words) -> None:
+    with pytest.raises(InputError, match=words):
+        xray.contact_transmission(
+            **{"ratio": np.ones(8), "pixel": PIXEL, "distance": 0.1, "delta_over_mu": 4e-9, **change}
+        )
+
+
+def test_retrieval_at_its_ends() -> None:
+    """No distance or no refraction: the image; any distance: its mean; the ratio of a medium at its fraction."""
+    noise = np.random.default_rng(2).normal(1, 0.1, (4, 16))
+    for nothing in ({"distance": 0.0, "delta_over_mu": 4e-9}, {"distance": 1.0, "delta_over_mu": 0.0}):
+        assert (xray.contact_transmission(noise, PIXEL, **nothing) == noise).all()
+    far = xray.contact_transmission(noise, PIXEL, 1e30, 1e30)
+    assert far == pytest.approx(np.broadcast_to(noise.mean(axis=1, keepdims=True), noise.shape), rel=1e-12)
+    given = xray.contact_transmission(noise, PIXEL, 0.1, WATER.delta_over_mu(0.05))
+    assert (xray.contact_transmission(noise, PIXEL, 0.1, WATER, fraction=0.05) == given).all()
+
+
 @pytest.mark.parametrize(("distance", "most"), [(0.01, 0.01), (0.1, 0.05), (0.2, 0.08)])
 def test_retrieved_rows_are_nearly_unbiased_where_fringes_ignored_are_not(distance, most) -> None:
     detector = xray.Detector(np.full(300, 1e7), PIXEL, blur=1e-6)

@@ -24,6 +24,7 @@ _PLACES = 12
 _STILL = 1.0  # pixels that radius and axis may change in a group
 _MOST_ROWS = 64  # of a group where no track says how the jet changes
 _PLAIN = 20.0  # significance that more groups need not confirm
+_LEAST_EXCESS = 2e-3  # of the beam, that no curvature of it makes
 _ZONES = (1.5, 2.5, 4.5, 8.5, 16.5)  # pixels beside the jet's edge
 
 
@@ -98,7 +99,8 @@ def brightened_air(counts: FloatArray, dark: FloatArray, beam: FloatArray, aside
     Returns
     -------
     float
-        The largest over zones of 1 to 16 pixels beside the edges; -inf where there is no air.
+        The largest over zones of 1 to 16 pixels beside the edges in which it exceeds 0.2 % of the beam; -inf where there is
+        none, or no air.
     """
     far = good & (aside > _ZONES[-1])
     if far.sum() < 8:
@@ -114,7 +116,8 @@ def brightened_air(counts: FloatArray, dark: FloatArray, beam: FloatArray, aside
         lit, noise = level * float(beam[near].sum()), float((level * beam + dark)[near].sum())
         excess = float((counts - dark)[near].sum()) - lit
         noise += lit**2 * float(counts[far].sum()) / (level * float(beam[far].sum())) ** 2
-        found = max(found, excess / np.sqrt(noise)) if noise > 0.0 else found
+        if noise > 0.0 and excess > _LEAST_EXCESS * lit:
+            found = max(found, excess / np.sqrt(noise))
     return found
 
 

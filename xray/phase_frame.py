@@ -22,7 +22,8 @@ from spinline.xray.track import Track
 __all__ = ["fit_frame_phase", "track_fringes"]
 
 _GROUPS = 12
-_TOLD_APART = 0.005  # pixels over a block
+_TOLD_APART, _COARSE = 0.005, 0.1  # pixels over a block, where the fit is poor and where it is good
+_POOR = 1.5  # misfit
 _SURE = 3.0  # standard deviations
 
 
@@ -78,7 +79,8 @@ def fit_frame_phase(
 
     fit = fitted(change)
     found, sure = _changes(fit, middle, height)
-    off: BoolArray = np.any(np.abs(found - change) > np.maximum(_TOLD_APART * frame.pixel, _SURE * sure), axis=1)
+    apart = np.where(fit.misfit > _POOR, _TOLD_APART, _COARSE) * frame.pixel
+    off: BoolArray = np.any(np.abs(found - change) > np.maximum(apart[:, None], _SURE * sure), axis=1)
     if off.any():
         fitted(np.where(off[:, None], found, change), (fit, off))
     return fit
