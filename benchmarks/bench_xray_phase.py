@@ -250,7 +250,7 @@ def matrix(methods=("chord", "row", "map"), distances=(0.01, 0.1, 0.2)) -> None:
     print(f"  missed: {len(missed)} of {sum(tally.values())}", *missed, sep="\n    ")
 
 
-def quiet() -> None:
+def quiet(shapes=tuple(SHAPES), radii=(50e-6, 25e-6)) -> None:
     """The same without fringes: alarms, over shapes of the profile, photons, and a blur left out or overstated."""
     from spinline.xray.frame import Frame
     from spinline.xray.fringe_frame import frame_fringes
@@ -259,12 +259,9 @@ def quiet() -> None:
     edges = np.linspace(0, 1, 61)
     middle = 0.5 * (edges[1:] + edges[:-1])
     found = []
-    for shape, photons, (blur, said), radius in itertools.product(
-        SHAPES.values(),
-        (1e3, 1e5, 1e7),
-        ((0.0, 0.0), (1.2e-6, 1.2e-6), (1.2e-6, 0.0), (0.8e-6, 1.2e-6)),
-        (50e-6, 25e-6),
-    ):
+    blurs = ((0.0, 0.0), (1.2e-6, 1.2e-6), (1.2e-6, 0.0), (0.8e-6, 1.2e-6))
+    for name, photons, (blur, said), radius in itertools.product(shapes, (1e3, 1e5, 1e7), blurs, radii):
+        shape = SHAPES[name]
         fraction = 0.05 * shape(middle) / shape(_ROOTS).mean()
         detector = xray.Detector(np.full(int(4.5 * radius / PIXEL), photons), PIXEL, blur=blur)
         mean = xray.expected_counts(

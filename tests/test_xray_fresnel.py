@@ -163,7 +163,7 @@ def test_the_likelihood_is_unbiased_on_phantoms_by_quadrature(distance) -> None:
     assert fit.warnings == ()
 
 
-@pytest.mark.parametrize("profile", ["shells", "smooth"])
+@pytest.mark.parametrize("profile", ["shells", pytest.param("smooth", marks=pytest.mark.slow)])
 def test_scatter_of_phase_fits_reaches_the_bound(profile) -> None:
     """100 replicates at R = 25 um, 10 cm: 0.8 to 1.2 of the bound with the same unknowns; error bars likewise."""
     detector, jet = xray.Detector(np.full(112, 1e5), PIXEL, blur=0.5e-6), xray.RoundJet(np.array([0.05]), 25e-6, 1e-6)

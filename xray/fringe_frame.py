@@ -20,7 +20,6 @@ from spinline.xray.track import Track
 
 __all__ = ["brightened_air", "frame_fringes"]
 
-_PLACES = 12
 _STILL = 1.0  # pixels that radius and axis may change in a group
 _MOST_ROWS = 64  # of a group where no track says how the jet changes
 _PLAIN = 20.0  # significance that more groups need not confirm
@@ -28,7 +27,9 @@ _LEAST_EXCESS = 2e-3  # of the beam, that no curvature of it makes
 _ZONES = (1.5, 2.5, 4.5, 8.5, 16.5)  # pixels beside the jet's edge
 
 
-def frame_fringes(frame: Frame, medium: Medium, *, track: Track | None = None, threshold: float = 5.0) -> FringeTest:
+def frame_fringes(
+    frame: Frame, medium: Medium, *, track: Track | None = None, threshold: float = 5.0, places: int = 12
+) -> FringeTest:
     """Test a frame for fringes.
 
     Parameters
@@ -40,6 +41,8 @@ def frame_fringes(frame: Frame, medium: Medium, *, track: Track | None = None, t
         From `track_jet`: says in which rows the jet stands still.
     threshold : float
         As in `detect_fringes`.
+    places : int
+        Groups of rows, >= 1.
 
     Returns
     -------
@@ -53,12 +56,14 @@ def frame_fringes(frame: Frame, medium: Medium, *, track: Track | None = None, t
 
     Notes
     -----
-    Up to 12 groups of rows, 20 to 200 ms each.
+    20 to 200 ms a group; it ends as soon as fringes are beyond doubt.
     """
     least = positive("threshold", threshold)
+    if isinstance(places, bool) or not isinstance(places, int) or places < 1:
+        raise InputError("places", "is not a number of groups", value=places, allowed=">= 1")
     total: FringeLook | None = None
     first: InputError | None = None
-    groups = _groups(frame, track)
+    groups = _groups(frame, track, places)
     significance = -np.inf
     for start, stop in groups[
         np.argsort(np.arange(len(groups)) % 3, kind="stable")
@@ -121,10 +126,10 @@ def brightened_air(counts: FloatArray, dark: FloatArray, beam: FloatArray, aside
     return found
 
 
-def _groups(frame: Frame, track: Track | None) -> "np.ndarray[tuple[int, int], np.dtype[np.int64]]":
+def _groups(frame: Frame, track: Track | None, places: int) -> "np.ndarray[tuple[int, int], np.dtype[np.int64]]":
     """First rows of groups and the rows after their last: the jet stands still in each."""
     rows = frame.counts.shape[0]
-    bounds = np.linspace(0, rows, min(_PLACES, rows) + 1).astype(np.int64)
+    bounds = np.linspace(0, rows, min(places, rows) + 1).astype(np.int64)
     out = []
     for start, stop in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         most = stop - start if track is not None else min(stop - start, _MOST_ROWS)

@@ -304,12 +304,12 @@ def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:
     return fit_row
 
 
-def fringes_in(frame: Frame, medium: "Medium | None", track: Track | None) -> tuple[float, str]:
+def fringes_in(frame: Frame, medium: "Medium | None", track: Track | None, places: int = 12) -> tuple[float, str]:
     """Significance of fringes in a frame that is to be reduced as absorption, NaN where it cannot be told, and in words."""
     if medium is None:
         return np.nan, "not looked for: without the solution's formula their pattern is not known"
     try:
-        test = frame_fringes(frame, medium, track=track, threshold=FRINGES)
+        test = frame_fringes(frame, medium, track=track, threshold=FRINGES, places=places)
     except InputError as error:
         return np.nan, f"not looked for: no group of rows can be tested ({error.field} {error.problem})"
     if test.detected:

@@ -47,6 +47,7 @@ Progress = Callable[[str, int, int], None]  # what is done, how much of it, of h
 _PAUSE = 10.0  # seconds between two copies of a running sum
 _WORTH_PROCESSES = 4.0  # seconds of fits
 _PER_BLOCK = 2e-3
+_FRINGE_PLACES = 3  # in each of many frames; their sum is tested too
 
 
 def reduce_images(
@@ -241,7 +242,7 @@ def _one(experiment: Experiment, index: int) -> FrameFit:
         fit = require_method(images.method).reduce(experiment, frame, None, None)
         if images.method == "phase":
             return fit
-        own, _ = fringes_in(frame, experiment.wave_medium, None)
+        own, _ = fringes_in(frame, experiment.wave_medium, None, _FRINGE_PLACES)
         return _flagged(fit, float(np.fmax(own, experiment.fringes)))
     except InputError as error:
         rows = blocks_of(stack.rows, images.block_rows)
