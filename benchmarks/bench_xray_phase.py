@@ -123,11 +123,11 @@ def smooth(replicates: int = 60) -> None:
     print(f"coverage, {replicates} replicates each: bias, its error, sd over the error given, 95 % intervals that hold")
     free = (*NUISANCES, "distance", "refraction")
     scores = []
-    for photons, name in itertools.product((1e5, 1e6, 1e7), list(SHAPES)[:5]):
+    for case, (photons, name) in enumerate(itertools.product((1e5, 1e6, 1e7), list(SHAPES)[:5])):
         detector = xray.Detector(np.full(224, photons), PIXEL)
         mean = photons * quadrature(50e-6, 0.1, 224, 2e-6, shape=SHAPES[name])
         fits = [
-            xray.fit_row_phase(xray.noisy_counts(mean, 9, i), WATER, detector, 0.1, nuisances=free)
+            xray.fit_row_phase(xray.noisy_counts(mean, 100 + case, i), WATER, detector, 0.1, nuisances=free)
             for i in range(replicates)
         ]
         found = np.array([f.mean_fraction for f in fits])

@@ -9,6 +9,8 @@ fringes folded back first.
 makes.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from spinline.checks import BoolArray, FloatArray, positive
@@ -127,17 +129,33 @@ def brightened_air(counts: FloatArray, dark: FloatArray, beam: FloatArray, aside
 
 
 def _groups(frame: Frame, track: Track | None, places: int) -> "np.ndarray[tuple[int, int], np.dtype[np.int64]]":
-    """First rows of groups and the rows after their last: the jet stands still in each."""
+    """First rows of groups and the rows after their last: as large as the jet stands still in them."""
     rows = frame.counts.shape[0]
     bounds = np.linspace(0, rows, min(places, rows) + 1).astype(np.int64)
-    out = []
-    for start, stop in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        most = stop - start if track is not None else min(stop - start, _MOST_ROWS)
-        if track is not None and most > 1:
-            part = slice(start, stop)
-            at = np.arange(most)
-            change = sum(abs(float(np.polyfit(at, v[part], 1)[0])) for v in (track.radius, track.axis))
-            most = int(np.clip(_STILL / max(change, 1e-9), 1, most))
-        low = start + (stop - start - most) // 2
-        out.append((low, low + most))
+    spans = list(pairwise(bounds.tolist()))
+    if track is None:
+        cut = [(start, min(stop - start, _MOST_ROWS)) for start, stop in spans]
+        return np.array([(start, start + height) for start, height in cut], dtype=np.int64)
+    out: list[tuple[int, int]] = []
+    first, moved = 0, 0.0
+    for start, stop in spans:
+        part, height = slice(start, stop), stop - start
+        slopes = (_slope(v[part]) for v in (track.radius, track.axis))
+        change = height * sum(abs(slope) for slope in slopes)
+        if moved > 0.0 and moved + change > _STILL:
+            out.append((first, start))
+            first, moved = start, 0.0
+        if change > _STILL:  # a part of the span, from its middle
+            most = int(np.clip(height * _STILL / change, 1, height))
+            low = start + (height - most) // 2
+            out.append((low, low + most))
+            first, moved = stop, 0.0
+        else:
+            moved += max(change, 1e-9)
+    if first < rows and moved > 0.0:
+        out.append((first, rows))
     return np.array(out, dtype=np.int64)
+
+
+def _slope(values: FloatArray) -> float:
+    return float(np.polyfit(np.arange(values.size), values, 1)[0]) if values.size > 2 else 0.0

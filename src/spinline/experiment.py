@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
 __all__ = [
-    "FRINGES",
     "Calibration",
     "Experiment",
     "build_absorber",

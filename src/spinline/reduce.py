@@ -36,6 +36,7 @@ from spinline.images import Images
 from spinline.methods import require_method
 from spinline.xray.chords import equal_shells
 from spinline.xray.frame import FrameFit, blocks_of
+from spinline.xray.track import track_jet
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -242,7 +243,8 @@ def _one(experiment: Experiment, index: int) -> FrameFit:
         fit = require_method(images.method).reduce(experiment, frame, None, None)
         if images.method == "phase":
             return fit
-        own, _ = fringes_in(frame, experiment.wave_medium, None, _FRINGE_PLACES)
+        path = track_jet(frame.counts, frame.flat, frame.dark, frame.good)
+        own, _ = fringes_in(frame, experiment.wave_medium, path, _FRINGE_PLACES)
         return _flagged(fit, float(np.fmax(own, experiment.fringes)))
     except InputError as error:
         rows = blocks_of(stack.rows, images.block_rows)
