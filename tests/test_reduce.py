@@ -643,3 +643,95 @@ def test_exposure(spinline) -> None:
         ran = spinline("exposure", "peo5-water", *bad)
         assert (ran.code, ran.out) == (2, "")
         assert ran.err.startswith("error: ")
+
+
+@pytest.fixture(scope="module")
+def fringed():
+    """Mean counts of rows 1 and 10 cm behind a jet of 30 um, with the air's edge fringes."""
+    from spinline import xray
+
+    medium = xray.solution_medium("PEO", "water", 10.0)
+    jet = xray.RoundJet(np.array([PHI]), 30e-6, 3 * PIXEL)
+    detector = xray.Detector(np.ones(120), PIXEL, blur=1.2e-6)
+    return {z: xray.fresnel_counts(jet, medium, detector, z) for z in (0.01, 0.1)}
+
+
+def outcome(images):
+    """The result and what was warned of, or the refusal."""
+    import warnings
+
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", SpinlineWarning)
+        try:
+            return reduce_images(images, noisy=True), [str(w.message) for w in said]
+        except InputError as error:
+            return error, []
+
+
+def is_flagged(result):
+    names, masks = result["flags"].attrs["flag_meanings"].split(), result["flags"].attrs["flag_masks"]
+    bit = masks[names.index("fringes")]
+    return bool(((result["flags"].values & bit) > 0).all())
+
+
+@pytest.mark.parametrize("distance", [0.01, 0.1])
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"method": "chord"},
+        {"method": "row", "blur": "1.2 um", "propagation_distance": "5 cm"},
+        {"method": "map", "blur": "1.2 um"},
+        {"method": "row", "energy": None, "spectrum": {"10 keV": 0.99, "30 keV": 0.01}},
+        {"method": "row", "energy": None, "polymer_attenuation": "3.49 cm2/g", "solvent_attenuation": "5.33 cm2/g"},
+        {"method": "chord", "frames": "each"},
+    ],
+)
+def test_fringes_are_refused_or_flagged_as_data(scene, fringed, keys, distance) -> None:
+    images, _ = scene(photons=2e4, mean=fringed[distance], rows=6, **keys)
+    result, said = outcome(images)
+    if isinstance(result, InputError):
+        assert result.field == "method"
+        assert "fringes" in result.problem
+        return
+    assert any("fringes" in words for words in said)
+    assert is_flagged(result)
+    assert (result["fringe_significance"].values > 5).all()
+    assert result.attrs["fringes"].startswith("meets Fresnel fringes")
+    assert "fringes" in result.attrs["warnings"]
+
+
+def test_no_fringes_are_said_so(scene) -> None:
+    result = reduce_images(scene(photons=4e6)[0])
+    assert not is_flagged(result)
+    assert float(result["fringe_significance"]) < 5
+    assert result.attrs["fringes"].startswith("none seen")
+
+
+def test_what_cannot_be_tested_is_said(scene) -> None:
+    given = {"energy": None, "polymer_attenuation": "3.49 cm2/g", "solvent_attenuation": "5.33 cm2/g"}
+    solution = {
+        "polymer": {"name": "mine", "density": "1.13 g/cm3"}, "solvent": "water", "mass_fraction": 0.05,
+    }  # fmt: skip
+    images, _ = scene(photons=4e6, solution=solution, **given)
+    result = reduce_images(images)
+    assert np.isnan(float(result["fringe_significance"]))
+    assert "not looked for" in result.attrs["fringes"]
+    assert "not looked for" in result.attrs["warnings"]
+
+
+def test_a_spectrum_with_fringes_is_reduced(scene) -> None:
+    """10 keV with 5 % of the signal at 30 keV, 10 cm: waves summed by their shares; the harmonic left out shows as misfit."""
+    from spinline import xray
+
+    beam = xray.Spectrum(np.array([10.0, 30.0]), np.array([0.95, 0.05]))
+    medium = xray.solution_medium("PEO", "water", beam)
+    jet = xray.RoundJet(np.array([PHI]), 30e-6, 3 * PIXEL)
+    mean = xray.fresnel_counts(jet, medium, xray.Detector(np.ones(120), PIXEL, blur=0.8e-6), 0.1)
+    keys = {"method": "phase", "blur": "0.8 um", "propagation_distance": "10 cm", "block_rows": 6}
+    images, _ = scene(photons=2e6, mean=mean, rows=12, energy=None, spectrum={"10 keV": 0.95, "30 keV": 0.05}, **keys)
+    result = reduce_images(images)
+    assert abs(score(result)) < 3
+    assert float(result["misfit"].max()) < 4
+    assert result.attrs["fringes"] == "fitted"
+    one, _ = scene(photons=2e6, mean=mean, rows=12, **keys)
+    assert float(reduce_images(one)["misfit"].min()) > 4

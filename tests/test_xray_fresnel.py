@@ -148,7 +148,7 @@ def test_the_likelihood_is_unbiased_on_phantoms_by_quadrature(distance) -> None:
     """R = 50 um, nothing known, 1e7 photons: within 0.001, and 1e-9 m in radius and axis."""
     n = 224
     seen = wave_phantom(
-        water_rate(), 50e-6, WATER.wavelength[0], distance, PIXEL, n, axis=2e-6, nodes=int(400 / distance)
+        water_rate(), 50e-6, WATER.wavelength[0], distance, PIXEL, n, axis=2e-6, nodes=int(400 / distance), per_pixel=20
     )
     u = np.linspace(-1, 1, n)
     counts = 1e7 * (1.01 * (1 + 0.01 * u) * seen + 0.01) + 100
@@ -163,13 +163,15 @@ def test_the_likelihood_is_unbiased_on_phantoms_by_quadrature(distance) -> None:
     assert fit.warnings == ()
 
 
-def test_scatter_of_phase_fits_reaches_the_bound() -> None:
+@pytest.mark.parametrize("profile", ["shells", pytest.param("smooth", marks=pytest.mark.slow)])
+def test_scatter_of_phase_fits_reaches_the_bound(profile) -> None:
     """100 replicates at R = 25 um, 10 cm: 0.8 to 1.2 of the bound with the same unknowns; error bars likewise."""
     detector, jet = xray.Detector(np.full(112, 1e5), PIXEL, blur=0.5e-6), xray.RoundJet(np.array([0.05]), 25e-6, 1e-6)
     mean = xray.fresnel_counts(jet, WATER, detector, 0.1)
-    bound = xray.phase_error_limit(jet, WATER, detector, 0.1, nuisances=NUISANCES)
+    bound = xray.phase_error_limit(jet, WATER, detector, 0.1, nuisances=NUISANCES, profile=profile)
     fits = [
-        xray.fit_row_phase(xray.noisy_counts(mean, 7, i), WATER, detector, 0.1, nuisances=NUISANCES) for i in range(100)
+        xray.fit_row_phase(xray.noisy_counts(mean, 7, i), WATER, detector, 0.1, nuisances=NUISANCES, profile=profile)
+        for i in range(100)
     ]
     found = np.array([f.mean_fraction for f in fits])
     assert all(f.converged for f in fits)
@@ -183,7 +185,7 @@ def test_a_wrong_distance_or_blur_is_costly_shows_and_is_cured_by_fitting_it() -
     detector = xray.Detector(np.full(224, 1e6), PIXEL, blur=1.2e-6)
     counts = xray.fresnel_counts(xray.RoundJet(np.array([0.05]), 50e-6, 2e-6), WATER, detector, 0.1)
     wrong = xray.Detector(detector.flat, PIXEL, blur=1.32e-6)
-    held = xray.fit_row_phase(counts, WATER, wrong, 0.1, nuisances=NUISANCES)
+    held = xray.fit_row_phase(counts, WATER, wrong, 0.1, nuisances=NUISANCES, profile="shells")
     assert abs(held.mean_fraction - 0.05) > 0.3
     assert held.misfit > 100
     both = (*NUISANCES, "blur", "distance")
@@ -201,12 +203,15 @@ def test_a_sheath_misleads_the_fringes_and_less_where_refraction_is_fitted() -> 
     jet = xray.RoundJet(np.array([0.06, 0.0]), 46e-6, 0.0, edges)
     detector = xray.Detector(np.full(200, 1e7), PIXEL)
     counts = xray.fresnel_counts(jet, WATER, detector, 0.1)
-    held = xray.fit_row_phase(counts, WATER, detector, 0.1)
-    free = xray.fit_row_phase(counts, WATER, detector, 0.1, nuisances=(*NUISANCES, "distance", "refraction"))
+    rigid = {"profile": "shells"}
+    held = xray.fit_row_phase(counts, WATER, detector, 0.1, **rigid)
+    free = xray.fit_row_phase(counts, WATER, detector, 0.1, nuisances=(*NUISANCES, "distance", "refraction"), **rigid)
     assert held.mean_fraction - jet.mean_fraction < -0.03
     assert abs(free.mean_fraction - jet.mean_fraction) < 0.025
     assert held.misfit > 10
-    right = xray.fit_row_phase(counts, WATER, detector, 0.1, shells=edges)
+    smooth = xray.fit_row_phase(counts, WATER, detector, 0.1)
+    assert abs(smooth.mean_fraction - jet.mean_fraction) < 5e-4
+    right = xray.fit_row_phase(counts, WATER, detector, 0.1, shells=edges, **rigid)
     assert abs(right.mean_fraction - jet.mean_fraction) < 0.25 * right.mean_fraction_std
     assert right.mean_fraction_std < 2e-3
 
@@ -263,6 +268,42 @@ def test_retrieval_passes_the_mean_and_inverts_its_own_equation() -> None:
     assert xray.contact_transmission(noise, PIXEL, 0.0, 4.4e-9) == pytest.approx(noise)
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"distance": np.inf}, "distance"),
+        ({"distance": np.nan}, "distance"),
+        ({"distance": -0.1}, "distance"),
+        ({"pixel": 0.0}, "pixel"),
+        ({"pixel": 1e-200}, "pixel.*too small"),
+        ({"delta_over_mu": -1.0}, "delta_over_mu"),
+        ({"delta_over_mu": np.inf}, "delta_over_mu"),
+        ({"delta_over_mu": "water"}, "delta_over_mu"),
+        ({"delta_over_mu": WATER, "fraction": np.nan}, "fraction"),
+        ({"ratio": np.ones(3)}, "ratio"),
+        ({"ratio": np.ones((3, 8)), "across": False}, "ratio.*rows"),
+        ({"ratio": np.array([1.0, np.nan, 1.0, 1.0])}, "ratio"),
+        ({"ratio": np.ones((0, 8)), "across": False}, "ratio"),
+    ],
+)
+def test_retrieval_refuses(change, words) -> None:
+    with pytest.raises(InputError, match=words):
+        xray.contact_transmission(
+            **{"ratio": np.ones(8), "pixel": PIXEL, "distance": 0.1, "delta_over_mu": 4e-9, **change}
+        )
+
+
+def test_retrieval_at_its_ends() -> None:
+    """No distance or no refraction: the image; any distance: its mean; the ratio of a medium at its fraction."""
+    noise = np.random.default_rng(2).normal(1, 0.1, (4, 16))
+    for nothing in ({"distance": 0.0, "delta_over_mu": 4e-9}, {"distance": 1.0, "delta_over_mu": 0.0}):
+        assert (xray.contact_transmission(noise, PIXEL, **nothing) == noise).all()
+    far = xray.contact_transmission(noise, PIXEL, 1e30, 1e30)
+    assert far == pytest.approx(np.broadcast_to(noise.mean(axis=1, keepdims=True), noise.shape), rel=1e-12)
+    given = xray.contact_transmission(noise, PIXEL, 0.1, WATER.delta_over_mu(0.05))
+    assert (xray.contact_transmission(noise, PIXEL, 0.1, WATER, fraction=0.05) == given).all()
+
+
 @pytest.mark.parametrize(("distance", "most"), [(0.01, 0.01), (0.1, 0.05), (0.2, 0.08)])
 def test_retrieved_rows_are_nearly_unbiased_where_fringes_ignored_are_not(distance, most) -> None:
     detector = xray.Detector(np.full(300, 1e7), PIXEL, blur=1e-6)
@@ -284,7 +325,12 @@ def test_retrieved_rows_are_nearly_unbiased_where_fringes_ignored_are_not(distan
         ({"good": np.arange(100) < 3}, "good.*4 pixels"),
         ({"saturation": 100.0}, "saturated"),
         ({"radius": -1.0}, "radius"),
-        ({"shells": 90}, "unknowns|tell apart"),
+        ({"shells": 90, "profile": "shells"}, "unknowns|tell apart"),
+        ({"profile": "spline"}, "profile"),
+        ({"profile": (0.0, 0.5, 0.4, 1.0)}, "knots"),
+        ({"profile": (0.1, 1.0)}, "knots"),
+        ({"taper": np.inf}, "taper"),
+        ({"taper": 20 * PIXEL}, "taper.*fewer rows"),
     ],
 )
 def test_refusals(change, words) -> None:
@@ -299,7 +345,7 @@ def test_laws_in_the_form_of_the_row_fit() -> None:
     detector = xray.Detector(np.full(100, 1e6), PIXEL)
     jet = xray.RoundJet(np.array([0.05]), 20e-6)
     counts = xray.fresnel_counts(jet, WATER, detector, 0.1)
-    law = xray.phase_law(WATER, 0.1, fitted=())
+    law = xray.phase_law(WATER, 0.1, fitted=(), profile="shells")
     fit = law(counts, WATER.absorber, detector, shells=np.array([0.0, 1.0]), radius=20.2e-6, axis=0.0)
     assert fit.mean_fraction == pytest.approx(0.05, abs=1e-6)
     scaled = xray.Absorber(1.05 * WATER.absorber.solvent, 1.05 * WATER.absorber.contrast, WATER.absorber.air)

@@ -68,3 +68,63 @@ def test_refusals() -> None:
         xray.detect_fringes(mean, WATER, detector, threshold=0.0)
     with pytest.raises(InputError, match="counts"):
         xray.detect_fringes(mean[:50], WATER, detector)
+
+
+EDGES = np.linspace(0, 1, 61)
+MIDDLE = 0.5 * (EDGES[1:] + EDGES[:-1])
+
+
+@pytest.mark.parametrize(
+    "fraction", [0.09 - 0.08 * MIDDLE**2, 0.03 + 0.14 * MIDDLE**12, 0.01 + 0.3 * np.exp(-6 * MIDDLE**2)]
+)
+@pytest.mark.parametrize("said", [0.0, 0.8e-6, 1.6e-6])
+def test_neither_a_profile_nor_a_wrong_blur_is_taken_for_fringes(fraction, said) -> None:
+    """One shell is fitted to a parabola, a skin and a core, at 1e9 photons, of a blur of 0.8 um left out, known and doubled."""
+    jet = xray.RoundJet(fraction, 50e-6, 2e-6, EDGES)
+    mean = xray.expected_counts(jet, WATER.absorber, xray.Detector(np.full(224, 1e9), PIXEL, blur=0.8e-6), slope=0.005)
+    detector = xray.Detector(np.full(224, 1e9), PIXEL, blur=said)
+    assert xray.detect_fringes(xray.noisy_counts(mean, 1), WATER, detector, estimate=False).significance < 5
+
+
+def frame_of(mean, rows, photons, seed=1, blur=0.0):
+    counts = np.random.default_rng(seed).poisson(mean, (rows, mean.size)).astype(float)
+    flat = np.full(counts.shape, float(photons))
+    return xray.Frame(counts, flat, 0 * flat, np.ones(flat.shape, bool), PIXEL, blur)
+
+
+def test_a_frame_shows_what_its_rows_do_not() -> None:
+    """100 photons a pixel, blur 1.2 um, 1 cm: 2 standard deviations a row, over 8 in 48 of them; the air tells without a model."""
+    mean, detector = row(0.01, 100.0, 1.2e-6)
+    frame = frame_of(mean, 48, 100.0, blur=1.2e-6)
+    alone = [xray.detect_fringes(c, WATER, detector, estimate=False).significance for c in frame.counts[:6]]
+    assert np.median(alone) < 4
+    together = xray.frame_fringes(frame, WATER)
+    assert together.detected
+    assert together.significance > 2 * np.median(alone)
+    assert "method" in together.message
+    plain, _ = row(0.0, 100.0, 1.2e-6)
+    assert xray.frame_fringes(frame_of(plain, 48, 100.0, blur=1.2e-6), WATER).significance < 5
+
+
+@pytest.mark.parametrize("distance", [0.0, 0.01, 0.1, 0.2])
+@pytest.mark.parametrize("blur", [0.0, 1.2e-6])
+def test_chords_alone_flag_fringes(distance, blur) -> None:
+    """Without medium or distance: `chord_frame` is told no more than the attenuation, and sees light over the beam."""
+    mean, _ = row(distance, 1e5, blur)
+    frame = frame_of(mean, 8, 1e5)
+    bit = 1 << list(xray.FRAME_FLAGS).index("fringes")
+    if distance > 0.0 and (distance == 0.01 or blur > 0.0):
+        with pytest.raises(InputError, match="no jet"):  # of a uniform absorber
+            xray.chord_frame(frame, WATER.absorber)
+    else:
+        flags = xray.chord_frame(frame, WATER.absorber).flags
+        assert ((flags & bit) > 0).all() == (distance > 0.0)
+
+
+def test_fringes_of_a_beam_of_many_energies_are_seen() -> None:
+    beam = xray.solution_medium("PEO", "water", xray.Spectrum(np.array([11.0, 12.0, 13.0]), np.array([0.3, 0.4, 0.3])))
+    detector = xray.Detector(np.full(224, 1e4), PIXEL, blur=1.2e-6)
+    mean = xray.fresnel_counts(JET, beam, detector, 0.1)
+    assert xray.detect_fringes(xray.noisy_counts(mean, 1), beam, detector, estimate=False).significance > 20
+    plain = xray.fresnel_counts(JET, beam, detector, 0.0)
+    assert xray.detect_fringes(xray.noisy_counts(plain, 1), beam, detector, estimate=False).significance < 5

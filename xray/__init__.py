@@ -26,8 +26,12 @@ module             law
 `medium`           attenuation and refraction of a solution at every line
 `spectral`         a row's fit for a beam of many energies
 `fresnel`          what a row counts at a distance: fringes
+`profiles`         what a wave model takes the jet to be made of: shells, or a continuous profile
 `fringes`          whether there are any
+`fringe_frame`     the same of a frame
+`phase_start`      where the jet is, by its fringes
 `phase_fit`        a row's fit with fringes, and its bound
+`phase_frame`      a frame's, the taper within blocks modelled
 `phase_retrieval`  fringes folded back (Paganin)
 `image`            a whole jet, tilted, blurred, moving
 `several_jets`     several jets in one scan, from many sides
@@ -51,6 +55,7 @@ if TYPE_CHECKING:
     from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
     from spinline.xray.frame import FRAME_FLAGS, Frame, FrameFit, fit_frame
     from spinline.xray.fresnel import edge_fringe_width, fresnel_counts
+    from spinline.xray.fringe_frame import frame_fringes
     from spinline.xray.fringes import FringeTest, detect_fringes
     from spinline.xray.image import JetField, core_and_sheath, expected_image, transmission_image
     from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
@@ -59,6 +64,7 @@ if TYPE_CHECKING:
     from spinline.xray.medium import Medium, solution_medium
     from spinline.xray.outcome import RowFit
     from spinline.xray.phase_fit import fit_row_phase, phase_error_limit, phase_law
+    from spinline.xray.phase_frame import fit_frame_phase
     from spinline.xray.phase_retrieval import contact_transmission
     from spinline.xray.quick import chord_frame
     from spinline.xray.refraction import delta_over_mu, refraction_decrement, wavelength
@@ -107,11 +113,13 @@ _NAMES = {
     "fit_map": "map_fit",
     "expected_image": "image",
     "fit_frame": "frame",
+    "fit_frame_phase": "phase_frame",
     "fit_row": "row",
     "fit_row_phase": "phase_fit",
     "fit_row_spectrum": "spectral",
     "fit_sections": "several_jets",
     "fraction_change": "absorption",
+    "frame_fringes": "fringe_frame",
     "fresnel_counts": "fresnel",
     "gaussian_spectrum": "spectrum",
     "harmonic_spectrum": "spectrum",
@@ -178,12 +186,14 @@ __all__ = [
     "expected_counts",
     "expected_image",
     "fit_frame",
+    "fit_frame_phase",
     "fit_map",
     "fit_row",
     "fit_row_phase",
     "fit_row_spectrum",
     "fit_sections",
     "fraction_change",
+    "frame_fringes",
     "fresnel_counts",
     "gaussian_spectrum",
     "harmonic_spectrum",

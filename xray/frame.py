@@ -30,6 +30,7 @@ FRAME_FLAGS = FLAGS | {
     "not_fitted": "the block could not be fitted",
     "smeared": "radius or axis changes by more than two pixels within the block: take fewer rows",
     "few_counts": "few counts: the logarithm's bias is over a tenth of the error; use the likelihood",
+    "fringes": "Fresnel fringes, reduced as absorption: the fraction is wrong, by -0.2 to -6; take the phase method",
 }
 
 
@@ -109,6 +110,8 @@ class FrameFit:
         Bit i for the i-th key of `FRAME_FLAGS`.
     reasons : dict
         First row of a block that could not be fitted, to the reason.
+    fringes : float
+        Significance of fringes in a frame that is reduced as absorption (`fringe_frame`); NaN where they were not looked for.
     """
 
     method: str
@@ -124,6 +127,7 @@ class FrameFit:
     misfit: FloatArray
     flags: NDArray[np.int64]
     reasons: dict[int, str] = field(default_factory=dict)
+    fringes: float = np.nan
 
     @classmethod
     def empty(cls, method: str, edges: FloatArray, rows: NDArray[np.int64]) -> "FrameFit":
@@ -177,6 +181,8 @@ def fit_frame(
     done: Callable[[int], None] | None = None,
     begun: FrameFit | None = None,
     keep: Callable[[FrameFit], None] | None = None,
+    change: FloatArray | None = None,
+    again: tuple[FrameFit, BoolArray] | None = None,
 ) -> FrameFit:
     """Estimate the polymer fraction in the shells of every block of rows, by likelihood.
 
@@ -201,6 +207,10 @@ def fit_frame(
         What an interrupted fit of the same frame passed to `keep`: the blocks in it are not fitted again.
     keep : callable, optional
         Called after each block with the fit so far, which is changed afterwards.
+    change : ndarray, shape (blocks, 2), optional
+        Change of radius and axis over each block, m, for a `one` that takes them as taper and lean; else it is left to a blur.
+    again : (FrameFit, ndarray of bool), optional
+        A fit made before, and which of its blocks are to be fitted again, in place.
 
     Returns
     -------
@@ -220,11 +230,15 @@ def fit_frame(
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     path = require_track(frame) if track is None else track
     half = 0.5 * frame.counts.shape[1] - 1.0
-    fit = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows)) if begun is None else begun
+    fresh = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows))
+    fit = again[0] if again is not None else fresh if begun is None else begun
     first: InputError | None = None
     for b, (start, stop) in enumerate(fit.rows.tolist()):
+        if again is not None and not again[1][b]:
+            continue
         if begun is not None and (np.isfinite(fit.mean[b]) or start in fit.reasons):
             continue
+        more: dict[str, float] = {}
         inside = slice(start, stop)
         radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
         smear = float(
@@ -233,6 +247,8 @@ def fit_frame(
                 _trend(axis, path.axis_std[inside], path.found[inside]),
             )
         )
+        if change is not None:
+            more, smear = {"taper": float(change[b, 0]), "lean": float(change[b, 1])}, 0.0
         if smear > _SMEARED:
             fit.flag(b, "smeared")
         try:
@@ -241,13 +257,17 @@ def fit_frame(
                 detector = replace(detector, blur=float(np.hypot(frame.blur, smear * frame.pixel)))
             row = one(
                 counts, absorber, detector, shells=edges, nuisances=nuisances, good=good,
-                radius=float(radius.mean()) * frame.pixel, axis=float(axis.mean()) * frame.pixel,
+                radius=float(radius.mean()) * frame.pixel, axis=float(axis.mean()) * frame.pixel, **more,
             )  # fmt: skip
         except InputError as error:
+            if again is not None:
+                continue
             first = first or error
             fit.reasons[start] = str(error)
             fit.flag(b, "not_fitted")
         else:
+            if again is not None:
+                fit.flags[b] = 0
             _fill(fit, b, row)
         if done is not None:
             done(b + 1)

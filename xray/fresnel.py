@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from spinline.checks import FloatArray, number, positive
 from spinline.errors import InputError
-from spinline.xray.chords import disc_chords
 from spinline.xray.forward import Detector, RoundJet
 from spinline.xray.medium import Medium
 from spinline.xray.model import NUISANCES, RowModel
+from spinline.xray.profiles import Profile, Shells
 
 __all__ = ["PHASE_NUISANCES", "WaveRowModel", "cells_per_pixel", "edge_fringe_width", "fresnel_counts", "wave_model"]
 
@@ -80,6 +80,10 @@ def cells_per_pixel(medium: Medium, radius: float, pixel: float, blur: float = 0
     return max(parts, _FEWEST)
 
 
+_Spread = tuple[FloatArray, FloatArray, FloatArray]
+_Paths = tuple[FloatArray, FloatArray, FloatArray, _Spread]
+
+
 class WaveRowModel(RowModel):
     """Counts of one row behind a jet at a distance, with their derivatives; parameters as `RowModel`, then the distance and a
     factor on the refraction (1 as tabulated).
@@ -96,6 +100,10 @@ class WaveRowModel(RowModel):
         m, where the blur is fitted.
     cells : int, optional
         A pixel's, where `cells_per_pixel` shall not decide.
+    profile : Profile, optional
+        What the fractions are the coefficients of; left out, shells with these edges.
+    sections : ndarray, shape (sections, 2)
+        Radius and axis of the sections that a block of rows is the mean of, less those of the parameters, m; left out, one.
     """
 
     def __init__(
@@ -106,13 +114,18 @@ class WaveRowModel(RowModel):
         radius: float,
         widest_blur: float | None = None,
         cells: int | None = None,
+        profile: Profile | None = None,
+        sections: FloatArray | None = None,
     ) -> None:
         thin = medium.absorber
         super().__init__(
             detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
             thin.solvent - thin.air, thin.contrast, detector.blur, widest_blur,
         )  # fmt: skip
-        self.names = (*self.names, "distance", "refraction")
+        self.profile = Shells(edges) if profile is None else profile
+        self.shells = self.profile.size
+        self.sections = np.zeros((1, 2)) if sections is None else sections
+        self.names = (*(f"fraction[{j}]" for j in range(self.shells)), *PHASE_NUISANCES)
         self.medium = medium
         n = self.flat.size
         widest = max(detector.blur, widest_blur or 0.0) if detector.blur > 0.0 else 0.0
@@ -130,34 +143,36 @@ class WaveRowModel(RowModel):
 
     def allows(self, parameters: FloatArray) -> bool:
         """Whether parameters have a meaning: as `RowModel.allows`, a jet inside the window, a distance >= 0."""
-        radius, axis = parameters[self.shells], parameters[self.shells + 1]
-        inside = abs(axis) + radius < 0.24 * self._x.size * self._step  # 1.2 times half the row
+        radius = parameters[self.shells] + self.sections[:, 0]
+        axis = parameters[self.shells + 1] + self.sections[:, 1]
+        inside = bool((np.abs(axis) + radius < 0.24 * self._x.size * self._step).all())  # 1.2 times half the row
         bends = bool(parameters[-2] >= 0.0) and bool(0.2 < parameters[-1] < 5.0)
-        return inside and bends and super().allows(parameters[:-2])
+        return inside and bool((radius > 0.0).all()) and bends and super().allows(parameters[:-2])
 
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean counts, shape (pixels,), and their derivatives, shape (pixels, shells + 7); as `RowModel.evaluate`."""
         k = self.shells
         radius, axis, amplitude, slope, blur, distance, bend = parameters[k:].tolist()
-        within, x = self._within(radius, axis)
-        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], x, axis)
-        spread = _chord_spread(x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
         at = slice(self._skip, self._skip + self._seen)
         columns = np.zeros((self._seen, k + 5))
-        depth = np.diff(chords, axis=1, prepend=0.0).T
         wave = np.zeros((k + 4, self._x.size - 1), dtype=np.complex128)
         wide = self._seen * self._step  # light of frequency f lands lambda z f aside
-        for i, weight in enumerate(self.medium.weight):
-            wave[:, within], by_phase = self._wave(i, parameters[:k], bend, chords, by_radius, by_axis, depth, spread)
-            spectrum = _fft(wave)
-            lam = self.medium.wavelength[i]
-            turned = spectrum * self._transfer(lam, distance, wide)
-            later = _ifft(np.concatenate((turned, turned[:1] * (-1j * np.pi * lam * self._frequency**2))))[:, at]
-            u = 1.0 + later[0]
-            columns[:, 0] += weight * (u.real**2 + u.imag**2)
-            changes = 2.0 * (np.conj(u) * later[1:]).real
-            changes[:k] = 2.0 * (np.conj(u) * later[1 : k + 1] * by_phase).real
-            columns[:, 1:] += weight * changes.T
+        shares = self.medium.weight / self.sections.shape[0]
+        for more, aside in self.sections.tolist():
+            within, x = self._within(radius + more, axis + aside)
+            paths = self._paths(radius + more, x, axis + aside)
+            for i, share in enumerate(shares):
+                wave[:] = 0.0
+                wave[:, within], by_phase = self._wave(i, parameters[:k], bend, paths)
+                spectrum = _fft(wave)
+                lam = self.medium.wavelength[i]
+                turned = spectrum * self._transfer(lam, distance, wide)
+                later = _ifft(np.concatenate((turned, turned[:1] * (-1j * np.pi * lam * self._frequency**2))))[:, at]
+                u = 1.0 + later[0]
+                columns[:, 0] += share * (u.real**2 + u.imag**2)
+                changes = 2.0 * (np.conj(u) * later[1:]).real
+                changes[:k] = 2.0 * (np.conj(u) * later[1 : k + 1] * by_phase).real
+                columns[:, 1:] += share * changes.T
         blurred, by_blur = self._blurred(columns, blur)
         beam = self.flat * (amplitude * (1.0 + slope * self.u))
         jacobian = np.empty((self.flat.size, k + 7))
@@ -174,22 +189,18 @@ class WaveRowModel(RowModel):
         """Mean counts alone, shape (pixels,), at a fraction of the price of `evaluate`."""
         k = self.shells
         radius, axis, amplitude, slope, blur, distance, bend = parameters[k:].tolist()
-        within, x = self._within(radius, axis)
-        chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], x, axis)
-        variance, _, _ = _chord_spread(x - axis, radius, chords[:, -1], by_radius[:, -1], by_axis[:, -1])
-        wave = np.zeros(self._x.size - 1, dtype=np.complex128)
         at = slice(self._skip, self._skip + self._seen)
         seen = np.zeros((self._seen, 1))
         m = self.medium
-        for i, weight in enumerate(m.weight):
-            turn = 2j * np.pi / m.wavelength[i] * bend
-            base = 0.5 * (m.solvent[i] - m.air[i]) + turn * (m.delta_solvent[i] - m.delta_air[i])
-            step = base + (0.5 * m.contrast[i] + turn * m.delta_contrast[i]) * parameters[:k]
-            outer = step[-1]
-            step[:-1] -= step[1:].copy()
-            wave[within] = np.exp(-(chords @ step)) * (1.0 + 0.5 * outer**2 * variance) - 1.0
-            later = _ifft(_fft(wave) * self._transfer(m.wavelength[i], distance, self._seen * self._step))[at]
-            seen[:, 0] += weight * np.abs(1.0 + later) ** 2
+        for more, aside in self.sections.tolist():
+            within, x = self._within(radius + more, axis + aside)
+            depth, _, _, (variance, _, _) = self._paths(radius + more, x, axis + aside)
+            for i, share in enumerate(m.weight / self.sections.shape[0]):
+                rate, _, _ = self._rates(i, parameters[:k], bend)
+                wave = np.zeros(self._x.size - 1, dtype=np.complex128)
+                wave[within] = np.exp(-(depth @ rate)) * (1.0 + 0.5 * rate[-1] ** 2 * variance) - 1.0
+                later = _ifft(_fft(wave) * self._transfer(m.wavelength[i], distance, self._seen * self._step))[at]
+                seen[:, 0] += share * np.abs(1.0 + later) ** 2
         blurred, _ = self._blurred(seen, blur)
         beam = self.flat * (amplitude * (1.0 + slope * self.u))
         return np.asarray(beam * blurred[:, 0] + self._background)
@@ -200,40 +211,41 @@ class WaveRowModel(RowModel):
         last = min(int(np.searchsorted(self._x, axis + radius)) + 1, self._x.size - 1)
         return slice(first, last), self._x[first : last + 1]
 
+    def _paths(self, radius: float, x: FloatArray, axis: float) -> _Paths:
+        """Depths of the profile in cells of edges x, their derivatives, and the spread of the whole chord within a cell."""
+        depth, by_radius, by_axis = self.profile.depths(radius, x, axis)
+        whole = (array.sum(axis=1) for array in (depth, by_radius, by_axis))
+        return depth, by_radius, by_axis, _chord_spread(x - axis, radius, *whole)
+
+    def _rates(
+        self, line: int, fraction: FloatArray, bend: float
+    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128], complex]:
+        """What a metre of each part does to the wave: all of it, the refraction's for a factor of 1, and its slope with the
+        fraction.
+        """
+        m = self.medium
+        turn = 2j * np.pi / m.wavelength[line]
+        delta = turn * (m.delta_solvent[line] - m.delta_air[line] + m.delta_contrast[line] * fraction)
+        mu = 0.5 * (m.solvent[line] - m.air[line] + m.contrast[line] * fraction)
+        return mu + bend * delta, delta, complex(0.5 * m.contrast[line] + bend * turn * m.delta_contrast[line])
+
     def _wave(
-        self,
-        line: int,
-        fraction: FloatArray,
-        bend: float,
-        chords: FloatArray,
-        by_radius: FloatArray,
-        by_axis: FloatArray,
-        depth: FloatArray,
-        spread: tuple[FloatArray, FloatArray, FloatArray],
+        self, line: int, fraction: FloatArray, bend: float, paths: _Paths
     ) -> tuple[NDArray[np.complex128], complex]:
         """The wave less 1, cell by cell, and its derivatives (fractions short of a factor, radius, axis, bend)."""
-        m = self.medium
-        turn = 2j * np.pi / m.wavelength[line] * bend
-        base = 0.5 * (m.solvent[line] - m.air[line]) + turn * (m.delta_solvent[line] - m.delta_air[line])
-        slope = complex(0.5 * m.contrast[line] + turn * m.delta_contrast[line])
-        rate = base + slope * fraction
-        step = rate.copy()
-        step[:-1] -= rate[1:]
-        k = self.shells
-        plain = np.exp(-(chords @ step))
-        variance, variance_by_radius, variance_by_axis = spread
-        half = 0.5 * step[-1] ** 2
+        rate, delta, slope = self._rates(line, fraction, bend)
+        depth, by_radius, by_axis, (variance, variance_by_radius, variance_by_axis) = paths
+        k, edge = self.shells, rate[-1]
+        plain = np.exp(-(depth @ rate))
+        half = 0.5 * edge**2
         u = plain * (1.0 + half * variance)
         out = np.empty((k + 4, u.size), dtype=np.complex128)
         out[0] = u - 1.0
-        out[1 : k + 1] = -u * depth
-        out[k] += plain * (step[-1] * variance)
-        out[k + 1] = -u * (by_radius @ (step * self.edges[1:])) + plain * (half * variance_by_radius)
-        out[k + 2] = -u * (by_axis @ step) + plain * (half * variance_by_axis)
-        delta = turn / bend * (m.delta_solvent[line] - m.delta_air[line] + m.delta_contrast[line] * fraction)
-        by_bend = delta.copy()
-        by_bend[:-1] -= delta[1:]
-        out[k + 3] = -u * (chords @ by_bend) + plain * (step[-1] * variance * delta[-1])
+        out[1 : k + 1] = -u * depth.T
+        out[k] += plain * (edge * variance)
+        out[k + 1] = -u * (by_radius @ rate) + plain * (half * variance_by_radius)
+        out[k + 2] = -u * (by_axis @ rate) + plain * (half * variance_by_axis)
+        out[k + 3] = -u * (depth @ delta) + plain * (edge * variance * delta[-1])
         return out, slope
 
     def _transfer(self, wave: float, distance: float, wide: float) -> NDArray[np.complex128]:
@@ -248,7 +260,7 @@ class WaveRowModel(RowModel):
 def wave_model(
     medium: Medium, detector: Detector, edges: FloatArray, radius: float, widest_blur: float | None = None
 ) -> WaveRowModel:
-    """The model of one row at a distance, ready to evaluate."""
+    """The model of one row at a distance, of uniform shells, ready to evaluate."""
     return WaveRowModel(detector, edges, medium, radius, widest_blur)
 
 
@@ -294,7 +306,7 @@ def fresnel_counts(
 
 def _chord_spread(
     x: FloatArray, radius: float, chord: FloatArray, by_radius: FloatArray, by_axis: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> _Spread:
     """Variance of the disc's chord within each cell of edges x, and its derivatives with radius and axis."""
     inside = np.clip(x, -radius, radius)
     over = 4.0 / (x[1] - x[0])

@@ -1,13 +1,15 @@
 """Whether a row of counts holds Fresnel fringes, which absorption alone would take for polymer.
 
 Reduced as absorption, fringes of 1 cm of propagation bias the mean fraction by -0.25, of 10 cm by -1.9 (R = 50 um, PEO in
-water, 10 keV). What they leave in the residuals of the absorption fit is known: the model of `fresnel` at the fitted jet, less
-that of absorption. For distances from 1 mm to 1 m the residuals, in their standard deviations, are projected on that pattern,
-after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the significance,
-in standard deviations that what fringes do not explain widens: a profile that no shells follow is not taken for fringes.
-It is one-sided: a blur that was left out leaves the opposite pattern. A blur that was overstated leaves the same.
+water, 10 keV). What they leave in the residuals of the absorption fit is known: the model of `fresnel` at the fitted jet,
+less that of absorption. For distances from 1 mm to 1 m the residuals, in their standard deviations, are projected on that
+pattern, after what a change of the fit's own unknowns could explain is taken out of it; the largest projection is the
+significance. It is one-sided: a blur that was left out leaves the opposite pattern.
 
-Where absorption fits badly, jets from fringes folded back are tried too; they count if they fit better than absorption does.
+A blur that was overstated leaves the same, and so may a profile that few shells do not fit, where photons are many. But
+absorption cannot brighten the air beside the jet over the beam, and fringes do: counts there are projected on the brightening
+alone, the beam's level and slope taken out. Where it ought to be seen and is not, the rest is not believed; where the
+absorption fit is astray, it alone decides.
 """
 
 from collections.abc import Sequence
@@ -26,17 +28,20 @@ from spinline.xray.limit import free_parameters
 from spinline.xray.medium import Medium
 from spinline.xray.model import NUISANCES, RowModel
 from spinline.xray.outcome import RowFit
-from spinline.xray.phase_fit import fit_row_phase, phase_start, start_ratio
+from spinline.xray.phase_fit import fit_row_phase
+from spinline.xray.phase_start import phase_start, start_ratio
 from spinline.xray.row import fit_row
 
-__all__ = ["FringeTest", "detect_fringes"]
+__all__ = ["FringeLook", "FringeTest", "detect_fringes", "look_for_fringes"]
 
 _DISTANCES = tuple(float(z) for z in np.geomspace(1e-3, 1.0, 10))
 _TRIED = tuple(float(z) for z in np.geomspace(1e-3, 1.0, 25))
 _CELLS = 8
+_SHARP = 0.2  # pixels
 _PLAUSIBLE = 0.05
-_ODD = 3.0  # misfit of an absorption fit that is no guide
-_SHELLS = 3  # one is a misfit of its own where the profile is not flat and the photons are many
+_ODD = 3.0  # misfit of an absorption fit that may be no guide
+_SEEN, _PART = 8.0, 0.25  # a brightening of the air that must be seen, and how much of it
+_PART_OF_ROW, _PART_OF_AIR, _FAINT = 0.1, 0.02, 3.0
 _NUISANCES = ("radius", "axis", "amplitude", "slope")
 
 
@@ -89,7 +94,7 @@ def detect_fringes(
     medium : Medium
         Attenuation and refraction (`solution_medium`).
     fit : RowFit, optional
-        The absorption fit of the same counts; made here, with three shells or one, where left out.
+        The absorption fit of the same counts; made here, with one shell, where left out.
     nuisances : sequence of str
         What that fit had free beside the fractions.
     threshold : float
@@ -111,46 +116,10 @@ def detect_fringes(
     15 ms for 220 pixels without the estimate. The sum of many rows tells more than each: test blocks.
     """
     least = positive("threshold", threshold)
-    data, rows = summed_counts(counts, detector, good, saturation)
-    lit = rows > 0
-    absorption = fit or _absorption(counts, medium, detector, nuisances, good, saturation)
-    edges = equal_shells(1) if absorption is None else absorption.jet.shell_edges
-    k = edges.size - 1
-    free = free_parameters(k, nuisances)
-    plain = row_model(medium.absorber, detector, edges)
-    plain.scale_exposure(rows)
-    wave = WaveRowModel(detector, edges, medium, detector.pixel, cells=_CELLS)
-    wave.scale_exposure(rows)
-    looks: list[tuple[FloatArray, float]] = []
-    guessed: list[tuple[FloatArray, float]] = []
-    if absorption is not None:
-        held = [absorption.values[name] for name in NUISANCES[:-1]]
-        looks = [(np.array([*absorption.jet.fraction, *held, detector.blur]), z) for z in _DISTANCES]
-    astray = absorption is None or not wave.allows(np.append(looks[0][0], [_DISTANCES[0], 1.0]))
-    if astray or (
-        absorption is not None and absorption.misfit > _ODD
-    ):  # no guide to the jet: fold the fringes back instead
-        level = max(float(np.median(start_ratio(data, rows, lit, detector))), 1e-6)
-        for z in _DISTANCES:
-            place = phase_start(counts, medium, detector, z, good=good, saturation=saturation)
-            numbers = [*np.full(k, _PLAUSIBLE), place.radius, place.axis, level, 0.0, detector.blur]
-            guessed.append((np.array(numbers), z))
-    significance, overshoot = -np.inf, 0.0
-    for at, z in looks:
-        score, over = _score(plain, wave, at, z, free, data, lit)
-        if score > significance:
-            significance, overshoot = score, over
-    reached = (
-        np.inf
-        if absorption is None
-        else float(((data[lit] - absorption.expected[lit]) ** 2 / absorption.expected[lit]).sum())
-    )
-    for at, z in guessed:
-        score, over = _score(plain, wave, at, z, free, data, lit)
-        if score > significance and _left(plain, wave, at, z, free, data, lit) < reached:
-            significance, overshoot = score, over
+    seen = look_for_fringes(counts, medium, detector, fit=fit, nuisances=nuisances, good=good, saturation=saturation)
+    significance = seen.significance()
     if significance < least:
-        return FringeTest(False, significance, np.nan, np.nan, overshoot, "")
+        return FringeTest(False, significance, np.nan, np.nan, seen.overshoot, "")
     distance, error = (np.nan, np.nan)
     if estimate:
         distance, error = _distance(counts, medium, detector, good, saturation)
@@ -159,7 +128,101 @@ def detect_fringes(
         f"Fresnel fringes{about} ({significance:.0f} standard deviations): absorption alone would misread them; "
         'reduce with propagation_distance and method "phase", or bring the detector nearer'
     )
-    return FringeTest(True, significance, distance, error, overshoot, message)
+    return FringeTest(True, significance, distance, error, seen.overshoot, message)
+
+
+@dataclass(frozen=True, eq=False)
+class FringeLook:
+    """What rows show of fringes at each of ten distances from 1 mm to 1 m; looks at other rows of one frame add up.
+
+    Attributes
+    ----------
+    whole, air : ndarray, shape (10, 2)
+        Projection of the residuals on the pattern of fringes, and the pattern's square, in squared standard deviations: within
+        the row, after an absorption fit (0 where there is none), and in the air beside the jet, where they brighten it.
+    overshoot : float
+        As in `FringeTest`.
+    sharp : bool
+        The absorption fit knows the radius to a fifth of a pixel. Where it does not, its edges follow the noise and leave a
+        little of what fringes leave, two standard deviations: too much to be added up.
+    """
+
+    whole: FloatArray
+    air: FloatArray
+    overshoot: float
+    sharp: bool
+
+    def __add__(self, other: "FringeLook") -> "FringeLook":
+        whole = self.whole * self.sharp + other.whole * other.sharp
+        return FringeLook(whole, self.air + other.air, max(self.overshoot, other.overshoot), True)
+
+    def significance(self) -> float:
+        """Largest significance over the distances.
+
+        A projection counts where it is a good part of what fringes of that distance would give, a tenth in the whole row, a
+        fiftieth in the air: what is less is another flaw, in many photons. And that of the whole row counts as far as the air
+        does not deny it: where the pattern would brighten the air by over 8 standard deviations, a quarter has to be there.
+        """
+        whole, _size = _deviations(self.whole, _PART_OF_ROW)
+        air, air_size = _deviations(self.air, _PART_OF_AIR)
+        denied = (air_size > _SEEN) & (air < _PART * air_size)
+        return float(max(np.max(np.where(denied, np.minimum(whole, air), whole)), np.max(air)))
+
+
+def _deviations(look: FloatArray, part: float) -> tuple[FloatArray, FloatArray]:
+    """Projections in standard deviations, held to under 3 where they are less than a part of the pattern, and its size."""
+    size = np.sqrt(np.maximum(look[:, 1], 0.0))
+    value = np.where(size > 0.0, look[:, 0] / np.where(size > 0.0, size, 1.0), 0.0)
+    return np.where(value < part * size, np.minimum(value, _FAINT), value), size
+
+
+def look_for_fringes(
+    counts: ArrayLike,
+    medium: Medium,
+    detector: Detector,
+    *,
+    fit: RowFit | None = None,
+    nuisances: Sequence[str] = _NUISANCES,
+    good: ArrayLike | None = None,
+    saturation: float = np.inf,
+) -> FringeLook:
+    """Look at a row, or a block of rows, for fringes; arguments as in `detect_fringes`."""
+    data, rows = summed_counts(counts, detector, good, saturation)
+    lit = rows > 0
+    edges = equal_shells(1) if fit is None else fit.jet.shell_edges
+    k = edges.size - 1
+    free = free_parameters(k, nuisances)
+    plain = row_model(medium.absorber, detector, edges)
+    plain.scale_exposure(rows)
+    absorption = fit or _absorption(counts, medium, detector, nuisances, good, saturation)
+    wave = WaveRowModel(detector, edges, medium, detector.pixel, cells=_CELLS)
+    wave.scale_exposure(rows)
+    whole, air, over = np.zeros((len(_DISTANCES), 2)), np.zeros((len(_DISTANCES), 2)), 0.0
+    guide = None
+    if absorption is not None:
+        guide = np.array(
+            [*absorption.jet.fraction, *(absorption.values[name] for name in NUISANCES[:-1]), detector.blur]
+        )
+        if not wave.allows(np.append(guide, [_DISTANCES[0], 1.0])):
+            guide = None
+    astray = guide is None or (absorption is not None and absorption.misfit > _ODD)
+    level = max(float(np.median(start_ratio(data, rows, lit, detector))), 1e-6)
+    for i, z in enumerate(_DISTANCES):
+        looks = []
+        if guide is not None:
+            whole[i] = _within(plain, wave, guide, z, free, data, lit)
+            looks.append(guide)
+        if astray:  # the fit may be no guide to the jet: fold the fringes back instead
+            place = phase_start(counts, medium, detector, z, good=good, saturation=saturation)
+            if absorption is None or place.deviance < absorption.deviance:
+                looks.append(np.array([*np.full(k, _PLAUSIBLE), place.radius, place.axis, level, 0.0, detector.blur]))
+        for at in looks:
+            seen, brightest = _beside(wave, at, z, data, lit)
+            over = max(over, brightest)
+            if seen[1] > 0.0 and (air[i, 1] == 0.0 or seen[0] / np.sqrt(seen[1]) > air[i, 0] / np.sqrt(air[i, 1])):
+                air[i] = seen
+    sharp = absorption is not None and absorption.std["radius"] < _SHARP * detector.pixel
+    return FringeLook(whole, air, over, sharp)
 
 
 def _absorption(
@@ -170,55 +233,66 @@ def _absorption(
     good: ArrayLike | None,
     saturation: float,
 ) -> RowFit | None:
-    """The absorption fit, with one shell where three cannot be told apart; None where the counts have none."""
-    for shells in (_SHELLS, 1):
-        try:
-            fit = fit_row(
-                counts, medium.absorber, detector, shells=shells, nuisances=nuisances, good=good, saturation=saturation
-            )
-        except InputError as error:
-            if error.field not in ("shells", "jet"):
-                raise
-        else:
-            if fit.converged and "narrow_shells" not in fit.flags:
-                return fit
-    return None
+    """The absorption fit, or None where the counts have none."""
+    try:
+        fit = fit_row(
+            counts, medium.absorber, detector, shells=1, nuisances=nuisances, good=good, saturation=saturation
+        )
+    except InputError as error:
+        if error.field in ("shells", "jet"):
+            return None
+        raise
+    return fit if fit.converged else None
 
 
-def _score(
+def _within(
     plain: RowModel, wave: WaveRowModel, at: FloatArray, z: float, free: list[int], data: FloatArray, lit: BoolArray
-) -> tuple[float, float]:
-    """Residuals of absorption projected on the pattern of fringes of a distance, in standard deviations; the overshoot."""
+) -> FloatArray:
+    """Residuals of absorption projected on the pattern of fringes of a distance, and that pattern's square."""
     expected, jacobian = plain.evaluate(at)
     sd = np.sqrt(expected[lit])
     residual = (data[lit] - expected[lit]) / sd
-    sane = at.copy()
-    sane[: plain.shells] = np.clip(sane[: plain.shells], 0.0, 1.0)  # what took fringes for polymer is no guide to delta
+    sane = _sane(plain, at)
     if not wave.allows(np.append(sane, [z, 1.0])):
-        return -np.inf, 0.0
+        return np.zeros(2)
     pattern = (wave.mean(np.append(sane, [z, 1.0]))[lit] - plain.evaluate(sane)[0][lit]) / sd
     basis = _basis(jacobian[lit][:, free] / sd[:, None])
     pattern = pattern - basis @ (basis.T @ pattern)
-    size = float(np.sqrt(pattern @ pattern))
-    projection = float(pattern @ residual) / size if size > 0.0 else 0.0
-    residual = residual - basis @ (basis.T @ residual)
-    rest = (residual @ residual - projection**2) / max(residual.size - basis.shape[1] - 1, 1)
-    over = float(np.max((data[lit] - expected[lit]) / (plain.flat[lit] * at[plain.shells + 2])))
-    return projection / float(np.sqrt(max(rest, 1.0))), over
+    return np.array([pattern @ residual, pattern @ pattern])
 
 
-def _left(
-    plain: RowModel, wave: WaveRowModel, at: FloatArray, z: float, free: list[int], data: FloatArray, lit: BoolArray
-) -> float:
-    """Chi-square of the wave's counts at a guess, after a linear step of the fit's unknowns; inf where no wave is."""
-    if not wave.allows(np.append(at, [z, 1.0])):
-        return np.inf
-    mean = wave.mean(np.append(at, [z, 1.0]))[lit]
-    sd = np.sqrt(np.maximum(mean, 1.0))
-    basis = _basis(plain.evaluate(at)[1][lit][:, free] / sd[:, None])
-    residual = (data[lit] - mean) / sd
-    residual -= basis @ (basis.T @ residual)
-    return float(residual @ residual)
+def _beside(wave: WaveRowModel, at: FloatArray, z: float, data: FloatArray, lit: BoolArray) -> tuple[FloatArray, float]:
+    """Counts beside the jet over a straight beam, projected on what fringes of a distance add to it there; that pattern's
+    square; and the largest excess as a share of the beam.
+    """
+    sane = np.append(_sane(wave, at), [z, 1.0])
+    radius, axis, level, slope = sane[wave.shells : wave.shells + 4].tolist()
+    u = wave.u
+    aside = np.abs(0.5 * wave.pixel * u * (u.size - 1) - axis) - radius
+    if not wave.allows(sane):
+        return np.zeros(2), 0.0
+    shine = wave.flat * (level * (1.0 + slope * u))
+    beam = shine + wave.flat * wave.veil + wave.dark
+    brighter = np.maximum(wave.mean(sane) - beam, 0.0)
+    far = aside > 2.0 * wave.pixel + 5.0 * float(
+        sane[wave.shells + 4]
+    )  # nearer, blur and a radius a little off darken the air
+    outside = lit & (aside > 0.5 * wave.pixel) & (far | (brighter > 0.0))
+    if outside.sum() < 8:
+        return np.zeros(2), 0.0
+    sd = np.sqrt(beam)[outside]
+    pattern = brighter[outside] / sd
+    excess = (data - beam)[outside]
+    basis = _basis(np.stack((wave.flat, wave.flat * u), axis=1)[outside] / sd[:, None])
+    pattern = pattern - basis @ (basis.T @ pattern)
+    return np.array([pattern @ (excess / sd), pattern @ pattern]), float(np.max(excess / shine[outside]))
+
+
+def _sane(model: RowModel, at: FloatArray) -> FloatArray:
+    """Parameters with fractions in [0, 1]: what took fringes for polymer is no guide to delta."""
+    sane = at.copy()
+    sane[: model.shells] = np.clip(sane[: model.shells], 0.0, 1.0)
+    return sane
 
 
 def _basis(columns: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from spinline.xray.forward import RoundJet
 from spinline.xray.limit import covariance_bound
 from spinline.xray.model import RowModel
 
-__all__ = ["FLAGS", "RowFit", "row_outcome"]
+__all__ = ["FLAGS", "RowFit", "row_outcome", "turned_covariance"]
 
 FLAGS = {
     "not_converged": "the fit did not converge: give radius and axis, or fit fewer unknowns",
@@ -90,6 +90,7 @@ def row_outcome(
     lit: BoolArray,
     said: tuple[str, ...] = (),
     misfit: str = FLAGS["misfit"],
+    shells: tuple[FloatArray, FloatArray] | None = None,
 ) -> RowFit:
     """`RowFit` of what `scoring.largest_likelihood` returned.
 
@@ -106,6 +107,8 @@ def row_outcome(
         Warnings that come first.
     misfit : str
         What to say where the counts scatter too much.
+    shells : (ndarray, ndarray), optional
+        Edges r/R and, shape (shells, model.shells), the means over them of the model's profile, where that is no staircase.
     """
     at, converged, iterations, deviance = best
     k = model.shells
@@ -114,16 +117,23 @@ def row_outcome(
     names = tuple(model.names[i] for i in free)
     covariance = covariance_bound(mean, used[:, free], names)
     alone = covariance_bound(mean, used[:, :k], names[:k])
-    weights = shell_weights(model.edges)
+    fraction, edges = at[:k], model.edges
+    if shells is not None:
+        edges, means = shells
+        fraction = means @ fraction
+        covariance, alone = turned_covariance(covariance, means), turned_covariance(alone, means)
+        names = (*(f"fraction[{j}]" for j in range(fraction.size)), *names[k:])
+    weights, count = shell_weights(edges), fraction.size
     sd = np.zeros(at.size)
-    sd[free] = np.sqrt(np.diag(covariance))
+    deviations = np.sqrt(np.diag(covariance))
+    sd[[i for i in free if i >= k]] = deviations[count:]
     freedom = int(lit.sum()) - len(free)
     pearson = float(((data[lit] - mean) ** 2 / mean).sum())
     fit = RowFit(
-        jet=RoundJet(at[:k], float(at[k]), float(at[k + 1]), model.edges),
-        fraction_std=sd[:k],
-        mean_fraction=float(weights @ at[:k]),
-        mean_fraction_std=float(np.sqrt(weights @ covariance[:k, :k] @ weights)),
+        jet=RoundJet(fraction, float(at[k]), float(at[k + 1]), edges),
+        fraction_std=deviations[:count],
+        mean_fraction=float(weights @ fraction),
+        mean_fraction_std=float(np.sqrt(weights @ covariance[:count, :count] @ weights)),
         limit_std=float(np.sqrt(weights @ alone @ weights)),
         values=dict(zip(model.names[k:], at[k:].tolist(), strict=True)),
         std=dict(zip(model.names[k:], sd[k:].tolist(), strict=True)),
@@ -150,6 +160,15 @@ def row_outcome(
     return replace(fit, flags=tuple(flags), warnings=(*said, *words))
 
 
+def turned_covariance(covariance: FloatArray, means: FloatArray) -> FloatArray:
+    """Covariance of the means of the first unknowns, and of the others."""
+    shells, own = means.shape
+    turn = np.zeros((covariance.shape[0] + shells - own, covariance.shape[0]))
+    turn[:shells, :own] = means
+    turn[shells:, own:] = np.eye(covariance.shape[0] - own)
+    return np.asarray(turn @ covariance @ turn.T)
+
+
 def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
     """What is odd about a fit."""
     half = 0.5 * model.pixel * model.flat.size
@@ -160,7 +179,7 @@ def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
         "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std,
         "misfit": fit.misfit > 4,
         "outlier": bool(np.abs(residual).max() > _FAR),
-        "narrow_shells": fit.jet.radius < 2 * model.shells * model.pixel,
+        "narrow_shells": fit.jet.radius < 2 * fit.jet.fraction.size * model.pixel,
         "no_air": abs(fit.jet.axis) + fit.jet.radius > half - 3 * model.pixel,
     }
     return [name for name, true in odd.items() if true]

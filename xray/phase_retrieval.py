@@ -22,12 +22,19 @@ from numpy.typing import ArrayLike
 
 from spinline.checks import FloatArray, number, positive, real
 from spinline.errors import InputError
+from spinline.xray.medium import Medium
 
 __all__ = ["contact_transmission"]
 
 
 def contact_transmission(
-    ratio: ArrayLike, pixel: float, distance: float, delta_over_mu: float, *, across: bool = True
+    ratio: ArrayLike,
+    pixel: float,
+    distance: float,
+    delta_over_mu: float | Medium,
+    *,
+    fraction: float = 0.0,
+    across: bool = True,
 ) -> FloatArray:
     """Transmission as it were right behind the object, from that at a distance.
 
@@ -39,14 +46,22 @@ def contact_transmission(
         m, > 0.
     distance : float
         m, >= 0; 0 returns `ratio`.
-    delta_over_mu : float
-        m, >= 0 (`Medium.delta_over_mu`).
+    delta_over_mu : float or Medium
+        m, >= 0; or the solution (`solution_medium`), at its polymer `fraction`.
+    fraction : float
+        Polymer fraction at which a medium's ratio is taken.
     across : bool
         True: each row for itself, as a jet that hardly changes along its axis asks for. False: both ways of an image.
 
     Returns
     -------
     ndarray, the shape of `ratio`.
+
+    Raises
+    ------
+    InputError
+        For what is not finite or negative, under 4 pixels across (or along, where both ways are filtered), or a pixel so small
+        beside ``sqrt(distance delta/mu)`` that the filter overflows.
 
     Notes
     -----
@@ -56,8 +71,20 @@ def contact_transmission(
     image = real("ratio", ratio)
     if image.ndim not in (1, 2) or image.shape[-1] < 4 or (not across and image.ndim != 2):
         raise InputError("ratio", "is not a row or an image", value=f"array of shape {image.shape}")
+    if not across and image.shape[0] < 4:
+        raise InputError(
+            "ratio", "has too few rows to filter both ways", value=f"array of shape {image.shape}", allowed=">= 4"
+        )
     p, z = positive("pixel", pixel, "m"), number("distance", distance, least=0.0, unit="m")
-    strength = z * number("delta_over_mu", delta_over_mu, least=0.0, unit="m") / p**2
+    length = delta_over_mu if isinstance(delta_over_mu, int | float) else _of(delta_over_mu, fraction)
+    root = float(np.sqrt(z) * np.sqrt(number("delta_over_mu", length, least=0.0, unit="m")))
+    if root > 1e100 * p:
+        raise InputError(
+            "pixel", "is too small beside the filter's width", value=p, allowed=f"over {1e-100 * root:.3g} m"
+        )
+    strength = (root / p) ** 2
+    if strength == 0.0:
+        return image.copy()
     from scipy.fft import dctn, idctn
 
     axes = (-1,) if across else (-2, -1)
@@ -68,3 +95,10 @@ def contact_transmission(
         shape[axis] = n
         laplacian = laplacian + (2.0 - 2.0 * np.cos(np.pi * np.arange(n) / n)).reshape(shape)
     return np.asarray(idctn(dctn(image, axes=axes) / (1.0 + strength * laplacian), axes=axes))
+
+
+def _of(medium: object, fraction: float) -> float:
+    """delta/mu of a solution."""
+    if not isinstance(medium, Medium):
+        raise InputError("delta_over_mu", "is neither a length nor a medium", value=medium, allowed="m, or a Medium")
+    return medium.delta_over_mu(number("fraction", fraction))

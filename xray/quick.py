@@ -15,12 +15,14 @@ from spinline.checks import BoolArray, FloatArray
 from spinline.xray.chords import equal_shells
 from spinline.xray.forward import Absorber
 from spinline.xray.frame import Frame, FrameFit, blocks_of, require_track
+from spinline.xray.fringe_frame import brightened_air
 from spinline.xray.limit import require_contrast
 from spinline.xray.track import Track
 
 __all__ = ["chord_frame"]
 
 _LEAST_CHORDS = 3
+_FRINGES = 5.0  # standard deviations
 
 
 def chord_frame(
@@ -56,7 +58,18 @@ def chord_frame(
     path = require_track(small) if track is None else track
     for start in range(0, fit.rows.shape[0], 64):  # rows: what the processor keeps at hand
         _chords(fit, slice(start, start + 64), small, absorber, path)
+    if _bright(small, path) > _FRINGES:
+        for block in range(fit.rows.shape[0]):
+            fit.flag(block, "fringes")
     return fit
+
+
+def _bright(frame: Frame, path: Track) -> float:
+    """Light over the beam beside the jet, in standard deviations."""
+    n = frame.counts.shape[1]
+    aside = np.abs(np.arange(n) - 0.5 * (n - 1) - path.axis[:, None]) - path.radius[:, None]
+    beam = frame.flat * (path.level[:, None] * (1.0 + path.slope[:, None] * np.linspace(-1.0, 1.0, n)))
+    return brightened_air(frame.counts, frame.dark, beam, aside, frame.good)
 
 
 def _binned(frame: Frame, fit: FrameFit) -> Frame:

@@ -7,7 +7,6 @@ before anyone waits; `calibrated` scales the attenuation so that the polymer fra
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,12 +24,13 @@ from spinline.xray.absorption import contrast
 from spinline.xray.attenuation import Composition, Material, mass_attenuation
 from spinline.xray.energy import usable_contrast
 from spinline.xray.forward import Absorber, RoundJet
-from spinline.xray.frame import Frame, fit_frame, require_track
-from spinline.xray.fringes import detect_fringes
+from spinline.xray.frame import Frame, FrameFit, fit_frame, require_track
+from spinline.xray.fringe_frame import frame_fringes
 from spinline.xray.limit import error_limit, require_contrast
 from spinline.xray.medium import Medium, solution_medium
 from spinline.xray.outcome import RowFit
-from spinline.xray.phase_fit import phase_law, phase_start
+from spinline.xray.phase_fit import phase_law
+from spinline.xray.phase_frame import fit_frame_phase, track_fringes
 from spinline.xray.row import fit_row
 from spinline.xray.spectral import spectral_law
 from spinline.xray.spectrum import Spectrum
@@ -39,11 +39,20 @@ from spinline.xray.track import Track, track_jet
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
-__all__ = ["Calibration", "Experiment", "build_absorber", "calibrated", "expected_errors", "nuisances", "prepare"]
+__all__ = [
+    "Calibration",
+    "Experiment",
+    "build_absorber",
+    "calibrated",
+    "expected_errors",
+    "fit_blocks",
+    "fringes_in",
+    "nuisances",
+    "prepare",
+]
 
-_FRINGE_GROUPS = 12
 _FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
-_HC = 1.98644586e-25  # J m
+FRINGES = 5.0  # significance that is an alarm
 
 
 @dataclass(frozen=True)
@@ -85,6 +94,10 @@ class Experiment:
         How each of these was come by.
     remarks : tuple of str
         What is odd.
+    wave_medium : Medium or None
+        What fringes are looked for with: `medium`, or where attenuation was given that of the tables with it.
+    fringes : float
+        Significance of fringes in the summed frame; NaN where they were not looked for, or are to be reduced.
     """
 
     images: Images
@@ -99,6 +112,8 @@ class Experiment:
     calibration: Calibration
     notes: dict[str, str]
     remarks: tuple[str, ...]
+    wave_medium: "Medium | None" = None
+    fringes: float = np.nan
 
     def frame(self, summed: FrameSum, moment: float = 0.5) -> tuple[Frame, dict[str, float]]:
         """Photons of one frame or of a sum."""
@@ -151,10 +166,20 @@ def prepare(
         notes["blur"] = f"{images.blur.text}, given"
     frame = _without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
     _require_upright(frame)
-    track = find_track(images, medium, frame)
-    _expect_fringes(images, pixel, blur, remarks)
+    wave = medium if medium is not None else given_medium(images, solution, absorber)
+    track = find_track(images, medium if images.method == "phase" else wave, frame)
+    fringes = np.nan
+    if images.method != "phase":
+        if fields.shared:  # more rows than a block would see the noise of their common flat
+            start = steady_rows(track)[0]
+            fringes, said = fringes_in(_part(frame, start, start + images.block_rows), wave, None, 1)
+        else:
+            fringes, said = fringes_in(frame, wave, track)
+        notes["fringes"] = said
+        if fringes >= FRINGES:
+            remarks.append(said)
+        _expect_fringes(images, wave, pixel, blur, fringes, remarks)
     remarks += unsaid_blur(images, absorber, frame, track)
-    remarks += _fringes(images, medium, frame, track, fields.shared)
     remarks += _odd(facts)
     if images.method in ("chord", "map") and medium is not None and medium.energy_kev.size > 1:
         remarks.append(
@@ -165,8 +190,9 @@ def prepare(
             "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
         )
     experiment = Experiment(
-        images, stack, fields, solution, pixel, pixel_std, blur, absorber, medium, Calibration(), notes, tuple(remarks)
-    )
+        images, stack, fields, solution, pixel, pixel_std, blur, absorber, medium, Calibration(), notes, tuple(remarks),
+        wave, fringes,
+    )  # fmt: skip
     if images.calibration_rows is not None:
         return calibrated(experiment, frame, track), frame, track, facts
     if images.polymer_attenuation is None and images.energy is not None:
@@ -273,35 +299,49 @@ def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
             return require_track(frame)
         except InputError:
             _require_order(frame, medium)
-            if (
-                medium is not None
-                and medium.energy_kev.size == 1
-                and (said := _fringe_words(frame, medium, 0, frame.counts.shape[0]))
-            ):
+            significance, said = fringes_in(frame, medium, None)
+            if significance >= FRINGES:
                 raise InputError("method", said, value=images.method) from None
             raise
     row_law(images, medium)
     assert medium is not None
     assert images.propagation_distance is not None
-    rows = frame.counts.shape[0]
-    bounds = np.linspace(0, rows, min(_FRINGE_GROUPS, rows) + 1).astype(int)
-    places, radii, axes = [], [], []
-    for start, stop in pairwise(bounds.tolist()):
-        try:
-            counts, detector, good = frame.block(start, stop)
-            found = phase_start(counts, medium, detector, images.propagation_distance.value, good=good)
-        except InputError:
-            continue
-        places.append(0.5 * (start + stop - 1))
-        radii.append(found.radius / frame.pixel)
-        axes.append(found.axis / frame.pixel)
-    if not places:
-        return require_track(frame)
-    at = np.arange(rows)
-    radius, axis = np.interp(at, places, radii), np.interp(at, places, axes)
-    one = np.ones(rows)
-    return Track(
-        radius, axis, one, 0 * one, 0 * one, np.full((rows, 5, 5), np.nan), one, one, np.zeros(rows, dtype=np.bool_)
+    return track_fringes(frame, medium, images.propagation_distance.value)
+
+
+def fit_blocks(
+    experiment: Experiment,
+    frame: Frame,
+    track: Track | None,
+    *,
+    shells: int,
+    block_rows: int,
+    done: Callable[[int], None] | None = None,
+    begun: FrameFit | None = None,
+    keep: Callable[[FrameFit], None] | None = None,
+) -> FrameFit:
+    """The likelihood of every block of rows, by absorption or with fringes, as the images file says."""
+    images = experiment.images
+    law = row_law(images, experiment.medium)
+    if images.method == "phase":
+        assert experiment.medium is not None
+        assert images.propagation_distance is not None
+        return fit_frame_phase(
+            frame, experiment.medium, images.propagation_distance.value, shells=shells, block_rows=block_rows,
+            nuisances=(*nuisances(images), "distance", "refraction"), track=track, done=done,
+            begun=begun, keep=keep,
+        )  # fmt: skip
+    return fit_frame(
+        frame, experiment.absorber, shells=shells, block_rows=block_rows, nuisances=nuisances(images), track=track,
+        one=law, done=done, begun=begun, keep=keep,
+    )  # fmt: skip
+
+
+def _part(frame: Frame, start: int, stop: int) -> Frame:
+    """The rows of a frame from `start` to before `stop`."""
+    part = slice(start, stop)
+    return replace(
+        frame, counts=frame.counts[part], flat=frame.flat[part], dark=frame.dark[part], good=frame.good[part]
     )
 
 
@@ -340,30 +380,37 @@ def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:
     return fit_row
 
 
-def _fringes(images: Images, medium: "Medium | None", frame: Frame, track: Track, shared: bool) -> list[str]:
-    """Words where fringes would be reduced as absorption."""
-    if images.method == "phase" or medium is None or medium.energy_kev.size > 1:
-        return []
-    start, stop = steady_rows(track)
-    if shared:  # more rows than a block would see the noise of their common flat
-        stop = min(stop, start + images.block_rows)
-    said = _fringe_words(frame, medium, start, stop)
-    return [said] if said else []
-
-
-def _fringe_words(frame: Frame, medium: Medium, start: int, stop: int) -> str:
-    """What fringes in these rows ask for; empty where there are none."""
+def fringes_in(frame: Frame, medium: "Medium | None", track: Track | None, places: int = 12) -> tuple[float, str]:
+    """Significance of fringes in a frame that is to be reduced as absorption, NaN where it cannot be told, and in words."""
+    if medium is None:
+        return np.nan, "not looked for: without the solution's formula their pattern is not known"
     try:
-        counts, detector, good = frame.block(start, stop)
-        test = detect_fringes(counts, medium, detector, good=good, estimate=False)
+        test = frame_fringes(frame, medium, track=track, threshold=FRINGES, places=places)
+    except InputError as error:
+        return np.nan, f"not looked for: no group of rows can be tested ({error.field} {error.problem})"
+    if test.detected:
+        return test.significance, f"meets {test.message}"
+    return test.significance, f"none seen: {test.significance:.2g} standard deviations, {FRINGES:g} would be an alarm"
+
+
+def given_medium(images: Images, solution: "Solution", absorber: Absorber) -> "Medium | None":
+    """Refraction where attenuation was given: of the energy given, or at which the tables have the solvent's attenuation."""
+    given = images.solvent_attenuation
+    assert given is not None
+    polymer = solution.polymer
+    try:
+        heavy = _matter("solution.polymer", polymer.repeat_unit or polymer.name, polymer.density)
+        light = _matter("solution.solvent", solution.solvent, solution.solvent_density)
+        if images.energy is not None:
+            energy = images.energy.value / KEV
+        else:
+            energies = np.geomspace(2.0, 150.0, 400)
+            off = np.log(mass_attenuation(solution.solvent, energies, coherent=images.coherent) / given.value)
+            energy = float(energies[int(np.argmin(np.abs(off)))])
+        medium = solution_medium(heavy, light, energy, coherent=images.coherent, temperature=solution.temperature)
     except InputError:
-        return ""
-    if not test.detected:
-        return ""
-    return (
-        f"meets fringes in rows {start} to {stop}, {test.significance:.3g} standard deviations: refraction, not absorption; "
-        'take method = "phase" with propagation_distance'
-    )
+        return None
+    return medium.with_absorber(absorber)
 
 
 def _matter(key: str, what: Composition, density: float) -> Material:
@@ -389,10 +436,7 @@ def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment
     part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
     here = Track(*(getattr(track, item.name)[rows] for item in dataclasses.fields(Track)))
     height = min(experiment.images.block_rows, last - first)
-    fit = fit_frame(
-        part, experiment.absorber, shells=1, block_rows=height, nuisances=nuisances(experiment.images), track=here,
-        one=row_law(experiment.images, experiment.medium),
-    )  # fmt: skip
+    fit = fit_blocks(experiment, part, here, shells=1, block_rows=height)
     known = np.isfinite(fit.mean)
     weight = fit.mean_std[known] ** -2.0
     found, std = float((weight * fit.mean[known]).sum() / weight.sum()), float(weight.sum() ** -0.5)
@@ -524,10 +568,17 @@ def _smooth(values: FloatArray) -> FloatArray:
     return np.convolve(values, np.full(5, 0.2), mode="valid")
 
 
-def _expect_fringes(images: Images, pixel: float, blur: float, remarks: list[str]) -> None:
-    if images.propagation_distance is None or images.energy is None:
+def _expect_fringes(
+    images: Images, medium: "Medium | None", pixel: float, blur: float, fringes: float, remarks: list[str]
+) -> None:
+    """Words on fringes that are seen, that must be there, or that are not looked for."""
+    if fringes >= FRINGES:
         return
-    width = float(np.sqrt(_HC / images.energy.value * images.propagation_distance.value))
+    if np.isnan(fringes):
+        remarks.append("fringes are not looked for: the counts may hold some, which absorption takes for polymer")
+    if images.propagation_distance is None or medium is None:
+        return
+    width = float(np.sqrt(medium.weight @ medium.wavelength * images.propagation_distance.value))
     if width > 0.5 * max(pixel, blur):
         remarks.append(
             f"fringes: at {images.propagation_distance.text} they are {1e6 * width:.2g} um wide, pixels {1e6 * pixel:.2g} um; "

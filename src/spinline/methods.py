@@ -13,9 +13,9 @@ import numpy as np
 
 from spinline.checks import BoolArray, FloatArray
 from spinline.errors import InputError
-from spinline.experiment import Experiment, nuisances, row_law
+from spinline.experiment import Experiment, fit_blocks, nuisances
 from spinline.xray.forward import Detector
-from spinline.xray.frame import Frame, FrameFit, blocks_of, fit_frame, require_track
+from spinline.xray.frame import Frame, FrameFit, blocks_of, require_track
 from spinline.xray.map_fit import fit_map
 from spinline.xray.model import NUISANCES
 from spinline.xray.quick import chord_frame
@@ -104,9 +104,8 @@ def _block(frame: Frame, start: int, stop: int) -> tuple[FloatArray, Detector, B
 
 def _row(experiment: Experiment, frame: Frame, track: Track | None, done: Done, kept: Kept | None) -> FrameFit:
     images = experiment.images
-    fit = fit_frame(
-        frame, experiment.absorber, shells=images.shells, block_rows=images.block_rows, nuisances=nuisances(images),
-        track=track, one=row_law(images, experiment.medium), done=done,
+    fit = fit_blocks(
+        experiment, frame, track, shells=images.shells, block_rows=images.block_rows, done=done,
         begun=None if kept is None else kept.begun, keep=None if kept is None else kept.keep,
     )  # fmt: skip
     return replace(fit, method=images.method)
@@ -119,7 +118,10 @@ METHODS = {
     ),
     "row": Method(_row, "joint Poisson likelihood of shells, radius, axis, level and slope of every block of rows"),
     "map": Method(_map, "penalised Poisson likelihood of a fraction that is smooth in r and z, all rows at once"),
-    "phase": Method(_row, "joint Poisson likelihood as row, of the wave with its fringes; the distance is fitted"),
+    "phase": Method(
+        _row,
+        "as row, of the wave with its fringes and a continuous profile; distance, refraction and taper are fitted",
+    ),
 }
 
 

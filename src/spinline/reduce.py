@@ -30,12 +30,13 @@ import numpy as np
 
 from spinline.checkpoint import Checkpoint, fingerprint
 from spinline.errors import InputError
-from spinline.experiment import Experiment, prepare, require_signal
+from spinline.experiment import FRINGES, Experiment, fringes_in, prepare, require_signal
 from spinline.frames import FrameSum, Stack, open_stack, sum_frames
 from spinline.images import Images
 from spinline.methods import Kept, require_method
 from spinline.xray.chords import equal_shells
 from spinline.xray.frame import FrameFit, blocks_of
+from spinline.xray.track import track_jet
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,6 +50,7 @@ _FIT = "fit"
 _WORTH_PROCESSES = 8.0  # seconds of work: to start them takes three
 _PER_BLOCK = 1e-3
 _PER_PIXEL = 3e-7
+_FRINGE_PLACES = 3  # in each of many frames; their sum is tested too
 
 
 def reduce_images(
@@ -107,7 +109,8 @@ def reduce_images(
     if images.frames == "sum" or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
         kept = None if job is None else Kept(_begun(job, images.method), _pause(job))
-        fits = [method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks), kept)]
+        fit = method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks), kept)
+        fits = [_flagged(fit, experiment.fringes)]
     else:
         fits = _each(experiment, job, workers, said)
     result = assemble(experiment, fits, facts, each=images.frames == "each")
@@ -116,6 +119,14 @@ def reduce_images(
     if job is not None:
         job.clear()
     return result
+
+
+def _flagged(fit: FrameFit, fringes: float) -> FrameFit:
+    """The fit with the significance of fringes, and its blocks flagged where they are seen: they fill the whole frame."""
+    if fringes >= FRINGES:
+        for block in range(fit.rows.shape[0]):
+            fit.flag(block, "fringes")
+    return replace(fit, fringes=fringes)
 
 
 def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
@@ -250,7 +261,12 @@ def _one(experiment: Experiment, index: int) -> FrameFit:
     images = experiment.images
     try:
         frame, _ = experiment.frame(summed, (index + 0.5) / stack.frames)
-        return require_method(images.method).reduce(experiment, frame, None, None, None)
+        fit = require_method(images.method).reduce(experiment, frame, None, None, None)
+        if images.method == "phase":
+            return fit
+        path = track_jet(frame.counts, frame.flat, frame.dark, frame.good)
+        own, _ = fringes_in(frame, experiment.wave_medium, path, _FRINGE_PLACES)
+        return _flagged(fit, float(np.fmax(own, experiment.fringes)))
     except InputError as error:
         rows = blocks_of(stack.rows, images.block_rows)
         fit = FrameFit.empty(images.method, equal_shells(images.shells), rows)
@@ -270,7 +286,18 @@ def _keep(store: Checkpoint, name: str, fit: FrameFit) -> None:
     store.save(name, **arrays, **values, reasons=np.array([f"{k} {v}" for k, v in fit.reasons.items()], dtype=np.str_))
 
 
-_ARRAYS = ("shell_edges", "rows", "fraction", "covariance", "mean", "mean_std", "limit_std", "misfit", "flags")
+_ARRAYS = (
+    "shell_edges",
+    "rows",
+    "fraction",
+    "covariance",
+    "mean",
+    "mean_std",
+    "limit_std",
+    "misfit",
+    "flags",
+    "fringes",
+)
 
 
 def _kept(store: Checkpoint, name: str, method: str) -> FrameFit:
@@ -279,7 +306,8 @@ def _kept(store: Checkpoint, name: str, method: str) -> FrameFit:
         raise InputError(str(store.folder), f"lost {name} while the frames were reduced", remedy="run it again")
     values, std = ({k.removeprefix(p): v for k, v in data.items() if k.startswith(p)} for p in ("value_", "std_"))
     reasons = {int(line.split(" ", 1)[0]): line.split(" ", 1)[1] for line in data["reasons"].tolist()}
-    return FrameFit(method=method, values=values, std=std, reasons=reasons, **{name: data[name] for name in _ARRAYS})
+    arrays = {name: data[name] for name in _ARRAYS if name != "fringes"}
+    return FrameFit(method=method, values=values, std=std, reasons=reasons, fringes=float(data["fringes"]), **arrays)
 
 
 def _job(images: Images) -> str:

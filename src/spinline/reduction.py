@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from spinline.checks import BoolArray, FloatArray
-from spinline.experiment import Experiment, nuisances
+from spinline.experiment import FRINGES, Experiment, nuisances
 from spinline.methods import METHODS
 from spinline.outputs import replacing
 from spinline.xray.frame import FRAME_FLAGS, FrameFit
@@ -60,6 +60,10 @@ REDUCTION_VARIABLES: dict[str, tuple[str, str]] = {
         "goodness of fit: Pearson's chi-square less its expectation, in its standard deviations; over 4 is a wrong model",
     ),
     "flags": ("", "what is odd about a block"),
+    "fringe_significance": (
+        "1",
+        "Fresnel fringes in the frame, standard deviations: over 5 they are there, absorption is wrong; NaN: not looked for",
+    ),
     "volume_fraction": ("1", "polymer volume fraction of the solution"),
     "attenuation_scale": ("1", "attenuation measured at the nozzle over that assumed; 1 where not calibrated"),
     "attenuation_scale_std": ("1", "its standard deviation"),
@@ -135,6 +139,7 @@ def assemble(
         "pixel_size_std": experiment.pixel_std,
     }.items():  # fmt: skip
         data[name] = ((), value)
+    data["fringe_significance"] = (lead, stack([np.float64(f.fringes) for f in fits]))
     flags = stack([f.flags for f in fits]).astype(np.int32)
     variables: dict[str, Any] = {name: (dims, values, _attributes(name)) for name, (dims, values) in data.items()}
     variables["flags"] = (
@@ -220,12 +225,23 @@ def _provenance(
         "polymer_density": experiment.solution.polymer.density,
         "solvent": ", ".join(f"{name} {share:g}" for name, share in experiment.solution.solvent.items()),
         "solvent_density": experiment.solution.solvent_density,
-        **{f"{key}_source": words for key, words in experiment.notes.items()},
+        **{f"{key}_source": words for key, words in experiment.notes.items() if key != "fringes"},
         **facts,
+        "fringes": _fringes(experiment, fits),
         "not_told_apart": UNIDENTIFIABLE,
         "warnings": "\n".join(remarks),
         "references": _REFERENCES,
     }
+
+
+def _fringes(experiment: Experiment, fits: list[FrameFit]) -> str:
+    """What was done about fringes."""
+    if fits[0].method == "phase":
+        return "fitted"
+    seen = np.array([fit.fringes for fit in fits])
+    if len(fits) == 1 or not (seen >= FRINGES).any():
+        return experiment.notes["fringes"]
+    return f"meets Fresnel fringes in {int((seen >= FRINGES).sum())} of {len(fits)} frames, reduced as absorption"
 
 
 def lines(result: xr.Dataset) -> list[str]:
