@@ -195,7 +195,7 @@ def test_the_weights_are_the_likeliest() -> None:
     fisher, slope = np.einsum("inp,inq->ipq", design, design), np.einsum("inp,in->ip", design, data)
     matrix, right = assembled(along, fisher, slope)
     zero = np.zeros_like(right)
-    weights, mode, settled = penalty.improved(matrix, right, zero, np.ones(3), 60)
+    weights, mode, settled = penalty.improved(matrix, right, zero, np.ones(4), 60)
     assert settled
 
     def evidence(logs):
@@ -204,15 +204,15 @@ def test_the_weights_are_the_likeliest() -> None:
         eigen = np.linalg.eigvalsh(added - dense(matrix))
         best = right.ravel() @ np.linalg.solve(added, right.ravel())
         return 0.5 * (
-            best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - 2 * logs.sum()
+            best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - logs.sum()
         )
 
     logs = np.log(weights)
     assert mode.ravel() == pytest.approx(
         np.linalg.solve(dense(penalty.added(matrix, weights)), right.ravel()), rel=1e-9
     )
-    for j in range(3):
-        step = np.eye(3)[j]
+    for j in range(4):
+        step = np.eye(4)[j]
         up, here, down = (evidence(logs + h * step) for h in (0.5, 0.0, -0.5))
         width = 1 / np.sqrt(4 * (2 * here - up - down))
         assert abs(up - down) * width < 0.25  # a quarter of the weight's own standard deviation

@@ -29,8 +29,9 @@ _SWEEPS = 8
 _WEIGHT_TURNS = 12  # then the weights stay
 _NEAR = 1.0  # squared step, in standard deviations, per unknown: what is left is noise rather than a wrong start
 _HALVINGS = 8
-_FIRST_CHANGES = {  # what a second difference of coefficients may be, before the counts are asked
-    "fraction across": 0.01,
+_FIRST_CHANGES = {  # what a difference of coefficients may be, before the counts are asked
+    "fraction across, core": 0.01,
+    "fraction across, rim": 0.01,
     "fraction along": 0.003,
     "radius": 0.5,
     "axis": 0.3,
