@@ -122,6 +122,14 @@ class Penalty:
         sums = (diagonal * self.axial.penalty[:, :, None]).sum(axis=(0, 1))
         return np.array([*across, *(sums[c].sum() for _, c in self._along())])
 
+    def balance(self, matrix: FloatArray) -> FloatArray:
+        """Weights at which each term is as stiff as the counts: traces of its part of the band over its own."""
+        n = self.radial.size
+        curvature = np.diagonal(matrix[:, 0], axis1=1, axis2=2).sum(axis=0)
+        own = self.axial.size * np.trace(self.radial.penalties, axis1=1, axis2=2)
+        along = float(self.axial.penalty[:, 0].sum())
+        return np.array([*(curvature[:n].sum() / own), *(curvature[c].mean() / along for _, c in self._along())])
+
     def improved(
         self, matrix: FloatArray, right: FloatArray, coefficients: FloatArray, weights: FloatArray, sweeps: int
     ) -> tuple[FloatArray, FloatArray, bool]:
