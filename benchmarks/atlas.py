@@ -1,9 +1,14 @@
 """Stability atlas: scenes over the whole parameter box, each a result within physical bounds or a named refusal.
 
-    python benchmarks/atlas.py --scenes 100000 --seed 1 -o benchmarks/atlas.json
+    python benchmarks/atlas.py --scenes 100000 --seed 1 --wall -o benchmarks/atlas.json
+    python benchmarks/atlas.py --check benchmarks/atlas.json --scenes 1000
+    python benchmarks/atlas_figure.py benchmarks/atlas.json docs/images/atlas.png
 
-A scene follows from (seed, index) alone. Each may take ten seconds; a hang, a crash, a NaN that no flag explains, a value
-out of bounds or a warning of a library is a failure and is listed with its index. The summary holds counts and a map.
+A scene follows from (seed, index) alone (`atlas_scenes`). Each may take ten seconds; a hang, a crash, a NaN that no flag
+explains, a value out of bounds or a warning of a library is a failure and is listed with its index. For every scene it is kept
+where its numbers put it (the plan's: eps V', De, phi, V), which model holds there within 1e-2, which was taken, and how far the
+plan says that it is off. The summary holds one letter a scene, counts, and maps; `--check` judges the first scenes again and
+compares the letters.
 """
 
 import argparse
@@ -18,104 +23,52 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from atlas_scenes import MODELS, build, draw
 
 LIMIT = 10.0  # s
-MODELS = ("auto", "affine", "manifold", "conformation", "chain", "walk")
-SHARES = (0.40, 0.20, 0.14, 0.20, 0.01, 0.05)
-AXES = {  # of the map: name, low, high (decades of the number)
+RTOL = 1e-2  # within which a model holds, on the maps
+AXES = {  # of the maps: name, low, high (decades of the number)
+    "slip": (-8, 3),  # largest eps V'
+    "deborah": (-5, 7),  # theta edot at the crossover
     "volume_fraction": (-5, 0),
-    "coupling": (-3, 15),
-    "deborah": (-6, 12),
-    "velocity_ratio": (0, 8),
+    "stretch": (0, 8),  # V at the end
 }
-BINS = 18
+PLANES = (("deborah", "slip"), ("volume_fraction", "stretch"))
+BINS = 24
+HOLDS = ("affine", "manifold", "conformation", "neither", "unsteady", "unknown")
+TAKEN = {"affine": "A", "manifold": "M", "conformation": "C"}  # by auto; in small letters where asked for
+ASKED = {"affine": "a", "manifold": "m", "conformation": "c", "chain": "h", "walk": "w"}
+OFF = (-np.inf, -3, -2, -1, 0, np.inf)  # decades of what the plan says a result is off
 
 
-def draw(seed, index):
-    """Scene number `index`, as a dictionary, and its place on the map."""
-    rng = np.random.default_rng([seed, index])
-    u = rng.uniform
-    phi = float(rng.choice([10 ** u(-5, -0.5), u(0.3, 0.99), 10 ** u(-2, -0.7)]))
-    radius, flow = 10 ** u(-9, -2), 10 ** u(-18, -5)
-    beta = float(rng.choice([0.25, 0.5, 1.0, u(0.25, 1.0)]))
-    k, stretch = 10 ** u(-2, 2), 10 ** u(0, 8)
-    length = min((stretch / k**2) ** (0.5 / beta), 1e7) * radius
-    length = min(max(length, 1.001 * radius), 900.0)
-    profile = str(rng.choice(["power-law", "hyperbolic", "table", "lagrangian"], p=[0.7, 0.1, 0.1, 0.1]))
-    jet = {"profile": profile, "radius": f"{radius!r} m"}
-    if profile == "power-law":
-        jet |= {"flow_rate": f"{flow!r} m^3/s", "k": k, "beta": beta, "length": f"{length!r} m"}
-    elif profile == "hyperbolic":
-        jet |= {"flow_rate": f"{flow!r} m^3/s", "p": 10 ** u(-2, 3), "length": f"{length!r} m"}
-    else:
-        n = int(rng.integers(2, 40))
-        z = np.cumsum(10 ** u(-1, 1, n)) * radius
-        v = np.cumprod(np.concatenate(([1.0], 10 ** u(0, np.log10(stretch) / n + 1e-3, n - 1))))
-        jet["samples"] = (z - z[0] * (profile == "lagrangian"), v, flow / (np.pi * radius**2))
-        if profile == "table":
-            jet["flow_rate"] = f"{flow!r} m^3/s"
-    relaxation = 10 ** u(-8, 8) * radius * np.pi * radius**2 / flow
-    relaxation = float(min(max(relaxation, 1e-12), 1e11))
-    coupling = 10 ** u(-3, 15)
-    scene = {
-        "solution": {
-            "polymer": str(rng.choice(["PEO", "PVP", "PCL"])),
-            "solvent": str(rng.choice(["water", "ethanol", "acetone"])),
-            "volume_fraction": phi,
-            "relaxation_time": f"{relaxation!r} s",
-            "viscosity": f"{10 ** u(-3, 4)!r} Pa s",
-            "kuhn_length": f"{10 ** u(-9.5, -8)!r} m",
-        },
-        "jet": jet,
-        "ambient": {"relative_humidity": float(rng.choice([0.0, 1.0, u(0, 1)]))},
-        "effects": {
-            name: rng.choice(["auto", True, False], p=[0.6, 0.2, 0.2])
-            for name in ("evaporation", "relaxation", "radial")
-        },
-        "network": {
-            "model": str(rng.choice(MODELS, p=SHARES)),
-            "closure": str(rng.choice(["force", "stretch"])),
-            "solvent_quality": str(rng.choice(["theta", "good"])),
-            "coupling": coupling,
-            "inertia": float(rng.choice([0.0, 10 ** u(-12, 3)])),
-        },
-        "accuracy": {"rtol": 10 ** u(-3, -1), "points": int(rng.choice([2, 17, 101])), "strands": 100, "steps": 700},
-    }
-    scene["effects"] = {name: value if value == "auto" else value == "True" for name, value in scene["effects"].items()}
-    scene["rheology"] = {
-        "diffusivity": f"{10 ** u(-16, -7)!r} m^2/s",
-        "constitutive": str(rng.choice(["auto", "UCM", "Oldroyd-B", "FENE-P"])),
-    }
-    if scene["network"]["model"] in ("manifold", "chain"):
-        scene["network"]["force_law"] = str(rng.choice(["lattice", "linear", "langevin", "fene"]))
-    deborah = relaxation * flow / (np.pi * radius**3)
-    return scene, {"volume_fraction": phi, "coupling": coupling, "deborah": deborah, "velocity_ratio": stretch}
+def letter(asked, taken, kind):
+    """One scene in one letter: the model of a result, a figure for a refusal, an exclamation mark for a failure."""
+    if kind == "refused":
+        return str(MODELS.index(asked))
+    if kind != "result":
+        return "!"
+    return TAKEN[taken] if asked == "auto" else ASKED[taken]
 
 
-def build(scene, folder):
-    """The scene checked, its table written where it has one."""
-    from spinline.scene import scene_from_dict
+def place_of(plan):
+    """Numbers of a plan that put a scene on the maps, which model holds it within `RTOL`, and what is left out of it."""
+    from spinline.estimates import UNSTEADY
+    from spinline.plan import MARGIN
 
-    jet = dict(scene["jet"])
-    if "samples" in jet:
-        z, v, v0 = jet.pop("samples")
-        path = Path(folder) / "jet.csv"
-        if jet["profile"] == "table":
-            rows = ["z [m],velocity [m/s]", *(f"{a!r},{b * v0!r}" for a, b in zip(z.tolist(), v.tolist(), strict=True))]
-            del jet["radius"]
-        else:
-            radius = float(jet["radius"].split()[0])
-            rows = ["x [m],y [m],z [m],radius [m],velocity [m/s]"]
-            beads = enumerate(zip(z.tolist(), v.tolist(), strict=True))
-            rows += [
-                f"{a!r},{0.1 * a * float(np.sin(i))!r},0.0,{radius / float(np.sqrt(b))!r},{b * v0!r}"
-                for i, (a, b) in beads
-            ]
-            fields = rows[-1].split(",")
-            rows[-1] = ",".join([*fields[:3], "", fields[4]])
-        path.write_text("\n".join(rows) + "\n", encoding="utf-8")
-        jet["path"] = path.name
-    return scene_from_dict({**scene, "jet": jet}, folder=Path(folder))
+    known = {effect["name"]: effect for effect in plan["effects_used"] + plan["effects_left_out"]}
+    slip, relaxing = known["elastic coupling"], known["relaxation"]
+    place = {"slip": slip["number"], "deborah": relaxing["number"], "inertia": known["inertia"]["number"],
+             "dried": known["evaporation"]["number"], "peclet": known["radial gradients"]["number"]}  # fmt: skip
+    if slip["estimated_error"] is None or relaxing["estimated_error"] is None:
+        return place, "unknown", None
+    slips, relaxes = (MARGIN * effect["estimated_error"] > RTOL for effect in (slip, relaxing))
+    lost = slip["number"] > UNSTEADY
+    holds = (
+        "neither" if slips and relaxes else "unsteady" if lost else
+        "manifold" if slips else "conformation" if relaxes else "affine"
+    )  # fmt: skip
+    out = [effect for effect in plan["effects_left_out"] if effect["name"] in ("elastic coupling", "relaxation")]
+    return place, holds, max((effect["estimated_error"] for effect in out), default=0.0)
 
 
 BOUNDS = {
@@ -156,41 +109,86 @@ def _stop(*_):
     raise TooLongError
 
 
-def judge(seed, index):
-    """Outcome of one scene: kind, model, words, seconds."""
+def judge(seed, index, wall=False):
+    """Outcome of one scene: a dictionary with its kind, asked and taken model, words, seconds, place."""
     from spinline.errors import InputError, SpinlineWarning
     from spinline.solve import run
 
-    data, place = draw(seed, index)
-    began = time.process_time()
-    model = data["network"]["model"]
-    signal.signal(signal.SIGPROF, _stop)
-    signal.setitimer(signal.ITIMER_PROF, LIMIT)  # processor time: what else the machine does is no hang
-    kind, words, said = "result", "", Counter()
+    data = draw(seed, index)
+    clock = time.perf_counter if wall else time.process_time
+    asked = data["network"]["model"]
+    found = {
+        "index": index,
+        "kind": "result",
+        "asked": asked,
+        "taken": asked,
+        "words": "",
+        "said": Counter(),
+        "plan": None,
+    }
+    stop = signal.SIGALRM if wall else signal.SIGPROF  # processor time: what else the machine does is no hang
+    timer = signal.ITIMER_REAL if wall else signal.ITIMER_PROF
+    signal.signal(stop, _stop)
+    began = clock()
+    signal.setitimer(timer, LIMIT)
     try:
         with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as remarks:
             warnings.simplefilter("error")
             warnings.simplefilter("always", SpinlineWarning)  # remarks on the scene, counted
             warnings.simplefilter("always", DeprecationWarning)  # of libraries, counted by their words
-            result = run(build(data, folder))
-        said = Counter(
+            scene = build(data, folder)
+            try:
+                result = run(scene)
+                found["plan"] = json.loads(result.attrs["plan"])
+                found["taken"] = result.attrs["model"]
+                wrong = faults(result)
+                if wrong:
+                    found |= {"kind": "out of bounds", "words": "; ".join(wrong)}
+            except InputError as error:
+                found |= {"kind": "refused", "words": _words(error), "plan": _plan(scene)}
+        found["said"] = Counter(
             "remarks" if issubclass(item.category, SpinlineWarning) else str(item.message) for item in remarks
         )
-        model = f"{model}: {result.attrs['model']}" if model == "auto" else model
-        found = faults(result)
-        if found:
-            kind, words = "out of bounds", "; ".join(found)
     except InputError as error:
-        kind, words = "refused", re.sub(r"\d[\d.e+-]*", "#", f"{error.field}: {error.problem}")
+        found |= {"kind": "refused", "words": _words(error)}
     except TooLongError:
-        kind = "hang"
+        found["kind"] = "hang"
     except Warning as warning:
-        kind, words = "warning", f"{type(warning).__name__}: {warning}"
+        found |= {"kind": "warning", "words": f"{type(warning).__name__}: {warning}"}
     except Exception as error:
-        kind, words = "crash", f"{type(error).__name__}: {error}"
+        found |= {"kind": "crash", "words": f"{type(error).__name__}: {error}"}
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
-    return index, kind, model, words, time.process_time() - began, place, said
+        signal.setitimer(timer, 0)
+    found["seconds"] = clock() - began
+    place, holds, off = ({}, "unknown", None) if found["plan"] is None else place_of(found.pop("plan"))
+    jet = data["jet"]
+    v = jet["samples"][1][-1] if "samples" in jet else stretch_at_end(jet)
+    place |= {"volume_fraction": data["solution"]["volume_fraction"], "stretch": float(v)}
+    found |= {"place": place, "holds": holds, "off": off, "letter": letter(asked, found["taken"], found["kind"])}
+    return found
+
+
+def stretch_at_end(jet):
+    """V at the end of a drawn jet."""
+    s = float(jet["length"].split()[0]) / float(jet["radius"].split()[0])
+    return max(jet["k"] ** 2 * s ** (2 * jet["beta"]), 1.0) if "k" in jet else (1 + s / jet["p"]) ** 2
+
+
+def _words(error):
+    return re.sub(r"\d[\d.e+-]*", "#", f"{error.field}: {error.problem}")
+
+
+def _plan(scene):
+    """The plan of a scene that is refused, if it has one."""
+    from spinline.build import build_jet, build_solution
+    from spinline.errors import InputError
+    from spinline.plan import plan_scene
+
+    try:
+        solution = build_solution(scene)
+        return plan_scene(scene, solution, build_jet(scene, solution)).plain()
+    except InputError:
+        return None
 
 
 def warm():
@@ -218,23 +216,92 @@ def _judge(task):
 
 
 def _bin(name, value):
+    """Bin of a number, which may lie outside of 0 ... BINS - 1."""
     low, high = AXES[name]
-    return int(np.clip((np.log10(value) - low) / (high - low) * BINS, 0, BINS - 1))
+    place = (np.log10(value) - low) / (high - low) * BINS if value > 0 else -1.0
+    return int(np.clip(np.floor(place), -1, BINS))
 
 
-def replay(path):
-    """Judge the failures of a summary again, and write what they are now into it."""
-    summary = json.loads(path.read_text(encoding="utf-8"))
-    warm()
-    again = [judge(summary["seed"], item["index"]) for item in summary["failures"]]
-    summary["failed_at_first"] = summary["failed"]
-    summary["replayed"] = [
-        {"index": index, "kind": kind, "model": model, "words": words[:200], "seconds": round(seconds, 2)}
-        for index, kind, model, words, seconds, *_ in again
-    ]
-    summary["failed"] = sum(outcome[1] not in ("result", "refused") for outcome in again)
-    path.write_text(json.dumps(summary) + "\n", encoding="utf-8")
-    print(json.dumps(dict(Counter(outcome[1] for outcome in again))))
+def outcomes_of(seed, first, scenes, workers, wall=False):
+    """Outcomes of a range of scenes, as they come."""
+    tasks = ((seed, i, wall) for i in range(first, first + scenes))
+    if workers == 1:
+        warm()
+        yield from map(_judge, tasks)
+        return
+    with multiprocessing.get_context("spawn").Pool(workers, warm) as pool:
+        yield from pool.imap_unordered(_judge, tasks, chunksize=20)
+
+
+def campaign(seed, first, scenes, workers, wall=False):
+    """Summary of a range of scenes."""
+    letters = ["?"] * scenes
+    outcomes, reasons, warned, off, bad, slowest = Counter(), Counter(), Counter(), {}, [], (0.0, -1)
+    spent, holding = Counter(), Counter()
+    held = {pair: np.zeros((BINS, BINS, len(HOLDS)), int) for pair in PLANES}
+    came = {pair: np.zeros((BINS, BINS, len(MODELS), 2), int) for pair in PLANES}
+    began = time.perf_counter()
+    for done, one in enumerate(outcomes_of(seed, first, scenes, workers, wall), 1):
+        asked, kind = one["asked"], one["kind"]
+        model = f"auto: {one['taken']}" if asked == "auto" and kind == "result" else asked
+        letters[one["index"] - first] = one["letter"]
+        outcomes[f"{model} / {kind}"] += 1
+        spent[asked] += one["seconds"]
+        holding[one["holds"]] += 1
+        if kind == "refused":
+            reasons[one["words"]] += 1
+        elif kind != "result":
+            bad.append({key: one[key] for key in ("index", "kind", "asked")} | {"words": one["words"][:300]})
+        else:
+            size = np.nan if one["off"] is None else np.log10(max(one["off"], 1e-300))
+            row = off.setdefault(model, [0] * len(OFF))
+            row[-1 if np.isnan(size) else int(np.searchsorted(OFF, size, side="right")) - 1] += 1
+        slowest = max(slowest, (one["seconds"], one["index"]))
+        warned += one["said"]
+        for pair in PLANES:
+            values = [one["place"].get(name) for name in pair]
+            if None in values:
+                continue
+            x, y = (_bin(name, value) for name, value in zip(pair, values, strict=True))
+            if not (0 <= x < BINS and 0 <= y < BINS):
+                continue
+            held[pair][x, y, HOLDS.index(one["holds"])] += 1
+            came[pair][x, y, MODELS.index(asked)] += (1, kind == "result")
+        if done % 2000 == 0:
+            print(f"{done} scenes, {len(bad)} failures, {time.perf_counter() - began:.0f} s", flush=True)
+    return {
+        "seed": seed, "first": first, "scenes": scenes, "seconds": round(time.perf_counter() - began, 1),
+        "clock": "wall" if wall else "processor", "limit": LIMIT,
+        "slowest": {"seconds": round(slowest[0], 2), "index": slowest[1]},
+        "seconds_by_model": {model: round(value, 1) for model, value in spent.items()},
+        "outcomes": dict(sorted(outcomes.items())), "refusals": dict(reasons.most_common(60)), "warned": dict(warned),
+        "failed": len(bad), "failures": sorted(bad, key=lambda item: item["index"])[:500],
+        "rtol_of_maps": RTOL, "holds": dict(holding), "off_decades": [str(edge) for edge in OFF[:-1]] + ["not known"],
+        "off": dict(sorted(off.items())), "axes": AXES, "bins": BINS, "classes": HOLDS, "models": MODELS,
+        "held": {" ".join(pair): counts.tolist() for pair, counts in held.items()},
+        "came": {" ".join(pair): counts.tolist() for pair, counts in came.items()},
+        "letters": "".join(letters),
+    }  # fmt: skip
+
+
+def check(summary, scenes, workers=1):
+    """Scenes of a summary judged again: those that fail, and those whose letter is another one now.
+
+    Parameters
+    ----------
+    summary : dict
+        Of `campaign`.
+    scenes : int
+        How many, from its first.
+    """
+    failed, changed = [], []
+    for one in outcomes_of(summary["seed"], summary["first"], min(scenes, summary["scenes"]), workers):
+        was = summary["letters"][one["index"] - summary["first"]]
+        if one["letter"] == "!":
+            failed.append({key: one[key] for key in ("index", "kind", "asked", "words")})
+        if one["letter"] != was:
+            changed.append(f"{one['index']}: {was} -> {one['letter']} ({one['words'][:80]})")
+    return failed, changed
 
 
 def main():
@@ -244,48 +311,20 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=multiprocessing.cpu_count())
+    parser.add_argument("--wall", action="store_true", help="limit by the wall clock, not by processor time")
     parser.add_argument("-o", "--out", type=Path)
-    parser.add_argument("--replay", type=Path, help="judge the failures of this summary again")
+    parser.add_argument("--check", type=Path, help="judge the first scenes of this summary again, and compare")
     asked = parser.parse_args()
-    if asked.replay:
-        replay(asked.replay)
-        return
-    outcomes, reasons, warned, bad, slowest = Counter(), Counter(), Counter(), [], (0.0, -1)
-    maps = {
-        pair: np.zeros((BINS, BINS, 2), int)
-        for pair in (("volume_fraction", "velocity_ratio"), ("coupling", "deborah"))
-    }
-    tasks = ((asked.seed, i) for i in range(asked.first, asked.first + asked.scenes))
-    began = time.perf_counter()
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(asked.workers, warm) as pool:
-        for done, (index, kind, model, words, seconds, place, said) in enumerate(
-            pool.imap_unordered(_judge, tasks, chunksize=50), 1
-        ):
-            outcomes[f"{model} / {kind}"] += 1
-            if kind == "refused":
-                reasons[words] += 1
-            elif kind != "result":
-                bad.append({"index": index, "kind": kind, "model": model, "words": words[:300]})
-            slowest = max(slowest, (seconds, index))
-            warned += said
-            for pair, counts in maps.items():
-                x, y = (_bin(name, place[name]) for name in pair)
-                counts[x, y] += (1, kind == "result")
-            if done % 2000 == 0:
-                print(f"{done} scenes, {len(bad)} failures, {time.perf_counter() - began:.0f} s", flush=True)
-    summary = {
-        "seed": asked.seed, "first": asked.first, "scenes": asked.scenes, "seconds": round(time.perf_counter() - began, 1),
-        "slowest": {"seconds": round(slowest[0], 2), "index": slowest[1]},
-        "outcomes": dict(sorted(outcomes.items())), "refusals": dict(reasons.most_common(60)), "warned": dict(warned),
-        "failures": sorted(bad, key=lambda item: item["index"])[:500], "failed": len(bad), "axes": AXES, "bins": BINS,
-        "maps": {" ".join(pair): counts.tolist() for pair, counts in maps.items()},
-    }  # fmt: skip
-    text = json.dumps(summary)
+    if asked.check:
+        failed, changed = check(json.loads(asked.check.read_text(encoding="utf-8")), asked.scenes, asked.workers)
+        print(json.dumps({"failed": failed, "changed": changed}, indent=1))
+        raise SystemExit(bool(failed or changed))
+    summary = campaign(asked.seed, asked.first, asked.scenes, asked.workers, asked.wall)
     if asked.out:
-        asked.out.write_text(text + "\n", encoding="utf-8")
-    print(json.dumps({key: summary[key] for key in ("seconds", "slowest", "outcomes", "failed")}, indent=1))
-    for item in bad[:20]:
+        asked.out.write_text(json.dumps(summary) + "\n", encoding="utf-8")
+    keys = ("seconds", "slowest", "seconds_by_model", "outcomes", "refusals", "holds", "off", "warned", "failed")
+    print(json.dumps({key: summary[key] for key in keys}, indent=1))
+    for item in summary["failures"][:20]:
         print(item)
 
 

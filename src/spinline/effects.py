@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.errors import InputError
+from spinline.estimates import MARGIN
 from spinline.rheology.solution import Solution
 from spinline.scene import Scene
 
@@ -109,7 +110,8 @@ def _decide(switch: object, error: float, missing: str, rtol: float) -> tuple[bo
         return True, f"on: set so{'; ' + size if size else ''}"
     if np.isnan(error):
         return False, f"off: {missing or 'no estimate'}"
-    return error > rtol, f"{'on' if error > rtol else 'off'}: {size}"
+    matters = MARGIN * error > rtol
+    return matters, f"{'on' if matters else 'off'}: {size}"
 
 
 def _refuse(scene: Scene, solution: Solution) -> None:

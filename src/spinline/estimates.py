@@ -19,6 +19,7 @@ import numpy as np
 
 from spinline.build import coupling, jet_grid, jet_length
 from spinline.checks import FloatArray
+from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.crossover import extension_velocity_ratio
 from spinline.network.mesh import network_at_rest
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
 
 __all__ = [
+    "MARGIN",
     "UNSTEADY",
     "Effect",
     "elastic_coupling_effect",
@@ -39,6 +41,7 @@ __all__ = [
     "saturation_effect",
 ]
 
+MARGIN = 1.2  # on every estimate, before it is compared with rtol
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
 UNSTEADY = 0.25  # eps V' from which no steady network exists
@@ -96,11 +99,15 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
     number = float(v.max()) / full
     name, symbol = "finite extensibility", "V/V_S at the end"
     if number < 1:
-        return Effect(name, symbol, number, 0.0, f"the jet ends at {number:.2g} of full stretch")
+        return Effect(
+            name, symbol, number, _stiffer(scene, solution, jet, full), f"the jet ends at {number:.2g} of full stretch"
+        )
     step = np.diff(z) * (full - 0.5 * (v[1:] + v[:-1]))
     room = np.append(np.cumsum(step[::-1])[::-1], 0.0)  # of the contour, from z to the end
     first = int(np.flatnonzero(room <= 0)[0])
-    error = full / float(v[first]) - 1 if z[first] < _KEPT * z[-1] else 0.0
+    passes = _passage(z - jet.start, v, full)  # where a network that overstretches does
+    later = passes / (z[max(first, 1)] - jet.start) - 1
+    error = float(max(full / v[first] - 1, later)) if z[first] < _KEPT * z[-1] else 0.0
     words = (
         f"a steady network that cannot overstretch is locked from {1e3 * z[first]:.3g} mm (V = {v[first]:.3g}) to its free "
         'end, if its strands hold: see model = "manifold" with a force_law'
@@ -108,9 +115,28 @@ def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> 
     return Effect(name, symbol, number, error, words)
 
 
+def _stiffer(scene: Scene, solution: Solution, jet: StraightJet, full: float) -> float:
+    """Slip that a law with a contour adds to the linear spring's, short of the contour: ``eps V' (T' - 1)``."""
+    from spinline.network.tension import Tension
+
+    law = "lattice" if scene.network.force_law == "linear" else scene.network.force_law
+    alpha = coupling(scene, solution, jet)[0]
+    z = _grid(scene, jet, _KEPT)
+    spring = Tension.of(law, full)
+    v = jet.velocity_ratio(z)
+    _, compliance = spring.state(spring.tension(v))
+    slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
+    with np.errstate(divide="ignore"):
+        added = np.minimum(scene.network.spring.value / alpha * slope * np.abs(1 / compliance - 1), 1.0)
+    if np.isnan(alpha):
+        return 0.0
+    return _moved(scene, solution, z, v, np.minimum(v * (1 + added), (1 - 1e-6) * full))
+
+
 def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
     """Strands that give back some of their stretch on the way; `deborah` is theta edot at the crossover."""
     from spinline.material import build_material, constitutive_model
+    from spinline.rheology.conformation import Maxwell
 
     theta = solution.relaxation_time
     name, symbol = "relaxation", "De"
@@ -118,7 +144,13 @@ def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, debora
         return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
     z = _grid(scene, jet, _KEPT)
     v, time = jet.velocity_ratio(z), jet.residence_time(z)
-    faster, contour = _stiffening(constitutive_model(scene, build_material(scene, solution)), v)
+    try:
+        model: Model = constitutive_model(scene, build_material(scene, solution))
+    except InputError as problem:  # a run by that rung is refused; whether one is needed can be said all the same
+        if problem.field != "rheology.extensibility":
+            raise
+        model = Maxwell()
+    faster, contour = _stiffening(model, v)
     rate = (1 - v**-2.0) / 2 * faster
     given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)

@@ -2,9 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from spinline.build import coupling, coupling_error
+from spinline.build import coupling
 from spinline.effects import Effects, choose_effects
 from spinline.errors import InputError
 from spinline.jetprofile.power_law import PowerLaw
@@ -16,6 +14,7 @@ from spinline.scene import PowerLawJet, Scene
 
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.plan import Plan
 
 __all__ = ["SLIPPING", "examine"]
 
@@ -23,21 +22,38 @@ SLIPPING = ("manifold", "chain")  # rungs whose network does not move with the s
 
 
 def examine(
-    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", effects: Effects | None = None
+    scene: Scene,
+    solution: Solution,
+    jet: "StraightJet | LagrangianJet",
+    effects: Effects | None = None,
+    plan: "Plan | None" = None,
 ) -> list[str]:
     """What is odd about a scene: every remark is a sentence with its number.
+
+    Parameters
+    ----------
+    scene, solution, jet
+        A scene and what `build_solution` and `build_jet` make of it.
+    effects, plan
+        If they are known already; what a choice of rung loses is not said where the effects are given and the plan is not.
 
     Raises
     ------
     InputError
         For what this version cannot do.
     """
-    if scene.network.model == "auto":
-        from spinline.plan import plan_scene, resolved
+    if plan is None and (effects is None or scene.network.model == "auto"):
+        from spinline.plan import plan_scene
 
-        scene = resolved(scene, plan_scene(scene, solution, jet))
+        plan = plan_scene(scene, solution, jet)
+    if plan is not None:
+        from spinline.plan import resolved
+
+        scene = resolved(scene, plan)
     n = scene.network
-    effects = choose_effects(scene, solution, jet) if effects is None else effects
+    effects = (
+        choose_effects(scene, solution, jet, None if plan is None else plan.numbers) if effects is None else effects
+    )
     if n.model in SLIPPING and not isinstance(jet, StraightJet):
         raise InputError("network.model", "needs a straight jet", value=n.model, remedy='take "affine" for a bead jet')
     if n.model == "walk" and n.closure_used != "force":
@@ -69,30 +85,10 @@ def examine(
         remarks.append(
             f"the core is compact (V = {compact:.4g}) before the network is fully stretched (V = {full:.4g})"
         )
-    if isinstance(jet, StraightJet):
-        eps = coupling_error(scene, solution, jet)
-        if np.isnan(eps):
+    if plan is not None:
+        if "slip" in plan.numbers.missing and isinstance(jet, StraightJet):
             remarks.append(f"elastic slip is not estimated: {coupling(scene, solution, jet)[2]}")
-        if eps > scene.accuracy.rtol and n.model not in SLIPPING:
-            remarks.append(
-                f"the affine network errs by about {eps:.2g} in its velocity (largest c V'/alpha_v), more than rtol = "
-                f"{scene.accuracy.rtol:g}: see --model manifold"
-            )
-    if solution.relaxation_time is not None and not effects.relaxation:
-        assert effects.numbers is not None  # they are made wherever a relaxation time is given
-        relaxing = effects.numbers.relaxation
-        if relaxing.error > scene.accuracy.rtol:
-            remarks.append(
-                f"relaxation is left out: De = {relaxing.number:.3g} at the crossover (or the end of the jet), so the "
-                f"affine stretch errs by about {relaxing.error:.2g}"
-            )
+        remarks += plan.remarks
     if scene.ambient is not None and not effects.evaporation:
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")
-    if effects.numbers is not None:
-        slip, relaxation = effects.numbers.errors["slip"], effects.numbers.errors["relaxation"]
-        if slip > scene.accuracy.rtol and relaxation > scene.accuracy.rtol:
-            remarks.append(
-                f"no model holds both elastic slip (error of about {slip:.2g}) and relaxation ({relaxation:.2g}): "
-                f"compare manifold and conformation"
-            )
     return remarks

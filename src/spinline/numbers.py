@@ -20,6 +20,7 @@ from spinline.network.coupling import strand_force
 from spinline.network.mesh import network_at_rest
 from spinline.network.state import network_state
 from spinline.rheology.solution import Solution
+from spinline.rheology.vapour import equilibrium_fraction
 from spinline.scene import Scene
 
 if TYPE_CHECKING:
@@ -102,8 +103,9 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
     Notes
     -----
     Errors: slip and inertia ``eps V'`` and ``I V'``; relaxation what a strand gives back on the way (`estimates`), along
-    bead jets ``1/De``, at most 1; evaporation the relative rise of the mean fraction; radial the difference between surface
-    and mean over the mean, ``Pe (a - a_inf)/2`` once diffusion has crossed the jet, ``4 (Fo/pi)^(1/2)`` of that before.
+    bead jets ``1/De``, at most 1; evaporation the relative change of the mean fraction; radial the difference between surface
+    and mean over the mean, ``Pe (a - a_inf)/2`` once diffusion has crossed the jet, ``4 (Fo/pi)^(1/2)`` of that before, at most
+    what a surface in equilibrium with the air has.
     """
     if not isinstance(jet, StraightJet) and jet.time is not None:
         jet = jet.at()
@@ -142,7 +144,7 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
             "slip": slip,
             "inertia": inertia * steepest,
             "relaxation": relaxing.error,
-            "evaporation": lost / (1 - lost) if lost < 1 else np.inf if lost >= 1 else _NAN,
+            "evaporation": abs(lost / (1 - lost)) if lost < 1 else np.inf if lost >= 1 else _NAN,
             "radial": uneven,
         },
         missing=missing,
@@ -230,8 +232,11 @@ def _drying(
     biot, fourier = biot_number(peclet, dried, air, phi), fourier_number(dried, diffusion, phi)
     only = air.volatiles[0]
     mean = np.minimum(phi / dried.remaining, 1.0)
-    pull = np.maximum((1 - mean) * np.exp(mean * (1 + only.chi * mean)) - only.ambient, 0.0)
-    uneven = 0.5 * peclet * pull * np.minimum(1.0, 4 * np.sqrt(fourier / np.pi))
+    pull = np.abs((1 - mean) * np.exp(mean * (1 + only.chi * mean)) - only.ambient)  # below 0 a jet takes vapour up
+    # what pulls at a place lasts to the next: a jet may dry out between two; no surface goes beyond equilibrium
+    after = np.append(fourier[1:], fourier[-1])
+    balanced = equilibrium_fraction(only.ambient, only.chi) if 0 < only.ambient < 1 else 1.0
+    uneven = np.minimum(0.5 * peclet * pull * np.minimum(1.0, 4 * np.sqrt(after / np.pi)), np.abs(balanced / mean - 1))
     return lost, float(biot[-1]), float(peclet.max()), float(fourier[-1]), float(uneven.max())
 
 

@@ -148,6 +148,11 @@ def settled_chain(scene: Scene, solution: Solution, jet: StraightJet) -> Settled
     length = jet_length(scene, jet) / r0
     transit = float(jet.residence_time(jet_length(scene, jet))) * jet.initial_velocity / r0
     spacing = float(rest.size) * solution.kuhn_length / r0
+    if spacing > 1:
+        raise InputError(
+            "network.model", f"has no chain: a mesh of {spacing * r0:.3g} m is wider than the jet's radius", value="chain",
+            allowed=f"a radius above {spacing * r0:.3g} m", remedy='raise the fraction, or take model = "affine"',
+        )  # fmt: skip
     joined = max(1.0, transit / spacing / _MOST_BEADS) if n.coarse_grain is None else n.coarse_grain.value
     chain = Chain(
         flow=Flow.from_jet(jet, length),

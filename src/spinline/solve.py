@@ -170,7 +170,7 @@ def evaluate(scene: Scene, jet: "StraightJet | LagrangianJet | None" = None, *, 
     plan = plan_scene(scene, solution, jet) if attributes or scene.network.model == "auto" else None
     scene = scene if plan is None else resolved(scene, plan)
     effects = choose_effects(scene, solution, jet, None if plan is None else plan.numbers)
-    remarks = examine(scene, solution, jet, effects)
+    remarks = examine(scene, solution, jet, effects, plan)
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     targets = {
         "crossover": float(crossover_velocity_ratio(phi, quality)),

@@ -193,7 +193,9 @@ def _recommendation(measured: list[Measured], rtol: float, words: dict[str, str]
     """The cheapest rung within rtol of every reference, or what stands against it."""
     branches = [branch for branch, reference in words.items() if not reference.startswith("none")]
     if not branches:
-        return "affine: there is no finer rung to compare with on this scene (" + "; ".join(words.values()) + ")"
+        return (
+            "affine, unchecked: no finer rung gives a result on this scene, for the reasons named with the references"
+        )
     good = [rung for rung in measured if not rung.refused and all(rung.errors[branch] <= rtol for branch in branches)]
     if good:
         best = min(good, key=lambda rung: rung.seconds)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -21,6 +22,16 @@ _MARKS = {
 _LEAST = 1e-12  # an error below this is drawn here
 
 
+_HEIGHT = 200.0  # points, of a panel's marks
+_SHIFTS = (8, -14, 18, -24)  # points, where a label may stand
+_WIDE, _HIGH = 0.5, 10.0  # decades and points that a label covers
+
+
+def _free(taken: list[tuple[float, float]], x: float, height: float) -> bool:
+    """Whether a label fits between those there are."""
+    return all(abs(x - other) > _WIDE or abs(height - high) > _HIGH for other, high in taken)
+
+
 def trade_figure(measured: Trade) -> Figure:
     """One panel a branch: the largest error of the reported quantities against processor time."""
     branches = sorted({branch for rung in measured.rungs for branch in rung.errors}) or ["no reference"]
@@ -33,14 +44,22 @@ def trade_figure(measured: Trade) -> Figure:
             if branch in rung.errors and not rung.refused
         ]
         drawn: set[str] = set()
-        for i, (seconds, error, rung) in enumerate(points):
+        labels: list[tuple[float, float, str, tuple[float, float]]] = []
+        for seconds, error, rung in points:
             mark, colour = _MARKS[rung.model]
             place = (1e3 * seconds, max(error, _LEAST))
             axis.plot(*place, mark, color=colour, markersize=8, label=None if rung.model in drawn else rung.model)
             drawn.add(rung.model)
-            axis.annotate(
-                rung.setting, place, (0, 8 if i % 2 else -14), textcoords="offset points", fontsize=7, ha="center"
-            )
+            labels.append((np.log10(place[0]), np.log10(place[1]), rung.setting, place))
+        span = max([4.0, *(abs(one[1] - other[1]) for one in labels for other in labels)])
+        taken: list[tuple[float, float]] = []
+        for x, y, words, place in labels:
+            height = y / span * _HEIGHT
+            shift = next((s for s in _SHIFTS if _free(taken, x, height + s)), None)
+            if shift is None:
+                continue  # the table has it
+            taken.append((x, height + shift))
+            axis.annotate(words, place, (0, shift), textcoords="offset points", fontsize=7, ha="center")
         front, best = [], float("inf")
         for seconds, error, _ in sorted(points, key=lambda point: point[:2]):
             if error < best:
