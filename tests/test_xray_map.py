@@ -203,9 +203,7 @@ def test_the_weights_are_the_likeliest() -> None:
         added = dense(penalty.added(matrix, w))
         eigen = np.linalg.eigvalsh(added - dense(matrix))
         best = right.ravel() @ np.linalg.solve(added, right.ravel())
-        return 0.5 * (
-            best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - logs.sum()
-        )
+        return 0.5 * (best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - logs.sum())
 
     logs = np.log(weights)
     assert mode.ravel() == pytest.approx(

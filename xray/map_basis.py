@@ -2,9 +2,10 @@
 
 The polymer fraction is ``phi(rho, z) = sum_jk c_jk b_j(rho) B_k(z)``, ``rho = r/R(z)``: cubic B-splines on evenly spaced knots,
 in rho even about the axis, so that the fraction is smooth there. Roughness is the sum of squared differences of
-neighbouring coefficients, of third order; across the jet they are those of the core and those of the rim, halves of equal area,
-for a skin is rough where the core is not. What they let pass is ``a + b rho^2``, a and b parabolas along z. The smoothest of n third differences is of relative size ``(5/n)^6``, lost in double precision
-from 150 splines on (measured): with over 64 along z, 488 rows, the order there is two.
+neighbouring coefficients, of third order; across the jet they are those of the core and those of the rim, halves of
+equal area, for a skin is rough where the core is not. What they let pass is ``a + b rho^2``, a and b parabolas along z.
+The smoothest of n third differences is of relative size ``(5/n)^6``, lost in double precision from 150 splines on
+(measured): with over 64 along z, 488 rows, the order there is two.
 
 The chord of b_j at the distance s (in radii) from the axis is, piece by piece, that of a polynomial in rho, with
 ``y = sqrt(rho^2 - s^2)``::
@@ -127,7 +128,9 @@ class AxialBasis:
 def radial_basis(size: int) -> RadialBasis:
     """Basis of `size` >= 4 splines; 10 ms the first time."""
     pieces, fold = size - 2, _fold(size - 2)
-    differences = np.sqrt(0.5) * np.diff(np.eye(2 * pieces + 3), _ORDER, axis=0) @ fold  # both halves of the jet count once
+    differences = (
+        np.sqrt(0.5) * np.diff(np.eye(2 * pieces + 3), _ORDER, axis=0) @ fold
+    )  # both halves of the jet count once
     place = np.abs(np.arange(2 * pieces) - pieces + 0.5) / pieces
     rim = (place**2 > 0.5).astype(np.float64)
     shares = np.stack((1.0 - rim, rim))
