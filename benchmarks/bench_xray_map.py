@@ -1,11 +1,12 @@
 """The map against row-by-row Abel inversion, its error bars over replicates, and its cost.
 
-Run: ``python benchmarks/bench_xray_map.py [abel|errors|family|cost] [--replicates 1000] [--kind smooth]``, everything when
-nothing is named; `abel` needs PyAbel. Phantoms: a jet of PEO in water at 10 keV, 300 rows of 0.67 um pixels, radius falling from 100 to 40 um, polymer
-fraction rising first in the core, then at the rim ("smooth": rises as wide as half the radius and a third of the length;
-"sharp": the rim a skin of r^6, within a tenth of the length). `family` takes others, in 100 rows: those that the smoothing was
-chosen on ("chosen on"), and those that it was judged on afterwards and nothing was changed for ("judged on"). They come from Gauss quadrature along chords at 16 places in each
-pixel and share no code with the package.
+Run: ``python benchmarks/bench_xray_map.py [abel|errors|family|cost] [--replicates 1000] [--kind smooth]``, everything
+when nothing is named; `abel` needs PyAbel. Phantoms: a jet of PEO in water at 10 keV, 300 rows of 0.67 um pixels, radius
+falling from 100 to 40 um, polymer fraction rising first in the core, then at the rim ("smooth": rises as wide as half the
+radius and a third of the length; "sharp": the rim a skin of r^6, within a tenth of the length). `family` takes others, in
+100 rows: those that the smoothing was chosen on ("chosen on"), and those that it was judged on afterwards and nothing was
+changed for ("judged on"). They come from Gauss quadrature along chords at 16 places in each pixel and share no code with
+the package.
 """
 
 import argparse
