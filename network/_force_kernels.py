@@ -45,7 +45,11 @@ def force_kernel(code: int, x: float, rest: float) -> float:
     if not room > 0:
         return math.copysign(math.inf, x) if room <= 0 else math.nan
     if code == LATTICE:
-        return math.atanh(x) + math.asinh(2 * math.cosh(rest) * (x / math.sqrt(room)))
+        slope = x / math.sqrt(room)
+        pull = 2 * math.cosh(rest) * slope
+        if math.isinf(pull):  # overflow: asinh y = ln 2y there
+            return math.atanh(x) + math.copysign(rest + math.log(2 * abs(slope)), x)
+        return math.atanh(x) + math.asinh(pull)
     if code == FENE:
         return 3 * x / room
     return _inverse_langevin(x)

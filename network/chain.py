@@ -75,8 +75,13 @@ class ChainResult:
         """Stretch, tension and extension along the chain at the end."""
         return profile(self.chain, self.state)
 
+    @property
+    def profiles(self) -> list[ChainProfile]:
+        """The same at the times asked for."""
+        return [profile(self.chain, state) for state in self.snapshots]
+
     def stretch_at(self, position: ArrayLike) -> FloatArray:
-        """Local stretch w at positions (initial radii), cubic between strand midpoints; NaN outside the chain."""
+        """Local stretch w at positions (initial radii), see `ChainProfile.stretch_at`; NaN outside the chain."""
         return self.profile.stretch_at(position)
 
 
@@ -143,6 +148,10 @@ def run_chain(
     seconds = number("checkpoint_seconds", checkpoint_seconds, least=0.0)
     fixed = None if time_step is None else positive("time_step", time_step)
     watch = 0.95 * chain.flow.length if accurate_to is None else positive("accurate_to", accurate_to, "r_0")
+    if not (isinstance(progress, bool) or callable(progress)):
+        raise InputError("progress", "is neither a bool nor a function", value=type(progress).__name__)
+    if not (checkpoint is None or isinstance(checkpoint, str | Path)):
+        raise InputError("checkpoint", "is not a path", value=type(checkpoint).__name__)
     state = _start(chain, start)
     end = number("until", until, above=state.time)
     outputs = real("output_times", output_times, least=state.time, most=end).ravel()
@@ -224,6 +233,8 @@ def _next(
         after, error, count = advance(chain, span, state, time, watch, fine, room)
         iterations += count
         taken = time - state.time
+        if after is not None and fixed is None and _turned(chain, after):
+            after = None
         # an error of position far below a spacing is no error of stretch: a bead may be kicked as it enters
         allowed = max(rtol, 0.1 * rtol * chain.step / taken)
         if after is not None and (fixed is not None or error <= allowed):
@@ -247,6 +258,11 @@ def _next(
                 f"chain: step below {dt:.1e} at time {state.time:g} (local error {error:.1e} against rtol = {rtol:g}); "
                 "raise rtol, or end `accurate_to` before the free end's layer"
             )
+
+
+def _turned(chain: Chain, state: ChainState) -> bool:
+    """Whether beads without mass are out of order: the flow and the strands keep them in it, an error turns them."""
+    return not chain.inertia and bool((state.positions[1:] >= state.positions[:-1]).any())
 
 
 def _landing(chain: Chain, time: float, dt: float, barrier: float, *, aligned: bool) -> float:

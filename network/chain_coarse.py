@@ -19,7 +19,7 @@ __all__ = ["coarse_graining_error"]
 
 
 def coarse_graining_error(
-    chain: Chain, until: float, position: ArrayLike, *, rtol: float = 1e-4
+    chain: Chain, until: float, position: ArrayLike, *, rtol: float = 1e-4, most_steps: int = 10_000_000
 ) -> tuple[FloatArray, FloatArray]:
     """Stretch of a coarse-grained chain and the estimated error of coarse-graining.
 
@@ -33,6 +33,8 @@ def coarse_graining_error(
         Stations, initial radii.
     rtol : float
         Of both runs; an error much below it is not resolved.
+    most_steps : int
+        Of each run, as for `run_chain`.
 
     Returns
     -------
@@ -47,7 +49,7 @@ def coarse_graining_error(
     instance("chain", chain, Chain)
     s = real("position", position)
     m = chain.coarse_grain
-    fine = run_chain(chain, until, rtol=rtol).stretch_at(s)
-    coarse = run_chain(replace(chain, coarse_grain=2 * m), until, rtol=rtol).stretch_at(s)
+    fine = run_chain(chain, until, rtol=rtol, most_steps=most_steps).stretch_at(s)
+    coarse = run_chain(replace(chain, coarse_grain=2 * m), until, rtol=rtol, most_steps=most_steps).stretch_at(s)
     error: FloatArray = np.abs(coarse - fine) / 3 * (1 - 1 / m**2)
     return fine, error

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spinline.checks import positive, real
+from spinline.checks import number, positive
 from spinline.errors import InputError
 from spinline.network.flow import Flow
 from spinline.network.force_laws import ForceLaw, force, law_code, stiffness
@@ -62,11 +62,11 @@ class Chain:
     def __post_init__(self) -> None:
         if not isinstance(self.flow, Flow):
             raise InputError("flow", "is not a Flow", value=type(self.flow).__name__, remedy="use Flow.from_jet")
-        _within("spacing", self.spacing, 1e-9, 1.0)
-        _within("coupling", self.coupling, 1e-6, 1e18)
-        _within("spring", self.spring, 1e-3, 1e3)
-        _within("inertia", self.inertia, 0.0, 1e6)
-        _within("coarse_grain", self.coarse_grain, 1.0, 1e9)
+        self._within("spacing", 1e-9, 1.0)
+        self._within("coupling", 1e-6, 1e18)
+        self._within("spring", 1e-3, 1e3)
+        self._within("inertia", 0.0, 1e6)
+        self._within("coarse_grain", 1.0, 1e9)
         if self.step > 0.25 * self.flow.length:
             remedy = "lower coarse_grain or spacing, or lengthen the jet"
             raise InputError("coarse_grain", "leaves fewer than four beads", value=self.coarse_grain, remedy=remedy)
@@ -76,7 +76,14 @@ class Chain:
                 remedy = "give xi_max / xi_0, 1 / phi in a theta solvent"
                 raise InputError("contour", f'is needed by the "{self.law}" law', remedy=remedy)
         else:
-            _within("contour", self.contour, 1.01, 1e9)
+            self._within("contour", 1.01, 1e9)
+
+    def _within(self, field: str, least: float, most: float) -> None:
+        """Check a parameter, and hold it as a float whatever it came as."""
+        value = getattr(self, field)
+        if least > 0:
+            positive(field, value)
+        object.__setattr__(self, field, number(field, value, least=least, most=most))
 
     @property
     def step(self) -> float:
@@ -119,11 +126,3 @@ class Chain:
 
 def _plain(value: float | None) -> float | None:
     return None if value is None else float(value)
-
-
-def _within(field: str, value: float, least: float, most: float) -> None:
-    if least > 0:
-        positive(field, value)
-    number = real(field, value, least=least, most=most)
-    if number.ndim:
-        raise InputError(field, "must be a single number", value=f"array of shape {number.shape}")

@@ -36,6 +36,8 @@ class ChainProfile:
         Their ends.
     step : float
         Distance of the beads at rest.
+    contour : float
+        ``xi_max / xi_0`` of a bounded law, else infinite.
     """
 
     position: FloatArray
@@ -45,12 +47,14 @@ class ChainProfile:
     network_velocity_ratio: FloatArray
     beads: FloatArray
     step: float
+    contour: float = np.inf
 
     def stretch_at(self, position: ArrayLike) -> FloatArray:
         """Local stretch ``(dx/dn) / h`` at positions (initial radii); NaN outside the chain.
 
         Derivative of the polynomial through six beads: of fifth order in the spacing of the beads, where a spacing
-        given to its midpoint is of second (4e-5 at h = 0.01 on the published jet).
+        given to its midpoint is of second (4e-5 at h = 0.01 on the published jet). Where it leaves (0, contour], as it may by
+        1e-4 at a front of locking, the straight line between the middles of the strands.
         """
         s = real("position", position, least=-_FARTHEST, most=_FARTHEST)
         x = self.beads
@@ -64,8 +68,13 @@ class ChainProfile:
             top = sum(_product([s - b for b in others if b is not a]) for a in others)
             number = number + i * top / _product([p[i] - a for a in others])
         inside = (s >= x[0]) & (s <= x[-1])
-        value: FloatArray = np.where(inside, 1 / np.where(inside, number, 1.0) / self.step, np.nan)
-        return value
+        value: FloatArray = 1 / np.where(inside & (number != 0), number, np.inf) / self.step
+        rough = ~((value > 0) & (value <= self.contour))
+        if rough.any():
+            bounded = np.isfinite(self.contour)
+            stretch = self.relative_extension * self.contour if bounded else self.stretch
+            value = np.where(rough, np.interp(s, self.position, stretch), value)
+        return np.where(inside, value, np.nan)
 
 
 def _product(factors: list[FloatArray]) -> FloatArray:
@@ -92,4 +101,5 @@ def profile(chain: Chain, state: ChainState) -> ChainProfile:
         network_velocity_ratio=(0.5 * (v[1:] + v[:-1]))[order],
         beads=ends,
         step=chain.step,
+        contour=np.inf if chain.contour is None or chain.law == "linear" else float(chain.contour),
     )

@@ -102,6 +102,6 @@ def rest_force(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "th
 
 def check_quality(quality: str) -> str:
     """Return a known solvent quality, refuse any other."""
-    if quality not in get_args(SolventQuality):
+    if not isinstance(quality, str) or quality not in get_args(SolventQuality):
         raise InputError("solvent_quality", "is not known", value=quality, allowed='"theta", "good"')
     return quality

@@ -106,7 +106,8 @@ def exact_law(strand: Strand, axes: Sequence[str] = ("z",)) -> ExactLaw:
     331.437741
     """
     instance("strand", strand, Strand)
-    chosen = tuple(axes) if isinstance(axes, Sequence) else ()
+    named = isinstance(axes, Sequence) and all(isinstance(axis, str) for axis in axes)
+    chosen = tuple(axes) if named else ()
     if not chosen or len(set(chosen)) != len(chosen) or any(axis not in AXES for axis in chosen):
         raise InputError("axes", "are not known or repeat", value=axes, allowed='"x", "y", "z", each at most once')
     columns = [AXES[axis] for axis in chosen]

@@ -22,6 +22,7 @@ from spinline.errors import InputError
 __all__ = ["ElementHistory", "propagate"]
 
 _EFOLDINGS, _POINTS = 40.0, 40
+_BLOCK = 4096  # steps at a time: 40 points each fit the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +64,14 @@ class ElementHistory:
             first, last = np.where(good, rate[:-1], secant), np.where(good, rate[1:], secant)
         return cls(t, level, theta, first, last)
 
+    def part(self, first: int, last: int) -> "ElementHistory":
+        """Steps from `first` up to `last`, which is not among them."""
+        samples, steps = slice(first, last + 1), slice(first, last)
+        return ElementHistory(
+            self.time[samples], self.log_stretch[samples], self.relaxation_time[samples], self.first_rate[steps],
+            self.last_rate[steps],
+        )  # fmt: skip
+
     @property
     def strain(self) -> FloatArray:
         """``ln(Lambda_1 / Lambda_0)`` of each step."""
@@ -72,8 +81,9 @@ class ElementHistory:
     def reduced(self) -> FloatArray:
         """``int dt/theta`` of each step."""
         slow = -np.diff(np.log(self.relaxation_time))
-        value: FloatArray = np.diff(self.time) / self.relaxation_time[:-1] * _mean_exp(slow)
-        return value
+        with np.errstate(over="ignore"):
+            value = np.diff(self.time) / self.relaxation_time[:-1] * _mean_exp(slow)
+        return real("time over relaxation_time", value, remedy="the relaxation time is too short for a double")
 
     def remaining_strain(self, x: FloatArray) -> FloatArray:
         """``eps_1 - eps`` where a share x of the step's reduced time is still to come; x (n - 1, points)."""
@@ -106,23 +116,30 @@ class ElementHistory:
 
 def propagate(history: ElementHistory, weight: float, start: float) -> FloatArray:
     """``A`` of ``dA/dt = weight edot A - (A - 1)/theta`` at every sample, from `start`."""
-    strain, reduced = history.strain, history.reduced
-    a = weight * strain - reduced
-    nodes, weights = _gauss()
-    share = 0.5 * (1 + nodes)
-    reach = np.minimum(1.0, _EFOLDINGS / np.maximum(np.abs(a), _EFOLDINGS))[:, np.newaxis]
-    from_end = (a <= 0)[:, np.newaxis]
-    x = np.where(from_end, share * reach, 1 - share * reach)
-    bend = weight * (history.remaining_strain(x) - x * strain[:, np.newaxis])
+    reduced = history.reduced
+    a = weight * history.strain - reduced
     peak = np.maximum(a, 0.0)
     real("strain of a step", peak, most=600.0, remedy="sample the history more finely")
-    integral = 0.5 * reach[:, 0] * np.sum(weights * np.exp(a[:, np.newaxis] * x - peak[:, np.newaxis] + bend), axis=1)
+    parts = range(0, a.size, _BLOCK)
+    integral = np.concatenate([_integral(history.part(i, i + _BLOCK), weight, a[i : i + _BLOCK]) for i in parts])
     gain, source = np.exp(a), reduced * integral * np.exp(peak)
     value, values = start, [start]
     for g, b in zip(gain.tolist(), source.tolist(), strict=True):
         value = g * value + b
         values.append(value)
     return real("conformation", values, remedy="the strain is too large for a linear model: use FENE-P")
+
+
+def _integral(history: ElementHistory, weight: float, a: FloatArray) -> FloatArray:
+    """The integral over each step, times ``exp(-max(a, 0))``."""
+    nodes, weights = _gauss()
+    share = 0.5 * (1 + nodes)
+    reach = np.minimum(1.0, _EFOLDINGS / np.maximum(np.abs(a), _EFOLDINGS))[:, np.newaxis]
+    x = np.where((a <= 0)[:, np.newaxis], share * reach, 1 - share * reach)
+    bend = weight * (history.remaining_strain(x) - x * history.strain[:, np.newaxis])
+    grown = np.exp(a[:, np.newaxis] * x - np.maximum(a, 0.0)[:, np.newaxis] + bend)
+    value: FloatArray = 0.5 * reach[:, 0] * np.sum(weights * grown, axis=1)
+    return value
 
 
 @lru_cache(maxsize=1)

@@ -22,7 +22,8 @@ from spinline.rheology.volatile import Volatile
 __all__ = ["Activity", "Balance"]
 
 Activity = Literal["flory-huggins", "raoult", "unit"]
-_RTOL, _DRY = 1e-12, 34.0  # of the log volumes; e-foldings after which nothing is left
+_RTOL = 1e-12  # of the log volumes
+_MOST_CALLS = 200_000  # of the right-hand side
 
 
 class Balance:
@@ -67,16 +68,18 @@ class Balance:
         """Driving dC of each solvent over its volume (over 1 for solvents only in the air)."""
         u = self.volumes(y)
         total = self.phi0 + float(u.sum())
+        polymer = np.asarray(self.phi0 / total)
         if self.activity == "raoult":
-            coefficient = vapour.raoult_coefficient(u / total, self.volume, self.polymer_volume)
-        elif self.activity == "unit":
-            constant: FloatArray = self.saturation * (1 - self.ambient) / u
-            return constant
+            log_coefficient, others = vapour.log_raoult(u / total, polymer, self.volume, self.polymer_volume)
         else:
-            coefficient = vapour.flory_huggins_coefficient(u / total, self.volume, self.chi)
+            log_coefficient, others = vapour.log_flory_huggins(u / total, polymer, self.volume, self.chi)
+        coefficient = np.exp(log_coefficient)
+        # where nearly pure, 1 - ambient against 1 - activity: the plain difference would be noise
+        pure = (1 - self.ambient) + np.expm1(np.log1p(-np.minimum(others, 0.5)) + log_coefficient)
         least = np.where(self.ambient > 0, u, 1.0)
-        inside = coefficient / total - np.divide(self.ambient, least, out=np.zeros_like(u), where=self.inside)
-        value: FloatArray = self.saturation * np.where(self.inside, inside, coefficient * u / total - self.ambient)
+        over = coefficient / total - np.divide(self.ambient, least, out=np.zeros_like(u), where=self.inside)
+        over = np.divide(pure, u, out=over, where=self.inside & (others < 0.5))
+        value: FloatArray = self.saturation * np.where(self.inside, over, coefficient * u / total - self.ambient)
         return value
 
     def remaining(self, y: FloatArray) -> FloatArray:
@@ -95,6 +98,9 @@ class Balance:
         j = path.integral(lambda x: path.exposure(x) * np.cbrt(self.reynolds(x, 1.0))) / path.initial_radius**2
         factor = 0.495 * np.sqrt(self.schmidt) * self.spread
         power = 1 / 3 if self.kept else 1 / 6
+        if self.activity == "unit":  # dF/dJ = -c F^power, in closed form until no solvent is left
+            fall = (1 - power) * float(factor[0] * self.saturation[0]) * float(1 - self.ambient[0]) * j
+            return self._logarithm(-np.expm1(np.log1p(-np.minimum(fall, 1 - 1e-16)) / (1 - power)))
 
         def slope(_: float, y: FloatArray) -> FloatArray:
             value: FloatArray = -factor * self.remaining(y) ** power * self.fall(y)
@@ -102,6 +108,13 @@ class Balance:
 
         alone = self.start.size == 1 and bool(self.inside[0]) and self.activity == "flory-huggins"
         return self._solve(self._alone(float(factor[0]), power) if alone else slope, 0.0, j, np.inf)
+
+    def _logarithm(self, lost: FloatArray) -> FloatArray:
+        """State of one solvent from the volume lost, which may have come to more than there was."""
+        share = lost / self.start[0]
+        value = np.full((1, lost.size), -np.inf)
+        np.log1p(-share, out=value[0], where=share < 1)
+        return value
 
     def _alone(self, factor: float, power: float) -> Callable[[float, FloatArray], FloatArray]:
         """The slope of one solvent: the same, a fiftieth of the time."""
@@ -112,7 +125,16 @@ class Balance:
             u = math.exp(origin + float(y[0]))
             total = phi0 + u
             polymer = phi0 / total
-            inside = math.exp(polymer * (1 + chi * polymer)) / total - (ambient / u if ambient > 0 else 0.0)
+            mixing = polymer * (1 + chi * polymer)
+            if polymer < 0.02:  # as in `fall`, and ln(1 - phi) + phi + phi^2/2 as a series: chi = 1/2 leaves phi^3
+                series = 0.0
+                for n in range(10, 2, -1):
+                    series = polymer * series + 1 / n
+                inside = (1 - ambient + math.expm1(polymer**2 * (chi - 0.5 - polymer * series))) / u
+            elif polymer < 0.5:
+                inside = (1 - ambient + math.expm1(math.log1p(-polymer) + mixing)) / u
+            else:
+                inside = math.exp(mixing) / total - (ambient / u if ambient > 0 else 0.0)
             return np.array([-strength * total**power * inside])
 
         return slope
@@ -120,15 +142,28 @@ class Balance:
     def along(self) -> FloatArray:
         path = self.path
 
-        def slope(x: float, y: FloatArray) -> FloatArray:
+        def pace(x: float, left: float) -> FloatArray:
             at = np.asarray([x])
-            number = np.cbrt(self.reynolds(at, float(self.remaining(y)))) * 0.495 * np.sqrt(self.schmidt)
-            rate = self.spread * np.maximum(number, self.floor) * path.exposure(at) / path.initial_radius**2
-            value: FloatArray = -rate * self.fall(y)
+            number = np.cbrt(self.reynolds(at, left)) * 0.495 * np.sqrt(self.schmidt)
+            value: FloatArray = (
+                self.spread * np.maximum(number, self.floor) * path.exposure(at) / path.initial_radius**2
+            )
+            return value
+
+        def slope(x: float, y: FloatArray) -> FloatArray:
+            value: FloatArray = -pace(x, float(self.remaining(y))) * self.fall(y)
+            return value
+
+        def loss(x: float, lost: FloatArray) -> FloatArray:  # at activity 1; past dryness as at dryness, and not used
+            left = max(1 - float(lost[0]), self.phi0)
+            value: FloatArray = pace(x, left) * self.saturation * (1 - self.ambient)
             return value
 
         gaps = np.diff(np.concatenate(([path.start], path.breaks, path.position)))
-        return self._solve(slope, path.start, path.position, float(np.ptp(path.position)) / 20 + float(gaps.max()) / 4)
+        longest = float(np.ptp(path.position)) / 20 + float(gaps.max()) / 4
+        if self.activity == "unit":
+            return self._logarithm(self._solve(loss, path.start, path.position, longest)[0])
+        return self._solve(slope, path.start, path.position, longest)
 
     def _solve(
         self, slope: Callable[[float, FloatArray], FloatArray], begin: float, at: FloatArray, longest: float
@@ -138,14 +173,14 @@ class Balance:
             return y
         marks, where = np.unique(at, return_inverse=True)
         after = marks > begin
-
-        def dry(_: float, state: FloatArray) -> float:
-            return float(state[0]) + _DRY
-
-        dry.terminal = True  # type: ignore[attr-defined]
         span = float(marks[-1] - begin)  # the solver's own variable runs from 0 to 1: steps of 1e-300 are no trouble
+        calls = 0
 
         def scaled(x: float, state: FloatArray) -> FloatArray:
+            nonlocal calls
+            calls += 1
+            if calls > _MOST_CALLS:
+                raise _cannot(f"more than {_MOST_CALLS} steps")
             value: FloatArray = span * slope(begin + span * x, state)
             return value
 
@@ -153,13 +188,14 @@ class Balance:
         found = solve_ivp(
             scaled, (0.0, 1.0), np.zeros(self.start.size), method="LSODA", t_eval=(marks[after] - begin) / span,
             rtol=_RTOL, atol=1e-13 * min(1.0, max(size, 1e-200)), max_step=longest / span,
-            events=dry if self.activity == "unit" else None,
         )  # fmt: skip
         if not found.success:
-            raise InputError("jet", f"cannot be dried: {found.message}", remedy="check the properties of the solvents")
+            raise _cannot(found.message)
         reached = np.zeros((self.start.size, marks.size))
-        values = np.full((self.start.size, int(after.sum())), -np.inf)
-        values[:, : found.y.shape[1]] = found.y
-        reached[:, after] = values
+        reached[:, after] = found.y
         y[:] = reached[:, where.ravel()]
         return y
+
+
+def _cannot(why: str) -> InputError:
+    return InputError("jet", f"cannot be dried: {why}", remedy="check the properties of the solvents")

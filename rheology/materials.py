@@ -36,6 +36,14 @@ __all__ = [
 BOND_PROJECTION = 0.126e-9  # m, l_p: C-C bond 0.154 nm times sin(109.5 deg / 2)
 _TUBE_STRANDS = 21.3  # n_t
 _AVOGADRO = 6.02214076e23
+_UNITS = {
+    "density": "kg/m3",
+    "repeat_unit_molar_mass": "kg/mol",
+    "backbone_bonds": "bonds a repeat unit",
+    "kuhn_length": "m",
+    "entanglement_molar_mass": "kg/mol",
+    "glass_transition": "K",
+}
 
 
 @dataclass(frozen=True)
@@ -73,6 +81,16 @@ class Polymer:
     kuhn_length: float = float("nan")
     entanglement_molar_mass: float = float("nan")
     glass_transition: float = float("nan")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise InputError("polymer.name", "is not a name", value=self.name)
+        positive("polymer_density", self.density, "kg/m3")
+        for name, unit in _UNITS.items():
+            value = getattr(self, name)
+            unknown = value == 0 if name == "backbone_bonds" else isinstance(value, float) and np.isnan(value)
+            if name != "density" and not unknown:
+                positive(name, value, unit)
 
 
 def packing_entanglement_molar_mass(
@@ -161,15 +179,6 @@ _OTHERWISE = {
     "glass_transition": f"handbook value: {_OWN}",
     "repeat_unit_molar_mass": "the formula, IUPAC atomic masses",
     "backbone_bonds": "the formula",
-}
-
-_UNITS = {
-    "density": "kg/m3",
-    "repeat_unit_molar_mass": "kg/mol",
-    "backbone_bonds": "bonds a repeat unit",
-    "kuhn_length": "m",
-    "entanglement_molar_mass": "kg/mol",
-    "glass_transition": "K",
 }
 
 

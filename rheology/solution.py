@@ -85,6 +85,9 @@ class Solution:
     solvent_molar_mass: float | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.polymer, Polymer):
+            raise InputError("polymer", "is not a Polymer", value=self.polymer, remedy="Solution.build takes names")
+        solvents.mass_shares(self.solvent, "solvent")
         number("volume_fraction", self.volume_fraction, above=0.0, below=1.0)
         for name, unit in (("temperature", "K"), ("solvent_density", "kg/m3"), ("kuhn_length", "m")):
             number(name, getattr(self, name), above=0.0, unit=unit)

@@ -222,6 +222,9 @@ def mass_shares(shares: Mapping[str, float], field: str) -> FloatArray:
     """Mass fractions of a mixture, checked: > 0, sum 1 to 1e-6."""
     if not isinstance(shares, Mapping):
         raise InputError(field, "is not a mapping of names to mass fractions", value=shares)
+    names = [name.strip().lower() if isinstance(name, str) else None for name in shares]
+    if None in names or len(set(names)) < len(names):
+        raise InputError(field, "must have names, each once", value=list(shares))
     part = real(field, list(shares.values()), above=0.0, most=1.0)
     if abs(float(part.sum()) - 1) > 1e-6:
         raise InputError(field, "mass fractions must sum to 1", value=dict(shares), remedy="scale them")

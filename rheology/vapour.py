@@ -29,6 +29,8 @@ __all__ = [
     "air_kinematic_viscosity",
     "equilibrium_fraction",
     "flory_huggins_coefficient",
+    "log_flory_huggins",
+    "log_raoult",
     "molar_mass",
     "raoult_coefficient",
     "solvent_activity",
@@ -243,12 +245,8 @@ def flory_huggins_coefficient(solvent_fractions: FloatArray, molar_volumes: Floa
     -------
     ndarray, (solvent, ...)
     """
-    shape = (-1,) + (1,) * (solvent_fractions.ndim - 1)
-    v, x = molar_volumes.reshape(shape), chi.reshape(shape)
     polymer = 1 - solvent_fractions.sum(axis=0)
-    crowding = (solvent_fractions / v).sum(axis=0)
-    pull = (solvent_fractions * x / v).sum(axis=0)
-    value: FloatArray = np.exp(1 - v * crowding + polymer * (x - v * pull))
+    value: FloatArray = np.exp(log_flory_huggins(solvent_fractions, polymer, molar_volumes, chi)[0])
     return value
 
 
@@ -259,11 +257,51 @@ def raoult_coefficient(
 
     `polymer_molar_volume` in m3/mol is that of what counts as one molecule: M/rho of the repeat unit.
     """
-    shape = (-1,) + (1,) * (solvent_fractions.ndim - 1)
-    v = molar_volumes.reshape(shape)
-    moles = (solvent_fractions / v).sum(axis=0) + (1 - solvent_fractions.sum(axis=0)) / polymer_molar_volume
-    value: FloatArray = 1 / (v * moles)
+    polymer = 1 - solvent_fractions.sum(axis=0)
+    value: FloatArray = np.exp(log_raoult(solvent_fractions, polymer, molar_volumes, polymer_molar_volume)[0])
     return value
+
+
+def log_flory_huggins(
+    solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, chi: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """``ln(a_i/phi_i)`` and ``1 - phi_i``, Flory-Huggins, each to rounding of itself: in a nearly pure solvent nothing cancels.
+
+    Parameters
+    ----------
+    solvent_fractions : ndarray, (solvent, ...)
+        Volume fractions.
+    polymer : ndarray, (...)
+        The rest, which a sum to 1 would not know well enough.
+    molar_volumes, chi : ndarray, (solvent,)
+        m3/mol, and interaction with the polymer.
+
+    Returns
+    -------
+    log_coefficient, others : ndarray, (solvent, ...)
+    """
+    others, crowding, v = _beside(solvent_fractions, molar_volumes)
+    x = chi.reshape(v.shape)
+    pull = (solvent_fractions * x / v).sum(axis=0)
+    value: FloatArray = others + polymer - crowding + polymer * (x - v * pull)
+    return value, others + polymer
+
+
+def log_raoult(
+    solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, polymer_molar_volume: float
+) -> tuple[FloatArray, FloatArray]:
+    """``ln(a_i/phi_i)`` and ``1 - phi_i`` by Raoult's law; as `log_flory_huggins`."""
+    others, crowding, v = _beside(solvent_fractions, molar_volumes)
+    excess = crowding + polymer * (v / polymer_molar_volume) - (others + polymer)
+    value: FloatArray = -np.log1p(excess)
+    return value, others + polymer
+
+
+def _beside(solvent_fractions: FloatArray, molar_volumes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Of the other solvents, for each: fractions, fractions by ``v_i/v_j``; molar volumes in the shape of fractions."""
+    v = molar_volumes.reshape((-1,) + (1,) * (solvent_fractions.ndim - 1))
+    apart = 1.0 - np.eye(molar_volumes.size)
+    return np.tensordot(apart, solvent_fractions, 1), v * np.tensordot(apart, solvent_fractions / v, 1), v
 
 
 def _name(name: str, what: str) -> str:

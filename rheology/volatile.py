@@ -82,6 +82,9 @@ class Volatile:
         if not isinstance(convention, str) or convention not in get_args(Convention):
             raise InputError("convention", "is not known", value=convention, allowed='"mass", "yarin2001"')
         kelvin, p = positive("temperature", temperature, "K"), positive("pressure", pressure, "Pa")
+        if not isinstance(name, str):
+            raise InputError("solvent", "is not a name", value=name)
+        name = {key.lower(): key for key in SOLVENTS}.get(name.strip().lower(), name)
         if density is None and name not in SOLVENTS:
             raise InputError(f"density of {name}", "is not built in", remedy="give density (kg/m3)")
         rho = solvent_density(name, kelvin) if density is None else positive("density", density, "kg/m3")

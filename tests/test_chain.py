@@ -225,6 +225,18 @@ def test_bounded_laws_lock(law, alpha):
             assert profile.relative_extension.max() < 1.0
 
 
+def test_the_stretch_between_beads_never_passes_the_contour():
+    """At a front of locking the polynomial through six beads overshoots."""
+    flow = net.Flow.from_jet(JET, 40.0)
+    chain = net.Chain(flow=flow, spacing=0.02, coupling=1e4, spring=3.0, law="lattice", contour=22.5)
+    profile = net.run_chain(chain, 12.0, rtol=1e-2).profile
+    s = np.linspace(profile.beads[0], profile.beads[-1], 20_000)
+    w = profile.stretch_at(s)
+    assert w.max() <= 22.5
+    assert w.min() > 0
+    assert replace(profile, contour=np.inf).stretch_at(s).max() > 22.5 * (1 + 1e-6)
+
+
 def test_locking_is_nonlocal():
     # from s1 on, where the drag on the locked part balances: int_{s1}^{L} (V_S - V) ds = 0
     flow = net.Flow.from_jet(JET, 16.0)

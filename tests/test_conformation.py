@@ -198,3 +198,18 @@ def test_along_a_jet_with_its_kink() -> None:
 def test_refusals(call, words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()
+
+
+@pytest.mark.parametrize("model", [Maxwell(), FENEP(400.0)])
+def test_long_histories(model) -> None:
+    """More samples than the steps that one hard span may take; linear models in blocks, so that memory stays small."""
+    n = 300_001
+    time = np.linspace(0.0, 1.0, n)
+    fine = conformation(time, np.exp(2 * time), 0.1, model)
+    coarse = conformation(time[::100], np.exp(2 * time[::100]), 0.1, model)
+    np.testing.assert_allclose(fine.axial[::100], coarse.axial, rtol=1e-8)
+
+
+def test_time_beyond_what_a_double_can_count() -> None:
+    with pytest.raises(InputError, match="time over relaxation_time"):
+        conformation([0.0, 1e300], [1.0, 2.0], 1e-300)

@@ -112,6 +112,15 @@ def test_output_in_the_readme_is_that_of_the_command(scene, spinline):
     assert spinline(command, scene).out == shown
 
 
+def test_the_voltage_step_of_the_page_prints_what_it_says(capsys):
+    page = ROOT / "docs/physics/network.md"
+    (code,) = blocks(page, "python")
+    exec(compile(code, str(page), "exec"), {})
+    said = capsys.readouterr().out
+    assert said in blocks(page, "text")
+    assert [float(line.split()[2]) for line in said.splitlines()][-1] > 10.2
+
+
 def test_jets_of_the_how_to_page_run(spinline, tmp_path):
     page = ROOT / "docs/howto/own-jet.md"
     profile, beads = blocks(page, "text")

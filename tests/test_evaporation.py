@@ -3,6 +3,7 @@
 import time
 import warnings
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -326,3 +327,49 @@ def test_it_is_cheap() -> None:
     began = time.perf_counter()
     evaporate(path, PHI, [WATER], air_viscosity=NU)
     assert time.perf_counter() - began < 1.0
+
+
+@pytest.mark.parametrize("humidity", [0.999999, 1 - 1e-9, 1 - 2**-40])
+@pytest.mark.parametrize("phi", [1e-12, 1e-4])
+@pytest.mark.parametrize("solvents", [1, 2])
+def test_nearly_saturated_air_against_quadrature(humidity, phi, solvents) -> None:
+    """A plain ``activity - humidity`` is noise there: the solver never came back."""
+    z, strength = np.geomspace(1e-3, 0.1, 4), 0.02
+    one = Volatile("x", strength, D, ambient=humidity, chi=0.5)
+    same = [one] if solvents == 1 else [one, Volatile("dry", 1e-9, D, chi=0.5)]
+    share = [1.0] if solvents == 1 else [1.0, 0.0]
+    jet = evaporate(straight_path(JET, z), phi, same, share, air_viscosity=NU)
+    speed = rate(JET, Volatile("x", strength, D))
+    power = 1 + 0.47 / 3
+    with mpmath.workdps(40):
+        dry = 1 - mpmath.mpf(humidity)
+
+        def excess(lost: mpmath.mpf) -> mpmath.mpf:
+            p = phi / (1 - lost)
+            return dry + mpmath.expm1(mpmath.log1p(-p) + p + p * p / 2)
+
+        for place, lost in zip(z / R0, jet.lost, strict=True):
+            way = 1 + (mpmath.mpf(place) ** power - 1) / power
+            found = mpmath.quad(lambda x: (1 - x) ** (-mpmath.mpf(1) / 6) / excess(x), [0, mpmath.mpf(float(lost))])
+            rounding = 0.0 if solvents == 1 else 4e-16 * phi / float(dry)  # of ln(1 - phi) + phi, in mixtures no series
+            assert float(found / (speed * way)) == pytest.approx(1, rel=1e-9 + rounding)
+
+
+def test_activity_one_until_nothing_is_left() -> None:
+    """In closed form in still air; by integration of the loss with a floor, and past dryness."""
+    z, dry = np.linspace(1e-4, 0.1, 400), Volatile("x", 0.02, D)
+    for phi in (1e-6, 0.5, 0.999999):
+        for floor in (0.0, 2.0):
+            jet = evaporate(straight_path(JET, z), phi, [dry], air_viscosity=NU, activity="unit", sherwood_floor=floor)
+            assert jet.polymer_fraction[-1] == 1
+            assert (np.diff(jet.polymer_fraction) >= 0).all()
+            wet = jet.polymer_fraction < 1
+            if not floor:
+                lost = power_law_loss(z[wet] / R0, 1.0, 0.47, rate(JET, dry))
+                np.testing.assert_allclose(jet.lost[wet], lost, rtol=1e-12)
+
+
+def test_names_in_any_case() -> None:
+    assert Volatile.build(" Water", 298.15) == Volatile.build("water", 298.15)
+    with pytest.raises(InputError, match="not a name"):
+        Volatile.build(3, 298.15)

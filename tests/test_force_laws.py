@@ -132,6 +132,13 @@ def test_limits_and_constants() -> None:
     assert [round(float(laws.force(0.9, law)), 1) for law in ALL] == [2.7, 3.6, 10.0, 14.2]
 
 
+def test_lattice_force_where_cosh_overflows() -> None:
+    mp.mp.dps = 50
+    for x in (1 - 1e-15, -0.999, 1e-300):
+        exact = mp.atanh(mp.mpf(x)) + mp.asinh(2 * mp.cosh(700) * mp.mpf(x) / mp.sqrt(1 - mp.mpf(x) ** 2))
+        assert float(laws.force(x, "lattice", 700.0)) == pytest.approx(float(exact), rel=1e-14)
+
+
 def test_lattice_is_the_closed_form_of_the_walk() -> None:
     x = extensions(1000, 3)
     np.testing.assert_allclose(laws.force(x, "lattice", 0.15), axial_force(x, 0.15), rtol=2e-15)

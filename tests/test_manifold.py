@@ -102,6 +102,13 @@ def test_just_below_a_quarter_the_far_end_is_forgotten_above_it_is_refused() -> 
     left = [abs(at(length, 0.24) / exact - 1) for length in (1e4, 1e6, 1e8, 1e10)]
     np.testing.assert_allclose(np.array(left[:-1]) / left[1:], 10.0, rtol=0.03)
     assert at(1e4, 0.2) == pytest.approx(1.2 * (1 - np.sqrt(0.2)) / 0.4, rel=1e-5)
+    for length in (1e3, 1e6, 1e12):  # eps V' = 1/4 itself still has one: double root, w / V = 2
+        assert 1.25 < at(length, 0.25) < 2.5
+        with pytest.raises(InputError, match=r"passes 1/4 at s = "):
+            at(length, 0.2501)
+    single = steady_network(lambda s: (1 + 0.01 * s).astype(np.float32), 10.0, coupling=10, rtol=1e-5)
+    double = steady_network(lambda s: 1 + 0.01 * s, 10.0, coupling=10, rtol=1e-5)
+    assert float(single.stretch(2.0)) == pytest.approx(float(double.stretch(2.0)), rel=1e-5)
     with pytest.raises(InputError, match=r"passes 1/4 at s = "):
         at(100.0, 0.26)
     # beta > 1/2: lost where V' passes alpha_v / (4 c)
@@ -132,6 +139,18 @@ def test_locking_is_nonlocal_and_never_passes_the_contour(law: str) -> None:
     slip = 1 - power()(s) / network.stretch(s)
     integral = float(np.sum(0.5 * (slip[1:] + slip[:-1]) * np.diff(s))) / network.eps
     assert float(network.tension(39.0) - network.tension(12.0)) == pytest.approx(integral, rel=1e-7)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_tension_of_a_locked_network_is_as_good_as_its_stretch(law: str) -> None:
+    """Where w rounds to the contour only T tells panels that are too long."""
+    s = np.linspace(0.1, 39.9, 3000)
+    for alpha in (1e4, 1e8, 1e12):
+        loose, tight = (
+            steady_network(power(), 40.0, coupling=alpha, law=Tension.of(law, 5.0), breaks=[1.0], rtol=rtol).tension(s)
+            for rtol in (1e-10, 1e-13)
+        )
+        np.testing.assert_allclose(loose, tight, rtol=1e-10)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -166,6 +185,17 @@ def test_refusals(change: dict, field: str) -> None:
     arguments = {"velocity_ratio": power(), "length": 10.0, "coupling": 1e4, "breaks": [1.0]} | change
     with pytest.raises(InputError, match=field):
         steady_network(**arguments)
+
+
+@pytest.mark.parametrize("returned", [np.nan, 0.0, -1.0, None, "fast", np.ones(3)])
+def test_a_jet_that_is_no_function_of_place_is_refused(returned: object) -> None:
+    with pytest.raises(InputError, match="velocity_ratio"):
+        steady_network(lambda s: returned, 10.0, coupling=1e4)
+
+
+def test_eq33_refuses_what_does_not_broadcast() -> None:
+    with pytest.raises(InputError, match="slope"):
+        eq33([2.0, 3.0], [0.1, 0.1, 0.1], 0.1)
 
 
 def test_random_draws_are_finite_and_bounded_or_refused() -> None:

@@ -103,16 +103,24 @@ def campaign():
 def test_random_draws_answer_or_refuse_by_name() -> None:
     """The first 60 of the campaign's 10,000 (benchmarks/draws_network.json), as the campaign judges them."""
     draws = campaign()
-    counts, _, wrong = draws.campaign(draws.SEED, range(60), 600.0)
+    counts, _, wrong = draws.campaign(draws.SEED, range(60), 600.0, 400)
     assert not wrong
     for part, by_law in counts.items():
         for law, counter in by_law.items():
             assert counter["answered"] >= (1 if part != "laws" or law == "linear" else 0), (part, law, counter)
 
 
+@pytest.mark.parametrize("number", [309, 1008, 2529, 4568])
+def test_massless_beads_keep_their_order_to_the_far_end(number: int) -> None:
+    """Draws in which a long step turned beads round in the layer of the free end, where no error is controlled."""
+    draws = campaign()
+    drawn, profile, rng = draws.scene(draws.SEED, number)
+    assert draws.outcome("chain", drawn, profile, rng.spawn(4)[3], 600.0, 400) == "answered"
+
+
 def test_the_campaign_sees_what_is_wrong(monkeypatch) -> None:
     draws = campaign()
     monkeypatch.setitem(draws.PARTS, "laws", lambda *_: draws.bounded(np.array([0.5, 1.5]), 0, 1))
-    counts, _, wrong = draws.campaign(draws.SEED, range(2), 600.0, ("laws",))
+    counts, _, wrong = draws.campaign(draws.SEED, range(2), 600.0, 400, ("laws",))
     assert len(wrong) == 2
     assert counts["laws"]["linear"] == {"wrong": 1}

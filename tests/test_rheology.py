@@ -329,3 +329,27 @@ def test_hfip_evaporates_with_library_properties() -> None:
         .entanglement("good")
         .entangled
     )
+
+
+@pytest.mark.parametrize(
+    "solvent",
+    [{"water": 0.5, "DMF": 0.4}, {"water": 0.5, "DMF": np.nan}, {}, "water", {"water": 0.5, "Water": 0.5}, {1: 1.0}],
+)
+def test_a_solution_of_a_given_density_has_a_solvent_too(solvent) -> None:
+    with pytest.raises(InputError, match=r"^solvent"):
+        Solution(POLYMERS["PS"], solvent, 0.1, 293.15, 900.0)
+
+
+def test_a_solution_needs_a_polymer_and_a_polymer_numbers() -> None:
+    with pytest.raises(InputError, match=r"Solution\.build takes names"):
+        Solution("PS", {"water": 1.0}, 0.1, 293.15, 900.0)
+    for wrong in ({"density": -5.0}, {"density": np.nan}, {"glass_transition": 0.0}, {"kuhn_length": -1e-9}, {"backbone_bonds": -2},
+                  {"repeat_unit_molar_mass": "1"}, {"name": 3}):  # fmt: skip
+        with pytest.raises(InputError, match=next(iter(wrong))):
+            Polymer(**{"name": "X", "density": 1000.0, **wrong})
+
+
+@pytest.mark.parametrize("text", ["1", ["1", "2"], np.array(["0.5"]), b"1", np.datetime64("2020-01-01")])
+def test_text_is_not_a_number(text) -> None:
+    with pytest.raises(InputError, match="not a real number"):
+        rheology.modulus(text, 1.0)

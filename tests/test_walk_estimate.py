@@ -52,6 +52,25 @@ def test_stated_intervals_cover(case: str) -> None:
     assert (hits <= 970).all(), hits
 
 
+def test_intervals_with_control_variates_cover_in_small_samples() -> None:
+    """400 strands, 1,000 replicates; one variance for all residuals would cover 0.91 to 0.92."""
+    strand, size = net.uniform_strand(204, 1.68, 0.21), 400
+
+    def length(r: np.ndarray) -> np.ndarray:
+        return np.sqrt((r**2).sum(axis=1))
+
+    everything = net.sample_strands(strand, 1000 * size, 5)
+    truth, hits = net.sample_average(everything, length).value, 0
+    for i in range(1000):
+        rows = slice(i * size, (i + 1) * size)
+        part = net.StrandSample(
+            strand, everything.end_to_end[rows], everything.axial_steps[rows], everything.method, 5, i * size
+        )
+        average = net.sample_average(part, length)
+        hits += abs(average.value - truth) <= 1.959964 * average.error
+    assert 930 <= hits <= 970, hits
+
+
 def test_control_variates() -> None:
     strand = net.affine_strand(20.0, 0.05)
     sample, moments = net.sample_strands(strand, 100_000, 8), net.walk_moments(strand)

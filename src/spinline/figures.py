@@ -167,7 +167,8 @@ def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.set_yscale("log")
     axis.set_ylim(top=1.4)
     axis.set_ylabel("polymer volume fraction")
-    axis.legend(**_LEGEND, loc="upper left")
+    dry = float(result["mean_polymer_fraction"].values[-1]) > 0.3  # then the curves end in the corner above
+    axis.legend(**_LEGEND, loc="lower right" if dry else "upper left")
 
 
 def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:

@@ -18,7 +18,6 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     """Map of the polymer fraction; without radial drying, the volume that is left, or the stress."""
     if "polymer_fraction" in result:
         from matplotlib.colors import LogNorm
-        from matplotlib.patches import Rectangle
 
         values = np.asarray(result["polymer_fraction"].values)
         floor = max(1e-4, 0.2 * float(result["volume_fraction"]))
@@ -28,14 +27,11 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         )  # fmt: skip
         axis.set_ylim(0, 1)
         axis.set_ylabel("distance from the axis $r/R$")
-        # a pale ground, since the map may be bright or dark there
-        axis.add_patch(
-            Rectangle(
-                (0.09, 0.80), 0.48, 0.19, transform=axis.transAxes, color="white", alpha=0.8, linewidth=0, zorder=3
-            )
-        )
-        inset = axis.inset_axes((0.12, 0.88, 0.42, 0.04), zorder=4)
-        bar = axis.figure.colorbar(picture, cax=inset, orientation="horizontal")
+        # the scale stands above the map, not on it: skin and core may be anywhere
+        left, bottom, width, height = axis.get_position().bounds
+        axis.set_position((left, bottom, width, 0.83 * height))
+        strip = axis.figure.add_axes((left, bottom + 0.92 * height, width, 0.03 * height))
+        bar = axis.figure.colorbar(picture, cax=strip, orientation="horizontal")
         bar.ax.tick_params(labelsize=7)
         bar.ax.set_title("polymer volume fraction", fontsize=7, pad=2)
         return

@@ -66,9 +66,9 @@ def forward_model(
         from spinline.air import build_air
 
         air = build_air(scene, solution)
-    if scene.network.closure != "force" or scene.network.model not in ("auto", "affine", "conformation"):
+    if scene.network.closure_used != "force" or scene.network.model not in ("auto", "affine", "conformation"):
         notes += (f"the fit uses the closed forms (affine force); network.model = {scene.network.model!r}, closure = "
-                 f"{scene.network.closure!r} are not used",)  # fmt: skip
+                 f"{scene.network.closure_used!r} are not used",)  # fmt: skip
     return ForwardModel(
         profile=scene.jet.profile, values=own, length=scene.jet.length.value,
         solvent_quality=scene.network.solvent_quality, relaxation=relaxation, relaxation_exponent=exponent,
