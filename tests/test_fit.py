@@ -262,6 +262,33 @@ def test_bands_hold_the_jet():
     assert width == pytest.approx(spread, rel=0.2)
 
 
+def test_predictive_bands_hold_the_data_and_the_crossover(spinline, tmp_path):
+    """95 % of the data within the predictive band; the crossover and the strands are those of a run with the best parameters."""
+    import xarray as xr
+
+    from spinline.fit_figure import fit_figure
+
+    assert spinline("fit", "peo5-simulated").code == 0
+    found = xr.open_dataset(tmp_path / "peo5-simulated.nc", engine="h5netcdf").load()
+    low, high = found["datum_predictive"].values[[0, 4]]
+    inside = ((found["datum_value"] > low) & (found["datum_value"] < high)).mean()
+    assert 0.95 - 3 * 0.021 < float(inside) <= 1  # standard error of 110 data
+    credible = found["datum_band"].values
+    assert (credible[0] >= low).all()
+    assert (credible[4] <= high).all()
+    assert (high - low >= 2 * 1.9 * found["datum_std"].values).all()
+    best = dict(zip(found["parameter"].values.tolist(), found["best"].values.tolist(), strict=True))
+    z = (1 / best["volume_fraction"] / best["k"] ** 2) ** (0.5 / best["beta"]) * 125e-6
+    assert float(found["crossover_position_best"]) == pytest.approx(z, rel=1e-3)
+    assert float(found["crossover_radius_best"]) == pytest.approx(125e-6 * best["volume_fraction"] ** 0.5, rel=1e-3)
+    ends = found["crossover_position"].values
+    assert ends[0] < z < ends[4]
+    assert float(found["crossover_reached"]) == 1
+    at = np.interp(z, found["z"], found["orientation_best"])
+    assert at == pytest.approx(0.749, abs=0.003)
+    assert len(fit_figure(found).axes) == 6
+
+
 def test_sampler_agrees_with_least_squares_and_repeats_itself():
     pytest.importorskip("emcee")
     free = {"k": Prior(1.0), "beta": Prior(0.47)}

@@ -13,6 +13,7 @@ from spinline.errors import SpinlineWarning
 from spinline.report import save_report
 from spinline.scene import load_scene
 from spinline.solve import run
+from spinline.trade import trade
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 PROBE = """<script>addEventListener("load", () => {
@@ -44,11 +45,16 @@ def opened(page, folder):
 
 @pytest.mark.slow
 @needs_browser
-@pytest.mark.parametrize("scene", ["peo5-water", "pvp-jetspin"])
+@pytest.mark.parametrize("scene", ["peo5-water", "pvp-jetspin", "pcl9-dcm"])
 def test_report_opens_in_a_browser(scene, tmp_path):
+    """The last with a trade and uncertain inputs."""
+    full = scene == "pcl9-dcm"
+    loaded = load_scene(scene, ['jet.radius="100 +/- 2 um"', "accuracy.draws=8"] if full else [])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)  # said by the bundled scenes; other tests read them
-        result = run(load_scene(scene))
+        result = run(loaded)
+    if full:
+        result.attrs["trade"] = trade(loaded, quick=True).json()
     page = save_report(result, tmp_path / "report.html")
     text = page.read_text(encoding="utf-8")
     assert text.count("</body>") == 1
@@ -56,7 +62,7 @@ def test_report_opens_in_a_browser(scene, tmp_path):
     console, seen = opened(page, tmp_path)
     assert console == []
     assert seen["requests"] == []
-    assert seen["pictures"]
+    assert len(seen["pictures"]) == 1 + full
     assert all(complete and width > 100 and height > 100 for complete, width, height in seen["pictures"])
     assert seen["wider"] <= 0
 

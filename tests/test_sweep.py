@@ -205,6 +205,81 @@ def test_auto_takes_closed_forms_where_the_plan_is_certain_to_take_them():
     assert "manifold" in models
 
 
+@pytest.mark.parametrize("profile", ["power-law", "hyperbolic"])
+def test_closed_forms_are_taken_only_where_the_plan_takes_them_over_the_whole_box(profile):
+    """The bound of `sweep_affine` against `spinline.plan`; no warning of numpy's, though nothing silences them."""
+    n, rng = 150, np.random.default_rng(20)
+
+    def spread(low, high):
+        return np.exp(rng.uniform(np.log(low), np.log(high), n))
+
+    radius = spread(1e-9, 1e-2)
+    columns = {
+        "solution.volume_fraction": spread(1e-3, 0.6), "jet.radius": radius, "jet.flow_rate": spread(1e-20, 1e-6),
+        "jet.length": radius * spread(1.0, 1e4), "network.coupling": spread(1.0, 1e9), "network.spring": spread(0.3, 3.0),
+        "network.crossover_extension": rng.uniform(0.3, 0.95, n), "accuracy.rtol": spread(1e-4, 0.5),
+    }  # fmt: skip
+    shape = (
+        {"k": spread(0.05, 20), "beta": rng.uniform(0.25, 1, n)} if profile == "power-law" else {"p": spread(0.5, 1e3)}
+    )
+    columns |= {f"jet.{key}": values for key, values in shape.items()}
+    jet = {"profile": profile, "radius": "125 um", "flow_rate": "3.2 mL/hour", "length": "5 mm"}
+    base = {
+        "solution": {"polymer": "PEO", "solvent": "water", "volume_fraction": 0.05},
+        "jet": jet | {key: float(values[0]) for key, values in shape.items()},
+    }
+    task = Task(base, ".", vectorise=True)
+    taken = closed_forms(task, columns).status != 255
+    assert 0.3 < taken.mean() < 0.8
+    for i in np.flatnonzero(taken):
+        scene = task.scene({key: float(values[i]) for key, values in columns.items()})
+        solution = sl.solve.build_solution(scene)
+        assert plan_scene(scene, solution, sl.solve.build_jet(scene, solution)).model == "affine", i
+
+
+def test_rows_hold_the_structure_and_what_the_inputs_leave_of_it():
+    data = spec(samples=24, set={"network.model": "affine", "jet.radius": "125 +/- 3 um",
+                                 "solution.temperature": "293 +/- 2 K"})  # fmt: skip
+    sweep = sweep_from_dict(data)
+    fast, slow = run_sweep(sweep), run_sweep(sweep, vectorise=False, workers=1)
+    assert fast.attrs["computed_by"].startswith("closed forms")
+    assert set(fast.attrs["uncertain_inputs"].split(", ")) == {"jet.radius", "solution.temperature"}
+    for name in SCALARS:
+        room = 1e-9 * np.abs(slow[name])
+        for suffix in ("", "_std"):
+            gap = np.abs(fast[name + suffix] - slow[name + suffix])
+            assert (np.isnan(gap) | (gap <= room)).all(), name + suffix
+            np.testing.assert_array_equal(np.isnan(fast[name + suffix]), np.isnan(slow[name + suffix]))
+    assert (fast["uncertainty"] == 0).all()
+    base = load_base("peo5-water")
+    base["network"], base["jet"]["radius"] = {"model": "affine"}, "125 +/- 3 um"
+    base["solution"]["temperature"] = "293 +/- 2 K"
+    i = int(np.flatnonzero(fast["status"] == 0)[0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sl.SpinlineWarning)
+        run = sl.run(scene_from_dict(placed(base, values_of(fast, i)) | {"accuracy": {"draws": 0}}))
+    for name in ("crossover_position", "crossover_axial_stretch", "end_network_radius", "fibre_radius"):
+        np.testing.assert_allclose(fast[name][i], run[name], rtol=1e-12)
+        np.testing.assert_allclose(fast[f"{name}_std"][i], run[f"{name}_std"], rtol=1e-7, atol=1e-12 * float(run[name]))
+
+
+def test_what_is_not_followed_has_a_flag_and_vitrification_is_a_column():
+    walk = {"network.model": "walk", "accuracy.strands": 10, "accuracy.points": 5, "jet.radius": "125 +/- 3 um"}
+    result = run_sweep(sweep_from_dict({"scene": "peo5-water", "set": walk, "vary": {"jet.k": [0.9, 1.1]}}), workers=1)
+    assert (result["uncertainty"] == 2).all()
+    assert np.isnan(result["fibre_radius_std"]).all()
+    dry = {"scene": "pmma10-drying", "set": {"jet.radius": "50 +/- 1 um"}, "vary": {"jet.k": [0.5]}}
+    result = run_sweep(sweep_from_dict(dry), workers=1)
+    assert result["frozen_orientation"].notnull().all()
+    assert (result["frozen_position_std"] > 0).all()
+    assert "uncertainty" not in run_sweep(sweep_from_dict(spec(samples=4)))
+
+
+def test_an_uncertainty_of_what_varies_is_refused():
+    with pytest.raises(InputError, match="carries an uncertainty"):
+        sweep_from_dict({"scene": "peo5-water", "vary": {"jet.radius": ["100 +/- 3 um", "120 um"]}})
+
+
 def test_words_divide_a_sweep_into_groups_of_closed_forms():
     data = {
         "scene": "peo5-water",

@@ -113,6 +113,28 @@ def test_figure_and_command(spinline, tmp_path):
     assert spinline("compare-theory", "peo5-water", "none.nc").code == 2
 
 
+def test_bands_are_of_the_inputs_or_of_the_fit(spinline, tmp_path):
+    data = simulated()
+    plain = compare_theory(load_scene("peo5-water"), data)
+    assert "quantile" not in plain.dims
+    scene = load_scene("peo5-water", ['solution.mass_fraction="5 +/- 0.2 wt%"'])
+    result = compare_theory(scene, data)
+    assert result.attrs["bands"].startswith("68 and 95 % of 128 draws of the scene")
+    # r_S/r_0 = phi^(1/2): half the relative uncertainty of phi, a little more than that of the mass fraction
+    ends = result["crossover_radius_ratio_band"].values
+    assert (ends[3] - ends[1]) / 2 / ends[2] == pytest.approx(0.02, rel=0.05)
+    for name in ("core_predicted", "curve_core", "relative_change_predicted"):
+        band = result[f"{name.removesuffix('_predicted') if 'change' in name else name}_band"]
+        assert (band.isel(quantile=0) <= result[name] + 1e-9).all()
+        assert (band.isel(quantile=4) >= result[name] - 1e-9).all()
+    overlay_figure(result)
+    data.to_netcdf(tmp_path / "map.nc", engine="h5netcdf")
+    assert spinline("fit", "peo5-simulated").code == 0
+    ran = spinline("compare-theory", "peo5-water", "map.nc", "--fit", "peo5-simulated.nc", "--json")
+    assert ran.code == 0, ran.err
+    assert "draws of the fit" in ran.json["attributes"]["bands"]
+
+
 def test_rings_of_a_map_can_be_fitted():
     from spinline.fit_problem import FitProblem, Prior
     from spinline.inference import fit

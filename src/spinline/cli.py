@@ -18,7 +18,8 @@ from spinline.cli_images import register as register_images
 from spinline.cli_options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli_simulate import register as register_simulate
 from spinline.cli_sweep import register as register_sweep
-from spinline.cli_trade import plan, trade
+from spinline.cli_trade import plan
+from spinline.cli_trade import trade as trade_command
 from spinline.errors import InputError, SpinlineWarning
 
 if TYPE_CHECKING:
@@ -73,6 +74,12 @@ def run(
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
     report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Profile as a table.")] = None,
+    trade: Annotated[
+        bool, typer.Option("--trade", help="Measure every model on this scene as well, for the report: takes a while.")
+    ] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="With --trade: only the rung next to the affine network.")
+    ] = False,
     json: JsonOption = False,
     force: ForceOption = False,
     model: ModelOption = None,
@@ -80,6 +87,8 @@ def run(
     set_: SetOption = None,
 ) -> None:
     """Jet, network and concentration of a scene: one file out, one figure."""
+    if quick and not trade:
+        raise InputError("--quick", "is of the trade", remedy="add --trade, or leave it out")
     loaded = load(scene, model, rtol, set_)
     from spinline import results
     from spinline.outputs import writable
@@ -98,6 +107,11 @@ def run(
     from spinline.solve import run as solve
 
     result = solve(loaded)
+    if trade:
+        from spinline.trade import trade as measure
+
+        measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
+        result.attrs["trade"] = measured.json()
     results.save(result, target, force=force)
     if picture is not None:
         from spinline.figures import save_figure
@@ -117,6 +131,8 @@ def run(
     typer.echo(result.attrs["title"])
     for sentence in words(result):
         typer.echo(f"  {sentence}")
+    if trade:
+        typer.echo(f"  Measured: {measured.recommendation}.")
     typer.echo("wrote " + ", ".join(map(str, files)))
 
 
@@ -218,7 +234,7 @@ def schema(
 
 
 app.command()(plan)
-app.command()(trade)
+app.command("trade")(trade_command)
 
 
 @app.command("fit-jet", short_help="Fit k and beta of a power law to a radius profile.")

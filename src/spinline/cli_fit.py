@@ -80,7 +80,9 @@ def compare_theory(
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF; .png goes beside it.")] = None,
     core_within: Annotated[float, typer.Option(help="Rings within this r/R make the core.")] = 0.4,
     at: Annotated[list[str] | None, typer.Option(help='z of a section across the jet, "1 mm"; repeat.')] = None,
-    fitted: Annotated[Path | None, typer.Option("--fit", help="Take the best parameters of this fit (.nc).")] = None,
+    fitted: Annotated[
+        Path | None, typer.Option("--fit", help="Take the best parameters of this fit (.nc), and its bands.")
+    ] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")
     ] = None,
@@ -105,7 +107,8 @@ def compare_theory(
         writable(file, force=force)
     places = None if not at else [parse(place, "length", "--at").value for place in at]
     values = None if fitted is None else _fitted(fitted)
-    result = compare(loaded, reduced, core_within=core_within, places=places, values=values)
+    draws = [] if fitted is None else _fit_draws(fitted)
+    result = compare(loaded, reduced, core_within=core_within, places=places, values=values, draws=draws)
     results.save(result, target, force=force)
     if not no_figure:
         save_overlay(result, files[-1], force=force)
@@ -134,6 +137,14 @@ def _fitted(path: Path) -> dict[str, float]:
             str(path), "has parameters that were not identified", value=", ".join(lost), remedy="fit again"
         )
     return {**json_.loads(found.attrs["fixed"]), **best}
+
+
+def _fit_draws(path: Path) -> list[dict[str, float]]:
+    """Draws of a fit's posterior: those it holds, or of its covariance."""
+    from spinline.posterior import stored_draws
+    from spinline.results import open_dataset
+
+    return stored_draws(open_dataset(path))
 
 
 def _copy(name: str, *, force: bool) -> None:

@@ -183,7 +183,11 @@ def _comparison(found: "Comparison") -> None:
             typer.echo(f"{heading:9s}{text.name}: {_shown(text.a)} | {_shown(text.b)}")
     for s in found.scalars:
         unit = "" if s.unit in ("", "1") else f" {s.unit}"
-        typer.echo(f"number   {s.name}: {s.a:.6g} | {s.b:.6g}{unit} ({_percent(s.relative)})")
+        apart = f", {s.sigmas:.2g} standard uncertainties" if s.sigmas == s.sigmas else ""
+        one, other = (
+            f"{x:.6g}" + (f" ± {std:.2g}" if std == std else "") for x, std in ((s.a, s.a_std), (s.b, s.b_std))
+        )
+        typer.echo(f"number   {s.name}: {one} | {other}{unit} ({_percent(s.relative)}{apart})")
     for p in found.profiles:
         alone = f"; {p.one_sided} places in one only" if p.one_sided else ""
         typer.echo(f"profile  {p.name}: {_percent(p.largest)} at {1e3 * p.position:.4g} mm, "
@@ -191,6 +195,8 @@ def _comparison(found: "Comparison") -> None:
     for which, names in (("first", found.only_a), ("second", found.only_b)):
         if names:
             typer.echo(f"only in the {which}: {', '.join(names)}")
+    if found.not_compared:
+        typer.echo(f"not compared, other places across the jet: {', '.join(found.not_compared)}")
     if found.same:
         typer.echo(f"no number differs by more than {found.rtol:g}")
     if found.places:

@@ -1,7 +1,7 @@
 """Commands about which model to take: ``plan`` says, ``trade`` measures."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -42,21 +42,25 @@ def trade(
     scene: SceneArgument,
     quick: Annotated[bool, typer.Option("--quick", help="Only the rung next to the affine network.")] = False,
     figure: Annotated[Path | None, typer.Option(help="Error against cost (.png, .pdf, .svg).")] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="Report of a run of the scene with this trade in it, one HTML file.")
+    ] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     rtol: RtolOption = None,
     set_: SetOption = None,
 ) -> None:
     """Error against cost of every model, measured on this scene."""
-    import json as json_
-
     from spinline.outputs import writable
 
     loaded = load(scene, None, rtol, set_)
     if figure is not None:
         from spinline.figures import check_format
 
-        writable(check_format(figure), force=force)
+        check_format(figure)
+    files = [file for file in (figure, report) if file is not None]
+    for file in files:
+        writable(file, force=force)
     from spinline.trade import trade as measure
 
     measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
@@ -64,23 +68,18 @@ def trade(
         from spinline.trade_figure import save_trade_figure
 
         save_trade_figure(measured, figure, force=force)
+    if report is not None:
+        from spinline.report import save_report
+        from spinline.solve import run as solve
+
+        save_report(solve(loaded).assign_attrs(trade=measured.json()), report, force=force)
     if json:
-        typer.echo(json_.dumps(_nested(measured.plain())))
+        typer.echo(measured.json())
         return
     typer.echo(_table(measured))
     typer.echo(measured.recommendation)
-    if figure is not None:
-        typer.echo(f"wrote {figure}")
-
-
-def _nested(value: Any) -> Any:
-    from spinline.results import plain
-
-    if isinstance(value, dict):
-        return {key: _nested(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_nested(item) for item in value]
-    return plain(value)
+    if files:
+        typer.echo("wrote " + ", ".join(map(str, files)))
 
 
 def _listed(made: "Plan") -> list[str]:

@@ -2,7 +2,11 @@
 
 Profiles are compared where both jets are, at the places of both (linear between them where the grids differ), by the largest
 relative difference ``|a - b| / max(|a|, |b|)`` and by the largest difference over the larger profile's largest value: the first
-is strict where a variable is nearly zero, the second is what a figure shows.
+is strict where a variable is nearly zero, the second is what a figure shows. Maps across the jet are compared in the same
+way, the worst place across it for each place along it.
+
+Where a result carries the uncertainty of its inputs, a number's difference is given in standard uncertainties too,
+``|a - b| / (s_a^2 + s_b^2)^(1/2)``, as if the two results' inputs were independent: what they share makes it an underestimate.
 """
 
 import tomllib
@@ -18,8 +22,8 @@ from spinline.errors import InputError
 
 __all__ = ["Comparison", "ProfileDifference", "ScalarDifference", "TextDifference", "compare"]
 
-_NOT_MODELS = ("scene", "title", "warnings", "references", "Conventions", "source", "crossover", "crossover_extension",
-               "jet_attributes")  # fmt: skip
+_NOT_MODELS = ("plan", "trade", "bands", "scene", "title", "warnings", "references", "Conventions", "source", "crossover",
+               "crossover_extension", "jet_attributes")  # fmt: skip
 _ROUNDING = 1e-12
 
 
@@ -34,13 +38,27 @@ class TextDifference:
 
 @dataclass(frozen=True)
 class ScalarDifference:
-    """A number; `relative` is ``|a - b| / max(|a|, |b|)``, NaN where one is NaN."""
+    """A number; `relative` is ``|a - b| / max(|a|, |b|)``, NaN where one is NaN.
+
+    Attributes
+    ----------
+    name, unit : str
+    a, b : float
+    relative : float
+    a_std, b_std : float
+        Standard uncertainties from the inputs', NaN where there are none.
+    sigmas : float
+        Difference over their root sum of squares (of the one there is); NaN without any.
+    """
 
     name: str
     unit: str
     a: float
     b: float
     relative: float
+    a_std: float = float("nan")
+    b_std: float = float("nan")
+    sigmas: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -81,6 +99,8 @@ class Comparison:
     profiles : tuple of ProfileDifference
     only_a, only_b : tuple of str
         Variables that one result has alone.
+    not_compared : tuple of str
+        Maps whose places across the jet differ, and what lies along the jet in one result only.
     span : tuple of float
         m, where profiles were compared; NaN where the jets do not overlap.
     places : int
@@ -96,11 +116,12 @@ class Comparison:
     only_b: tuple[str, ...]
     span: tuple[float, float]
     places: int
+    not_compared: tuple[str, ...] = ()
 
     @property
     def same(self) -> bool:
-        """No number differs, and neither has variables of its own."""
-        return not (self.scalars or self.profiles or self.only_a or self.only_b)
+        """No number differs, neither has variables of its own, and all were compared."""
+        return not (self.scalars or self.profiles or self.only_a or self.only_b or self.not_compared)
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON: NaN as None."""
@@ -136,13 +157,14 @@ def compare(a: xr.Dataset, b: xr.Dataset, *, rtol: float = _ROUNDING) -> Compari
     InputError
         For results of different times.
     """
-    level = number("rtol", rtol, least=0.0, below=1.0)
+    level = number("tolerance", rtol, least=0.0, below=1.0)
     if ("time" in a.dims) != ("time" in b.dims) or ("time" in a.dims and a["time"].shape != b["time"].shape):
         raise InputError("results", "have different times", remedy="take one time of each: jet.time in the scene")
     names_a, names_b = _names(a), _names(b)
     common = [name for name in names_a if name in names_b]
-    scalars = [_scalar(name, a, b) for name in common if not _along(a[name])]
-    span, places, profiles = _profiles(a, b, [name for name in common if _along(a[name]) and _along(b[name])])
+    scalars = [_scalar(name, a, b) for name in common if not _along(a[name]) and not _along(b[name])]
+    profiled = [name for name in common if _along(a[name]) and _along(b[name]) and _across_alike(name, a, b)]
+    span, places, profiles = _profiles(a, b, profiled)
     return Comparison(
         rtol=level,
         scene=_texts(_flat(_scene(a)), _flat(_scene(b))),
@@ -153,25 +175,41 @@ def compare(a: xr.Dataset, b: xr.Dataset, *, rtol: float = _ROUNDING) -> Compari
         only_b=tuple(name for name in names_b if name not in names_a),
         span=span,
         places=places,
+        not_compared=tuple(n for n in common if (_along(a[n]) or _along(b[n])) and n not in profiled),
     )
 
 
 def _names(result: xr.Dataset) -> list[str]:
-    return [str(name) for name, v in result.data_vars.items() if "bead" not in v.dims and v.dtype.kind in "fb"]
+    """Variables that are compared: of uncertainties only the numbers' own, with their number."""
+    return [
+        str(name) for name, v in result.data_vars.items()
+        if not {"bead", "quantile"} & set(v.dims) and v.dtype.kind in "fb" and not str(name).endswith("_std")
+    ]  # fmt: skip
 
 
 def _along(variable: xr.DataArray) -> bool:
     return "z" in variable.dims or "element" in variable.dims
 
 
+def _across_alike(name: str, a: xr.Dataset, b: xr.Dataset) -> bool:
+    """Whether a map has the same places across the jet in both; a profile has none."""
+    grids = [tuple(r[d].values.tolist() for d in r[name].dims if d in ("r", "layer")) for r in (a, b)]
+    return grids[0] == grids[1]
+
+
 def _scalar(name: str, a: xr.Dataset, b: xr.Dataset) -> list[ScalarDifference]:
     one, other = np.atleast_1d(a[name].values).astype(float), np.atleast_1d(b[name].values).astype(float)
     unit = str(a[name].attrs.get("units", ""))
     label = [name] if one.size == 1 else [f"{name}[{i}]" for i in range(one.size)]
+    stds = [float(r[f"{name}_std"]) if f"{name}_std" in r else float("nan") for r in (a, b)]
+    spread = float(np.sqrt(np.nansum(np.square(stds))))
     return [
-        ScalarDifference(text, unit, float(x), float(y), float(_relative(x, y)))
+        ScalarDifference(
+            text, unit, float(x), float(y), float(_relative(x, y)), stds[0], stds[1],
+            abs(float(x) - float(y)) / spread if spread > _ROUNDING * abs(x) else float("nan"),
+        )
         for text, x, y in zip(label, one, other, strict=True)
-    ]
+    ]  # fmt: skip
 
 
 def _relative(x: Any, y: Any) -> FloatArray:
@@ -224,24 +262,27 @@ def _on(grid: FloatArray, place: FloatArray, values: Any) -> FloatArray:
         )
     i = np.clip(np.searchsorted(place, grid, side="right") - 1, 0, max(place.size - 2, 0))
     if place.size == 1:
-        return np.full(grid.shape, float(values[0]))
+        return np.broadcast_to(values[:1], (grid.size, *values.shape[1:])).astype(float)
     left, right = values[i], values[i + 1]
-    step = place[i + 1] - place[i]
+    tall = (-1, *[1] * (values.ndim - 1))  # a map across the jet has columns
+    here, there, at = (x.reshape(tall) for x in (place[i], place[i + 1], grid))
     with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.where(step > 0, (grid - place[i]) / step, 0.0)
+        share = np.where(there > here, (at - here) / (there - here), 0.0)
         between = left + share * (right - left)
-    value: FloatArray = np.where(grid == place[i], left, np.where(grid == place[i + 1], right, between))
+    value: FloatArray = np.where(at == here, left, np.where(at == there, right, between))
     return value
 
 
 def _difference(name: str, grid: FloatArray, x: FloatArray, y: FloatArray) -> ProfileDifference:
     one_sided = int((np.isnan(x) != np.isnan(y)).sum())
     relative = np.nan_to_num(_relative(x, y), nan=0.0)
-    at = int(np.argmax(relative))
+    at = np.unravel_index(int(np.argmax(relative)), relative.shape)
     finite = np.isfinite(x) & np.isfinite(y)
     size = max(np.abs(x[finite]).max(initial=0.0), np.abs(y[finite]).max(initial=0.0))
     gap = np.abs(x[finite] - y[finite]).max(initial=0.0)
-    return ProfileDifference(name, float(relative[at]), float(gap / size) if size else 0.0, float(grid[at]), one_sided)
+    return ProfileDifference(
+        name, float(relative[at]), float(gap / size) if size else 0.0, float(grid[at[0]]), one_sided
+    )
 
 
 def _scene(result: xr.Dataset) -> dict[str, Any]:
@@ -282,6 +323,8 @@ def _meaning(key: str, value: Any) -> Any:
     """A value in SI where the scene reads it as a quantity, so that "125 um" is "0.125 mm"."""
     from spinline.sweep_keys import full_key, read_value
 
+    if isinstance(value, str) and "+/-" in value:
+        return " ".join(value.split())
     try:
         read = read_value(full_key(key, key), value, key, ranged=False)
     except InputError:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
@@ -19,7 +20,7 @@ from spinline.outputs import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_format", "figure", "headline", "png", "save_figure"]
+__all__ = ["check_format", "figure", "headline", "png", "save_figure", "shade"]
 
 BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#555555"
 _FORMATS = {".png", ".pdf", ".svg"}
@@ -63,17 +64,19 @@ def figure(result: xr.Dataset) -> Figure:
 
         across(axes[2, 0], place, result)
         along(axes[2, 1], place, result)
-    for axis in axes.flat:
-        _mark(axis, result, "white" if axis.collections else "black")
-        axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axis.set_axisbelow(True)
     if beads:
         axes[0, 0].set_xscale("log")
     else:
         axes[0, 0].set_xlim(place[0], place[-1])
+    for axis in axes.flat:
+        _mark(axis, result, "white" if any(isinstance(drawn, QuadMesh) for drawn in axis.collections) else "black")
+        axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        axis.set_axisbelow(True)
     for axis in axes[-1]:
         axis.set_xlabel("arc length from the nozzle (mm)" if beads else "distance from the nozzle z (mm)")
-    sheet.suptitle(f"{result.attrs['title']}\n{headline(result)}", fontsize=10.5, y=0.985)
+    said = f"; bands and bars: 68, 95 % of {result.attrs['uncertain_inputs']}" if "bands" in result.attrs else ""
+    title = f"{result.attrs['title']}\n{headline(result)}{said}"
+    sheet.suptitle(title, fontsize=10.5 if len(said) < 40 else 8.5, y=0.985)
     return sheet
 
 
@@ -122,7 +125,22 @@ def check_format(path: str | Path) -> Path:
     return file
 
 
+def shade(
+    axis: "Axes", place: Any, result: xr.Dataset, name: str, colour: str, factor: float = 1.0, *, positive: bool = False
+) -> None:
+    """Bands of 68 and 95 % of a variable, where the inputs carry an uncertainty; `positive` leaves zeros out (logarithms)."""
+    if f"{name}_band" not in result:
+        return
+    rows = factor * result[f"{name}_band"].values
+    if positive:
+        rows = np.where(rows > 0, rows, np.nan)
+    for low, high, alpha in ((0, 4, 0.14), (1, 3, 0.24)):
+        axis.fill_between(place, rows[low], rows[high], color=colour, alpha=alpha, linewidth=0)
+
+
 def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    for name, colour in (("network_radius", BLUE), ("radius", GREY)):
+        shade(axis, place, result, name, colour, 1e6)
     axis.plot(place, 1e6 * result["radius"], color=GREY, linewidth=2, label="jet $r$")
     axis.plot(place, 1e6 * result["network_radius"], color=BLUE, linestyle="--", label="network $r_P$, Eq. (39)")
     axis.plot(
@@ -135,6 +153,8 @@ def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
 
 
 def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    for name, colour in (("relative_extension", BLUE), ("orientation", GREEN), ("radial_contraction", RED)):
+        shade(axis, place, result, name, colour)
     axis.plot(place, result["relative_extension"], color=BLUE, label=r"extension $\xi_\parallel/\xi_{\max}$")
     axis.plot(place, result["orientation"], color=GREEN, linestyle="-.", label="orientation $O$")
     axis.plot(place, result["radial_contraction"], color=RED, linestyle="--", label=r"contraction $\xi_\perp/\xi_0$")
@@ -144,11 +164,19 @@ def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
 
 
 def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    shade(axis, place, result, "stretch_ratio", GREY)
+    if "deborah_number" in result:
+        shade(axis, place, result, "network_velocity_ratio", GREEN)
+    shade(axis, place, result, "axial_stretch", BLUE)
     axis.plot(place, result["stretch_ratio"], color=GREY, linewidth=2, label="solution, material stretch")
     if "deborah_number" in result:
         axis.plot(place, result["network_velocity_ratio"], color=GREEN, linestyle="-.", label="network $w$")
     axis.plot(place, result["axial_stretch"], color=BLUE, linestyle="--", label=r"strands $\xi_\parallel/\xi_0$")
     contour = float(result["crossover_velocity_ratio"])
+    if "crossover_velocity_ratio_band" in result:
+        ends = result["crossover_velocity_ratio_band"].values
+        for low, high, alpha in ((0, 4, 0.14), (1, 3, 0.24)):
+            axis.axhspan(ends[low], ends[high], color=PURPLE, alpha=alpha, linewidth=0)
     axis.axhline(
         contour, color=PURPLE, linestyle=":", linewidth=1.2, label=rf"contour $\xi_{{\max}}/\xi_0$ = {contour:.3g}"
     )
@@ -158,6 +186,8 @@ def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
 
 
 def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    shade(axis, place, result, "core_polymer_fraction", BLUE)
+    shade(axis, place, result, "mean_polymer_fraction", GREY)
     axis.plot(place, result["core_polymer_fraction"], color=BLUE, linestyle="--", label="core, exact walk")
     axis.plot(place, result["core_polymer_fraction_eq40"], color=RED, linestyle="-.", label="core, Eq. (40)")
     axis.plot(
@@ -171,6 +201,16 @@ def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**_LEGEND, loc="lower right" if dry else "upper left")
 
 
+def _span(axis: "Axes", ends: Any, colour: str) -> None:
+    """Where a mark may be, 68 and 95 %, as bars at the foot; to the end of the jet where the upper end lies beyond it."""
+    edge = axis.get_xlim()[1]
+    for low, high, width in ((0, 4, 2.0), (1, 3, 5.0)):
+        if np.isfinite(ends[low]):
+            high_end = ends[high] if np.isfinite(ends[high]) else edge
+            axis.plot((ends[low], high_end), (0.015, 0.015), color=colour, linewidth=width, alpha=0.55, solid_capstyle="butt",
+                      transform=axis.get_xaxis_transform(), zorder=5)  # fmt: skip
+
+
 def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:
     for name, style, label in (
         ("crossover", "-", "S"),
@@ -178,6 +218,8 @@ def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:
         ("frozen", "--", "G"),
     ):
         position = 1e3 * float(result[f"{name}_position"]) if f"{name}_position" in result else np.nan
+        if f"{name}_position_band" in result and label:
+            _span(axis, 1e3 * result[f"{name}_position_band"].values, colour)
         if np.isfinite(position):
             axis.axvline(position, color=colour, linewidth=0.9, linestyle=style)
             if label:

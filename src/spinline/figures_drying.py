@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from spinline.figures import BLUE, GREEN, GREY, ORANGE, RED, shade
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["across", "along"]
 
-BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#555555"
 _LEGEND: dict[str, Any] = {"fontsize": 8, "framealpha": 0.9, "edgecolor": "none"}
 
 
@@ -36,11 +37,17 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         bar.ax.set_title("polymer volume fraction", fontsize=7, pad=2)
         return
     if "evaporated_fraction" in result:
+        if "evaporated_fraction_band" in result:
+            left = 1 - result["evaporated_fraction_band"].values
+            for low, high, alpha in ((0, 4, 0.14), (1, 3, 0.24)):
+                axis.fill_between(place, left[low], left[high], color=GREY, alpha=alpha, linewidth=0)
+        shade(axis, place, result, "mean_polymer_fraction", BLUE)
         axis.plot(place, 1 - result["evaporated_fraction"], color=GREY, linewidth=2, label="volume left")
         axis.plot(place, result["mean_polymer_fraction"], color=BLUE, linestyle="--", label="polymer, of the section")
         axis.set_ylim(0, 1.05)
         axis.set_ylabel("fraction of the volume")
     elif "stress" in result:
+        shade(axis, place, result, "stress", RED, positive=True)
         axis.plot(place, result["stress"], color=RED, label=r"polymer stress $\tau_{zz}$")
         axis.set_yscale("log")
         axis.set_ylabel("stress (Pa)")
@@ -54,8 +61,10 @@ def along(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         ("relaxation_time", ORANGE, "--", r"relaxation time $\theta/\theta_0$"),
     ):
         if name in result:
+            shade(axis, place, result, f"{name}_ratio", colour)
             axis.plot(place, result[name] / result[name].values[0], color=colour, linestyle=style, label=label)
     if "weissenberg_number" in result:
+        shade(axis, place, result, "weissenberg_number", GREEN, positive=True)
         values = result["weissenberg_number"].where(result["weissenberg_number"] > 0)
         axis.plot(place, values, color=GREEN, linestyle="-.", label=r"Weissenberg number $\theta\dot\varepsilon$")
         axis.axhline(0.5, color=GREY, linestyle=":", linewidth=1, label="1/2: strands stretch without end")

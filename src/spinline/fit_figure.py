@@ -37,27 +37,32 @@ def fit_figure(result: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    sheet = Figure(figsize=(12.0, 6.6))
+    sheet = Figure(figsize=(16.0, 6.8))
     FigureCanvasAgg(sheet)
-    grid = sheet.add_gridspec(2, 3, width_ratios=(1, 1, 0.82), height_ratios=(2.3, 1), left=0.06, right=0.98, bottom=0.08,
-                              top=0.9, wspace=0.28, hspace=0.08)  # fmt: skip
+    grid = sheet.add_gridspec(2, 4, width_ratios=(1, 1, 0.95, 0.82), height_ratios=(2.3, 1), left=0.045, right=0.985,
+                              bottom=0.08, top=0.88, wspace=0.24, hspace=0.08)  # fmt: skip
     radius, fraction = sheet.add_subplot(grid[0, 0]), sheet.add_subplot(grid[0, 1])
     left, right = sheet.add_subplot(grid[1, 0], sharex=radius), sheet.add_subplot(grid[1, 1], sharex=fraction)
+    strands = sheet.add_subplot(grid[:, 2])
     _radius(radius, result)
     _fraction(fraction, result)
+    _strands(strands, result)
     _residuals(left, result, ("radius",))
     _residuals(right, result, ("mean", "core", "chord", "shell"))
-    _against_prior(sheet.add_subplot(grid[:, 2]), result)
+    _against_prior(sheet.add_subplot(grid[:, 3]), result)
     for axis in (radius, fraction):
         axis.tick_params(labelbottom=False)
-    for axis in (left, right):
+    for axis in (left, right, strands):
         axis.set_xlabel("distance from the nozzle z (mm)")
-    for axis in (radius, fraction, left, right):
+    for axis in (radius, fraction, left, right, strands):
         axis.grid(visible=True, color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
+    for axis in (radius, fraction, strands):
+        _crossover(axis, result)
     count = int(result.attrs["values"])
-    sheet.suptitle(f"{result.attrs['title']}\n$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; bands: 68 %, "
-                   "95 %; data drawn with the best calibration", fontsize=10.5, y=0.985)  # fmt: skip
+    fitted = f"$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; data drawn with the best calibration"
+    said = "bands: 68, 95 % of the posterior, at the residuals with the noise of a new measurement"
+    sheet.suptitle(f"{result.attrs['title']}\n{fitted}; {said}", fontsize=10.5, y=0.985)
     return sheet
 
 
@@ -90,9 +95,7 @@ def _points(axis: "Axes", result: xr.Dataset, kind: str, scale: float, factor: f
     fixed = _calibration(result)
     offset = 0.0 if kind == "radius" else fixed["fraction_offset"]
     pick = result["datum_kind"].values == kind
-    if kind == "shell" and pick.any():  # of each row the first ring
-        place = result["datum_z"].values
-        pick &= np.append(True, place[1:] != place[:-1]) | np.append(True, result["datum_kind"].values[:-1] != "shell")
+    pick = _first_rings(result, pick)
     if not pick.any():
         return
     colour, mark, words = _MARKS[kind]
@@ -112,6 +115,56 @@ def _band(axis: "Axes", result: xr.Dataset, name: str, colour: str, factor: floa
     axis.plot(z, factor * result[f"{name}_best"].values, color=colour, linewidth=1.4, label=label)
 
 
+def _strands(axis: "Axes", result: xr.Dataset) -> None:
+    """Predicted extension and orientation of the strands."""
+    _band(axis, result, "relative_extension", BLUE, 1.0, r"extension $\xi_\parallel/\xi_{\max}$")
+    _band(axis, result, "orientation", GREEN, 1.0, "orientation $O$")
+    axis.set_ylim(-0.02, 1.02)
+    axis.set_title("strands, predicted", fontsize=9)
+    if axis.lines:
+        axis.legend(fontsize=8, framealpha=0.9, edgecolor="none", loc="upper left")
+
+
+def _crossover(axis: "Axes", result: xr.Dataset) -> None:
+    """Full stretch at the best parameters, and where it may be: bars of 68 and 95 % at the foot."""
+    if "crossover_position" not in result:
+        return
+    ends, best = 1e3 * result["crossover_position"].values, 1e3 * float(result["crossover_position_best"])
+    edge = axis.get_xlim()
+    for low, high, width in ((0, 4, 2.0), (1, 3, 5.0)):
+        if np.isfinite(ends[low]):
+            top = ends[high] if np.isfinite(ends[high]) else 1e3 * float(result["z"][-1])
+            axis.plot((ends[low], top), (0.012, 0.012), color="black", alpha=0.55, linewidth=width, solid_capstyle="butt",
+                      transform=axis.get_xaxis_transform(), zorder=5)  # fmt: skip
+    if np.isfinite(best):
+        axis.axvline(best, color="black", linewidth=0.9)
+        axis.annotate("S", (best, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points", va="top",
+                      fontsize=9, fontweight="bold")  # fmt: skip
+    axis.set_xlim(edge)
+
+
+def _as_measured(axis: "Axes", result: xr.Dataset, kind: str) -> None:
+    """Band of what the instrument shows where that is no field of the jet: a chord's mean, a ring, a disc of rings."""
+    pick = _first_rings(result, result["datum_kind"].values == kind)
+    if "datum_band" not in result or not pick.any():
+        return
+    fixed = _calibration(result)
+    z = 1e3 * (result["datum_z"].values[pick] - fixed["origin"]) / fixed["length_scale"]
+    order = np.argsort(z, kind="stable")
+    rows = (result["datum_band"].values[:, pick][:, order] - fixed["fraction_offset"]) / fixed["fraction_scale"]
+    colour, _, words = _MARKS[kind]
+    for low, high, alpha in ((0, 4, 0.18), (1, 3, 0.32)):
+        axis.fill_between(z[order], rows[low], rows[high], color=colour, alpha=alpha, linewidth=0,
+                          label=f"{words}, fitted, as measured" if low else None)  # fmt: skip
+
+
+def _first_rings(result: xr.Dataset, pick: Any) -> Any:
+    """Of rings those that are the first of their row; anything else as it is."""
+    place, kinds = result["datum_z"].values, result["datum_kind"].values
+    first = np.append(True, place[1:] != place[:-1]) | np.append(True, kinds[:-1] != "shell")
+    return pick & (first | (kinds != "shell"))
+
+
 def _radius(axis: "Axes", result: xr.Dataset) -> None:
     _points(axis, result, "radius", _calibration(result)["length_scale"], 1e6)
     _band(axis, result, "radius", RED, 1e6, "radius, fitted")
@@ -127,6 +180,8 @@ def _fraction(axis: "Axes", result: xr.Dataset) -> None:
         _points(axis, result, kind, scale, 1.0)
     _band(axis, result, "mean_polymer_fraction", RED, 1.0, "mean, fitted")
     _band(axis, result, "core_polymer_fraction", BLUE, 1.0, "core, fitted")
+    for kind in ("core", "chord", "shell"):
+        _as_measured(axis, result, kind)
     kinds = set(result["datum_kind"].values.tolist())
     if {"mean", "core", "chord", "shell"} & kinds:  # the data decide the range, not a band that runs to 1 beyond them
         pick = np.isin(result["datum_kind"].values, ("mean", "core", "chord", "shell"))
@@ -145,12 +200,27 @@ def _residuals(axis: "Axes", result: xr.Dataset, kinds: tuple[str, ...]) -> None
         colour, mark, words = _MARKS[kind]
         z = 1e3 * (result["datum_z"].values[pick] - fixed["origin"]) / fixed["length_scale"]
         axis.plot(z, result["datum_residual"].values[pick], mark, color=colour, markersize=3, alpha=0.75, label=words)
-    for level in (-2, 2):
-        axis.axhline(level, color="0.6", linewidth=0.8, linestyle=":")
+    _expected(axis, result, kinds)
     axis.axhline(0, color="0.3", linewidth=0.8)
     reach = float(np.abs(result["datum_residual"].values).max())
     axis.set_ylim(-max(3.5, 1.1 * reach), max(3.5, 1.1 * reach))
     axis.set_ylabel("residual (sd)")
+
+
+def _expected(axis: "Axes", result: xr.Dataset, kinds: tuple[str, ...]) -> None:
+    """Where 68 and 95 % of new measurements would fall, in standard deviations from the best prediction."""
+    pick = np.isin(result["datum_kind"].values, kinds)
+    if "datum_predictive" not in result or not pick.any():
+        for level in (-2, 2):
+            axis.axhline(level, color="0.6", linewidth=0.8, linestyle=":")
+        return
+    fixed = _calibration(result)
+    z = 1e3 * (result["datum_z"].values[pick] - fixed["origin"]) / fixed["length_scale"]
+    order = np.argsort(z, kind="stable")
+    off = (result["datum_predictive"] - result["datum_predicted"]) / result["datum_std"]
+    rows = off.transpose("quantile", "datum").values[:, pick][:, order]
+    for low, high, shade in ((0, 4, "0.93"), (1, 3, "0.86")):
+        axis.fill_between(z[order], rows[low], rows[high], color=shade, linewidth=0, zorder=0)
 
 
 def _against_prior(axis: "Axes", result: xr.Dataset) -> None:

@@ -9,7 +9,7 @@ import xarray as xr
 from spinline.errors import InputError
 from spinline.fit_checks import compare_with_prior, curvature, open_directions, open_parameters, residual_checks
 from spinline.fit_model import PARAMETERS
-from spinline.posterior import bands, gaussian_draws
+from spinline.posterior import bands, gaussian_draws, predictive
 from spinline.results import plain
 from spinline.units import QUANTITIES
 
@@ -86,6 +86,11 @@ def fit_dataset(fit: "Fit", posterior: "Posterior | None" = None, *, source: "Fi
         result.attrs["bands"] = "none: parameters are not identified"
         return result
     found = bands(fit, draws)
+    words = "of the prediction at the data, as measured, SI: quantiles"
+    for name, rows, noise in zip(
+        ("datum_band", "datum_predictive"), predictive(fit, draws), ("without", "with"), strict=True
+    ):
+        found[name] = (("quantile", "datum"), rows, {"long_name": f"{words}, {noise} the noise of a new measurement"})
     result.attrs["bands"] = f"credible bands of {found.attrs['draws']} draws; without the noise of a measurement"
     return result.merge(found, combine_attrs="override")
 
@@ -125,12 +130,35 @@ def fit_words(result: xr.Dataset) -> list[str]:
         if np.isfinite(pull):
             line += f"   prior {pull:+.1f} sd, narrowed {100 * float(one['prior_shrinkage']):.0f} %"
         lines.append(line)
+    lines += _crossover_words(result)
     checks = json.loads(result.attrs["checks"])
     lines.append(
         f"chi-squared {result.attrs['chi_squared']:.4g} for {result.attrs['values']} values and "
         f"{len(result['parameter'])} parameters (p = {_number(checks['p_value'])})"
     )
     return lines
+
+
+def _crossover_words(result: xr.Dataset) -> list[str]:
+    """Where the fitted jet is fully stretched, with intervals."""
+    if "crossover_position" not in result:
+        return []
+    reached = float(result["crossover_reached"])
+    if not reached:
+        return ["crossover        not reached within the jet"]
+    lines = []
+    for name, unit, factor in (("crossover_position", "mm", 1e3), ("crossover_radius", "um", 1e6)):
+        low95, low68, middle, high68, high95 = factor * result[name].values
+        lines.append(
+            f"{name.replace('_', ' '):18s} {_end(middle)} {unit}   68 %: {_end(low68)} to {_end(high68)}   "
+            f"95 %: {_end(low95)} to {_end(high95)}"
+            + ("" if reached == 1 else f"   in {100 * reached:.3g} % of the draws")
+        )
+    return lines
+
+
+def _end(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "beyond the end"
 
 
 def handy(name: str, value: float) -> tuple[str, float]:

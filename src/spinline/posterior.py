@@ -18,13 +18,16 @@ import numpy as np
 
 from spinline.checks import FloatArray, number
 from spinline.errors import InputError, SpinlineWarning
+from spinline.network.crossover import crossover_velocity_ratio
+from spinline.network.lattice_walk import random_walk
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from spinline.fit_model import Prediction
     from spinline.inference import Fit
 
-__all__ = ["LEVELS", "Posterior", "bands", "gaussian_draws", "sample"]
+__all__ = ["LEVELS", "Posterior", "bands", "gaussian_draws", "predictive", "sample", "stored_draws"]
 
 LENGTHS = 50  # autocorrelation times: what emcee's authors ask for
 LEVELS = (0.025, 0.16, 0.5, 0.84, 0.975)
@@ -33,7 +36,16 @@ _BANDS = {
     "mean_polymer_fraction": ("1", "polymer volume fraction, mean of the cross-section"),
     "core_polymer_fraction": ("1", "polymer volume fraction of the core, held at 1"),
     "network_radius": ("m", "radius of the polymer network, Eq. (39)"),
+    "relative_extension": ("1", "extension of the strands over their contour"),
+    "orientation": ("1", "Hermans orientation of the segments"),
 }
+_CROSSOVER = {
+    "crossover_position": ("m", "where the strands are fully stretched, Eq. (38); NaN: beyond the end"),
+    "crossover_radius": ("m", "jet radius there; of the draws that reach it"),
+}
+_FAR = 1e200
+_NOISES = 32  # quantiles of the noise that go with every draw
+_AT_ONCE = 200  # data
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,8 +213,9 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
     Returns
     -------
     xarray.Dataset
-        Dimensions ``quantile`` (2.5, 16, 50, 84, 97.5 %) and ``z``: true radius and fractions, without calibration
-        and without the noise of a new measurement; and ``_best``, at the best parameters.
+        Dimensions ``quantile`` (2.5, 16, 50, 84, 97.5 %) and ``z``: true radius, fractions, extension and orientation,
+        without calibration and without the noise of a new measurement; ``crossover_position`` and ``crossover_radius`` along
+        ``quantile``; and ``_best``, at the best parameters.
     """
     import xarray as xr
 
@@ -211,11 +224,17 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
         r0 = model.values["initial_radius"]
         z = r0 * np.expm1(np.linspace(0.0, np.log1p(model.length / r0), points))
     taken = draws[:: max(1, len(draws) // 400)]
-    rows: dict[str, list[FloatArray]] = {name: [] for name in _BANDS}
+    rows: dict[str, list[Any]] = {name: [] for name in (*_BANDS, *_CROSSOVER)}
     for u in (fit.coordinates, *taken):
-        seen = model.predict(z, problem.to_values(u))
-        found = (seen.radius, seen.mean, seen.core, seen.radius * seen.core_radius_ratio)
-        for name, values in zip(_BANDS, found, strict=True):
+        p = problem.to_values(u)
+        seen = model.predict(z, p)
+        phi = p.get("volume_fraction", model.values["volume_fraction"])
+        walk = random_walk(seen.stretch, phi, solvent_quality=model.solvent_quality)
+        full = float(crossover_velocity_ratio(phi, model.solvent_quality))
+        network = seen.radius * seen.core_radius_ratio
+        found = (seen.radius, seen.mean, seen.core, network, walk.relative_extension, walk.orientation,
+                 *_crossing(z, seen, full))  # fmt: skip
+        for name, values in zip(rows, found, strict=True):
             rows[name].append(values)
     data: dict[str, Any] = {}
     for name, (unit, words) in _BANDS.items():
@@ -225,8 +244,104 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
             {"units": unit, "long_name": words},
         )
         data[f"{name}_best"] = ("z", rows[name][0], {"units": unit, "long_name": f"{words}, best parameters"})
+    for name, (unit, words) in _CROSSOVER.items():
+        attributes = {"units": unit, "long_name": words}
+        data[name] = ("quantile", _of_crossover(name, np.array(rows[name][1:])), attributes)
+        data[f"{name}_best"] = ((), rows[name][0], attributes)
+    reached = float(np.isfinite(rows["crossover_position"][1:]).mean())
+    data["crossover_reached"] = (
+        (),
+        reached,
+        {"units": "1", "long_name": "share of the draws that reach the crossover"},
+    )
     place = ("z", z, {"units": "m", "long_name": "distance from the nozzle"})
     return xr.Dataset(data, {"z": place, "quantile": list(LEVELS)}, {"draws": len(taken)})
+
+
+def predictive(fit: "Fit", draws: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What the instruments would show at the places of the data, calibration included: quantiles (`LEVELS`).
+
+    Parameters
+    ----------
+    fit : Fit
+    draws : ndarray, (n, p)
+        As for `bands`.
+
+    Returns
+    -------
+    credible, predicted : ndarray, (5, data)
+        Without and with the noise of a new measurement of the same standard deviation, the noise exactly normal.
+    """
+    from scipy.special import ndtri
+
+    problem = fit.problem
+    taken = draws[:: max(1, len(draws) // 400)]
+    shown = np.array([np.concatenate(problem.model.measured(problem.data, problem.to_values(u))) for u in taken])
+    std = np.concatenate([part.std for part in problem.data])
+    noise = ndtri((np.arange(_NOISES) + 0.5) / _NOISES)
+    predicted = np.empty((len(LEVELS), std.size))
+    for start in range(0, std.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        noisy = shown[:, np.newaxis, part] + noise[:, np.newaxis] * std[part]
+        predicted[:, part] = np.quantile(noisy.reshape(-1, noisy.shape[-1]), LEVELS, axis=0)
+    return np.quantile(shown, LEVELS, axis=0), predicted
+
+
+def stored_draws(found: "xr.Dataset", count: int = 128, seed: int = 0) -> list[dict[str, float]]:
+    """Draws of a stored fit (`spinline.fit_output.fit_dataset`), SI: the sampler's, evenly, or of the covariance.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+    count, seed : int
+
+    Returns
+    -------
+    list of dict
+        Parameter name to value; those out of a parameter's range left out; empty where the covariance is not finite.
+    """
+    from spinline.fit_model import PARAMETERS
+
+    names = [str(name) for name in found["parameter"].values]
+    if "draws" in found:
+        rows = found["draws"].values[:: max(1, found.sizes["draw"] // count)]
+    else:
+        covariance, scale = found["covariance"].values, found["coordinate_scale"].values
+        if not np.isfinite(covariance).all():
+            return []
+        size, vectors = np.linalg.eigh(covariance)
+        normal = np.random.default_rng(seed).standard_normal((count, len(names)))
+        moves = (normal * np.sqrt(np.maximum(size, 0.0))) @ vectors.T * scale
+        best, logs = found["best"].values, found["logarithmic"].values.astype(bool)
+        rows = np.where(logs, best * np.exp(np.where(logs, moves, 0.0)), best + moves)
+    inside = [
+        all(PARAMETERS[name].low <= value <= PARAMETERS[name].high for name, value in zip(names, row, strict=True))
+        for row in rows
+    ]
+    return [dict(zip(names, map(float, row), strict=True)) for row, kept in zip(rows, inside, strict=True) if kept]
+
+
+def _crossing(z: FloatArray, seen: "Prediction", target: float) -> tuple[float, float]:
+    """Where the strands' stretch first passes a value, logarithms linear between the places, and the radius there."""
+    above = np.flatnonzero(seen.stretch >= target)
+    if not above.size or above[0] == 0:
+        return float("nan"), float("nan")
+    ends = slice(above[0] - 1, above[0] + 1)
+    log_w = np.log(seen.stretch[ends])
+    share = float((np.log(target) - log_w[0]) / (log_w[1] - log_w[0]))
+    log_r = np.log(seen.radius[ends])
+    near = np.log(z[ends]) if z[ends][0] > 0 else None
+    place = float(np.exp(near[0] + share * (near[1] - near[0]))) if near is not None else share * float(z[ends][1])
+    return place, float(np.exp(log_r[0] + share * (log_r[1] - log_r[0])))
+
+
+def _of_crossover(name: str, values: FloatArray) -> FloatArray:
+    """Quantiles; a position that is not reached lies beyond the end, a radius there is of the others, if they are half."""
+    known = np.isfinite(values)
+    if name.endswith("position"):
+        found: FloatArray = np.quantile(np.where(known, values, _FAR), LEVELS)
+        return np.where(found > 0.01 * _FAR, np.nan, found)
+    return np.quantile(values[known], LEVELS) if known.mean() >= 0.5 else np.full(len(LEVELS), np.nan)
 
 
 def _start(fit: "Fit", team: int, rng: np.random.Generator) -> FloatArray:

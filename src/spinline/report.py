@@ -1,22 +1,21 @@
 """The report of a run: one HTML file that opens offline, the answer first."""
 
 import base64
-import json
 import math
-from collections.abc import Mapping
 from html import escape
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from spinline.figures import headline, png
 from spinline.outputs import replacing
+from spinline.report_parts import planned, traded
 from spinline.results import described, scalars
 
 __all__ = ["html", "save_report", "words"]
 
+_ROUNDING = 1e-9  # of a number: what is less is no uncertainty
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #111; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
@@ -72,13 +71,33 @@ def _uncertain(result: xr.Dataset) -> list[str]:
     if "uncertain_inputs" not in result.attrs:
         return []
     parts = []
-    for name, scale, unit in (("crossover_position", 1e3, "mm"), ("crossover_radius", 1e6, "µm"),
-                              ("end_orientation", 1, ""), ("fibre_radius", 1e6, "µm")):  # fmt: skip
+    for name, scale, unit in (
+        ("crossover_position", 1e3, "mm"), ("crossover_radius", 1e6, "µm"), ("frozen_position", 1e3, "mm"),
+        ("frozen_orientation", 1, ""), ("end_orientation", 1, ""), ("fibre_radius", 1e6, "µm"),
+    ):  # fmt: skip
+        if f"{name}_std" not in result:
+            continue
         value, std = scale * float(result[name]), scale * float(result[f"{name}_std"])
-        if np.isfinite(value) and np.isfinite(std):
-            parts.append(f"{name.replace('_', ' ')} {value:.4g} ± {std:.2g}{' ' + unit if unit else ''}")
+        if np.isfinite(value) and std <= _ROUNDING * value:
+            parts.append(f"{name.replace('_', ' ')} does not depend on them")
+        elif np.isfinite(value) and np.isfinite(std):
+            text = f"{name.replace('_', ' ')} {value:.4g} ± {std:.2g}{' ' + unit if unit else ''}"
+            parts.append(text + _interval(result, name, scale, unit))
     inputs = result.attrs["uncertain_inputs"]
     return [f"With {inputs}: {'; '.join(parts)}." if parts else f"With {inputs} nothing can be said of the errors."]
+
+
+def _interval(result: xr.Dataset, name: str, scale: float, unit: str) -> str:
+    """The 95 % interval of the draws in words; an end that is NaN lies beyond the jet."""
+    if f"{name}_band" not in result:
+        return ""
+    low, high = scale * result[f"{name}_band"].values[[0, -1]]
+    if np.isnan(low) and np.isnan(high):
+        return ""
+    if np.isnan(low) or np.isnan(high):
+        side, end = ("below", high) if np.isnan(low) else ("above", low)
+        return f" (95 %: {side} {end:.4g}{' ' + unit if unit else ''})"
+    return f" (95 %: {low:.4g} to {high:.4g})"
 
 
 def html(result: xr.Dataset) -> str:
@@ -88,11 +107,7 @@ def html(result: xr.Dataset) -> str:
     answer = "".join(f"<p>{escape(sentence)}</p>" for sentence in words(result))
     remarks = str(attrs.get("warnings", "")).splitlines()
     warned = "".join(f"<p class='warning'>{escape(remark)}</p>" for remark in remarks)
-    numbers = "".join(
-        f"<tr><td><code>{name}</code></td><td class='number'>{_number(value)}</td><td>{_unit(name)}</td>"
-        f"<td>{escape(described(name)[1])}</td></tr>"
-        for name, value in scalars(result).items()
-    )
+    numbers = _numbers(result)
     used = "".join(
         f"<tr><td>{escape(label)}</td><td>{escape(str(attrs[key]))}</td></tr>" for label, key in _MODELS if key in attrs
     )
@@ -108,11 +123,13 @@ def html(result: xr.Dataset) -> str:
 <h2>Pictures</h2>
 <img alt="Jet and network radius, strands, stretch and polymer fraction along the jet" src="data:image/png;base64,{picture}">
 <h2>Numbers</h2>
+{_of_inputs(result)}
 <table>{numbers}</table>
 <h2>Models used, and why</h2>
 <table>{used}</table>
 <p>Valid for the first millimetres of a jet, before entanglements are lost.</p>
-{_planned(attrs)}
+{planned(attrs)}
+{traded(attrs)}
 <h2>Inputs</h2>
 <table>{inputs}</table>
 <pre>{escape(str(attrs["scene"]))}</pre>
@@ -123,24 +140,36 @@ to make this again.</p>
 """
 
 
-def _planned(attrs: Mapping[Any, Any]) -> str:
-    """What every effect would change, from the attribute ``plan``."""
-    if "plan" not in attrs:
-        return ""
-    plan = json.loads(str(attrs["plan"]))
-    rows = "".join(
-        f"<tr><td>{state}</td><td>{escape(effect['name'])}</td><td>{escape(effect['symbol'])}</td>"
-        f"<td class='number'>{_short(effect['number'])}</td><td class='number'>{_short(effect['estimated_error'])}</td>"
-        f"<td>{escape(effect['reason'])}</td></tr>"
-        for state, key in (("in", "effects_used"), ("left out", "effects_left_out"))
-        for effect in plan[key]
-    )
-    head = "<tr><th></th><th>effect</th><th>number</th><th></th><th>error without it</th><th>why</th></tr>"
-    return f"<h2>Plan</h2>\n<p>{escape(plan['reason'])}</p>\n<table>{head}{rows}</table>"
+def _of_inputs(result: xr.Dataset) -> str:
+    """What the uncertainties are of."""
+    if "uncertain_inputs" not in result.attrs:
+        return "<p>No input carries an uncertainty; write one as <code>125 +/- 3 um</code>.</p>"
+    bands = f"; intervals: {result.attrs['bands']}" if "bands" in result.attrs else ""
+    text = f"Uncertain inputs: {result.attrs['uncertain_inputs']}. ±: standard uncertainty, to first order{bands}."
+    return f"<p>{escape(text)} A dash: beyond the end of the jet, or not known.</p>"
 
 
-def _short(value: float | None) -> str:
-    return "—" if value is None else f"{value:.2g}"
+def _numbers(result: xr.Dataset) -> str:
+    """Rows of the table of numbers; with uncertain inputs their standard uncertainty and interval beside them."""
+    found = scalars(result)
+    uncertain = "uncertain_inputs" in result.attrs
+    rows = ""
+    if uncertain:
+        rows = "<tr><th></th><th></th><th>±</th><th>68 %</th><th>95 %</th><th></th><th></th></tr>"
+    for name, value in found.items():
+        if uncertain and name.endswith("_std"):
+            continue
+        rows += f"<tr><td><code>{name}</code></td><td class='number'>{_number(value)}</td>"
+        if uncertain:
+            std = found.get(f"{name}_std", float("nan"))
+            rows += f"<td class='number'>{_number(0.0 if std <= _ROUNDING * abs(value) else std, 2)}</td>"
+            ends = result[f"{name}_band"].values if f"{name}_band" in result else np.full(5, np.nan)
+            rows += "".join(
+                f"<td>{_number(ends[i], 4)} to {_number(ends[j], 4)}</td>" if np.isfinite(ends).any() else "<td></td>"
+                for i, j in ((1, 3), (0, 4))
+            )
+        rows += f"<td>{_unit(name)}</td><td>{escape(described(name)[1])}</td></tr>"
+    return rows
 
 
 def save_report(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
@@ -259,8 +288,8 @@ def _difference(result: xr.Dataset) -> str:
     return f", {1e3 * abs(gap):.3g} mm {'after' if gap > 0 else 'before'} full stretch by Eq. (38)"
 
 
-def _number(value: float) -> str:
-    return "—" if math.isnan(value) else f"{value:.6g}"
+def _number(value: float, digits: int = 6) -> str:
+    return "—" if math.isnan(value) else f"{value:.{digits}g}"
 
 
 def _unit(name: str) -> str:

@@ -27,6 +27,7 @@ __all__ = [
     "scalars",
     "to_csv",
     "to_json",
+    "with_bands",
     "with_numbers",
 ]
 
@@ -130,7 +131,12 @@ for _where, _words in (("crossover", "where full stretch is reached"), ("end", "
 
 
 def described(name: str) -> tuple[str, str]:
-    """Unit of a variable of a result, and what it is; of ``<name>_std`` too."""
+    """Unit of a variable of a result, and what it is; of ``<name>_std`` and ``<name>_band`` too."""
+    if name.endswith("_band"):
+        stem = name.removesuffix("_band")
+        unit, words = VARIABLES[stem] if stem in VARIABLES else ("1", f"{VARIABLES[stem.removesuffix('_ratio')][1]}, over "
+                                                                 "that at the nozzle")  # fmt: skip
+        return unit, f"quantiles over the inputs' uncertainty: {words}"
     if name not in VARIABLES and name.endswith("_std"):
         unit, words = VARIABLES[name.removesuffix("_std")]
         return unit, f"standard uncertainty, from the inputs': {words}"
@@ -187,6 +193,19 @@ def with_numbers(result: xr.Dataset, numbers: dict[str, Any]) -> xr.Dataset:
     return result.assign({
         name: ((), value, _units(name)) if np.ndim(value) == 0 else ("time", value, _units(name))
         for name, value in numbers.items()
+    })  # fmt: skip
+
+
+def with_bands(result: xr.Dataset, bands: dict[str, Any]) -> xr.Dataset:
+    """The result with bands from `spinline.draws.banded`, along ``quantile`` (and the jet)."""
+    if not bands:
+        return result
+    from spinline.draws import LEVELS
+
+    along = "element" if "element" in result.dims else "z"
+    return result.assign_coords(quantile=list(LEVELS)).assign({
+        name: (("quantile",) if np.ndim(value) == 1 else ("quantile", along), value, _units(name))
+        for name, value in bands.items()
     })  # fmt: skip
 
 
@@ -260,6 +279,7 @@ def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
 def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write the profile as a table, one row per place (and time), units in the header; maps across the jet are left out."""
     place = "element" if "element" in result.dims else "z"
+    result = _spread(result)
     along = [name for name in result.variables if place in result[name].dims and "r" not in result[name].dims]
     table = result[along].to_dataframe().reset_index()
     # an index that is only a count has no unit; everything else has
@@ -270,6 +290,17 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
     with replacing(path, force=force) as part:
         table.to_csv(part, index=False)
     return Path(path)
+
+
+def _spread(result: xr.Dataset) -> xr.Dataset:
+    """Bands along the jet as variables of their own, ``radius_low95`` ..., for a table."""
+    columns = {}
+    for name, values in result.data_vars.items():
+        if values.dims[:1] == ("quantile",) and values.ndim == 2:
+            for i, side in ((0, "low95"), (1, "low68"), (3, "high68"), (4, "high95")):
+                stem = str(name).removesuffix("_band")
+                columns[f"{stem}_{side}"] = (values.dims[1], values.values[i], values.attrs)
+    return result.drop_dims("quantile").assign(columns) if columns else result
 
 
 def _units(name: str, beads: bool = False) -> dict[str, str]:

@@ -200,7 +200,8 @@ class NetworkSection(Section):
 
 class AccuracySection(Section):
     """``[accuracy]``: how far from the finest model an answer may be, points to write and shells across
-    the jet, strands to walk at each point, steps in time that a chain may take.
+    the jet, strands to walk at each point, steps in time that a chain may take, draws of the inputs that
+    carry ``+/-`` (0: no bands).
     """
 
     rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
@@ -209,6 +210,7 @@ class AccuracySection(Section):
     strands: Annotated[int, Field(ge=2, le=100_000_000)] = 10_000
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
     steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 20_000
+    draws: Annotated[int, Field(ge=0, le=100_000)] = 128
 
 
 class Scene(Sheet):

@@ -87,16 +87,21 @@ def run(scene: Scene) -> "xr.Dataset":
     itself are estimated in the attribute ``model_reason``.
     """
     from spinline import results
+    from spinline.draws import banded
     from spinline.uncertainty import propagated, uncertain_inputs
 
     result, taken = _solved(scene)
     remarks = str(result.attrs["warnings"]).splitlines()
     uncertain = uncertain_inputs(scene)
-    if uncertain and taken.network.model in _SAMPLED:
+    if uncertain and taken.network.model in SAMPLED:
         remarks.append(f'uncertain inputs are not followed through model = "{taken.network.model}": take another')
     elif uncertain:
         numbers, said = propagated(taken, result, lambda moved: _solved(moved)[0])
-        result = results.with_numbers(result, numbers)
+        bands, more = banded(taken, result, lambda drawn: evaluate(drawn, attributes=False))
+        said += more
+        result = results.with_bands(results.with_numbers(result, numbers), bands)
+        if bands:
+            result.attrs["bands"] = f"68 and 95 % of {taken.accuracy.draws} draws of the uncertain inputs"
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
     result.attrs["warnings"] = "\n".join(remarks)
@@ -105,7 +110,7 @@ def run(scene: Scene) -> "xr.Dataset":
     return result
 
 
-_SAMPLED = ("chain", "walk")  # rungs that are too slow, or too noisy, to run for every uncertain input
+SAMPLED = ("chain", "walk")  # rungs that are too slow, or too noisy, to run for every uncertain input
 
 
 def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":

@@ -4,12 +4,15 @@ Of the fibre only the radius can be said without a model of the rest of the flig
 cross-section, ``r (phi_mean)^(1/2)``, if nothing were stretched any more.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-__all__ = ["SUMMARISED", "structure_summary"]
+from spinline.checks import FloatArray
+
+__all__ = ["SUMMARISED", "structure_summary", "summarised"]
 
 SUMMARISED = ("axial_stretch", "relative_extension", "orientation", "core_polymer_fraction", "network_radius")
 
@@ -31,17 +34,21 @@ def structure_summary(result: xr.Dataset) -> dict[str, Any]:
         moments = [structure_summary(result.isel(time=i)) for i in range(result.sizes["time"])]
         return {name: np.array([moment[name] for moment in moments]) for name in moments[0]}
     place = result["arc_length" if "element" in result.dims else "z"].values
-    known = np.flatnonzero(np.isfinite(result["stretch_ratio"].values) & np.isfinite(place))
-    names = [*(f"{where}_{name}" for where in ("crossover", "end") for name in SUMMARISED), "fibre_radius"]
-    if not known.size:
-        return dict.fromkeys(names, float("nan"))
-    x, crossover, end = place[known], float(result["crossover_position"]), known[-1]
+    names = (*SUMMARISED, "stretch_ratio", "radius", "mean_polymer_fraction")
+    return summarised(place, {name: result[name].values for name in names}, float(result["crossover_position"]))
+
+
+def summarised(place: FloatArray, fields: Mapping[str, FloatArray], crossover: float) -> dict[str, float]:
+    """`structure_summary` of arrays along the jet, at one time; `crossover` is its position, m."""
+    known = np.flatnonzero(np.isfinite(fields["stretch_ratio"]) & np.isfinite(place))
     found: dict[str, float] = {}
+    if not known.size:
+        names = [*(f"{where}_{name}" for where in ("crossover", "end") for name in SUMMARISED), "fibre_radius"]
+        return dict.fromkeys(names, float("nan"))
+    x, end = place[known], known[-1]
     for name in SUMMARISED:
-        values = result[name].values
-        found[f"crossover_{name}"] = (
-            float(np.interp(crossover, x, values[known])) if np.isfinite(crossover) else float("nan")
-        )
-        found[f"end_{name}"] = float(values[end])
-    found["fibre_radius"] = float(result["radius"].values[end] * np.sqrt(result["mean_polymer_fraction"].values[end]))
-    return {name: found[name] for name in names}
+        there = float(np.interp(crossover, x, fields[name][known])) if np.isfinite(crossover) else float("nan")
+        found[f"crossover_{name}"] = there
+    found |= {f"end_{name}": float(fields[name][end]) for name in SUMMARISED}
+    found["fibre_radius"] = float(fields["radius"][end] * np.sqrt(fields["mean_polymer_fraction"][end]))
+    return found

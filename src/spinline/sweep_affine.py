@@ -32,7 +32,8 @@ from spinline.scene_fields import Read
 from spinline.sweep_densities import densities
 from spinline.sweep_design import Column
 from spinline.sweep_keys import reader
-from spinline.sweep_rows import AT_CROSSOVER, AT_END, BEYOND, BOTH, INCOMPLETE, OK, Block, Task, profile_grid
+from spinline.sweep_rows import AT_CROSSOVER, AT_END, BEYOND, BOTH, INCOMPLETE, OK, STD_FLAG, Block, Task, profile_grid
+from spinline.uncertainty import uncertain_inputs
 
 __all__ = ["closed_forms", "why_not"]
 
@@ -137,13 +138,15 @@ def _group(task: Task, block: Block, rows: Any, values: dict[str, FloatArray], w
         scene = task.scene({**words, **{key: float(column[first]) for key, column in values.items()}})
         if why_not(scene, tuple(values)):
             return
+        for key, sides in _sides(scene, task.uncertain).items():
+            if key not in _PLAIN or not _well_inside(key, np.array(sides)).all():
+                return
         solution = build_solution(scene)
     except InputError:
         return
     chosen = np.flatnonzero(good)
-    with np.errstate(all="ignore"):  # rows that overflow are not usable: they are done again one by one
-        _fill(task, block, np.arange(len(block.status))[rows][chosen], scene, solution,
-              {key: column[chosen] for key, column in values.items()})  # fmt: skip
+    _fill(task, block, np.arange(len(block.status))[rows][chosen], scene, solution,
+          {key: column[chosen] for key, column in values.items()})  # fmt: skip
 
 
 def _well_inside(key: str, column: FloatArray) -> BoolArray:
@@ -197,49 +200,88 @@ class _Jets:
 def _fill(
     task: Task, block: Block, rows: NDArray[np.int64], scene: Scene, solution: Solution, values: dict[str, FloatArray]
 ) -> None:
-    def of(key: str) -> Any:
-        if key in values:
-            return values[key]
+    columns = _Columns(scene, values)
+    if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and columns("solution.viscosity") is None:
+        return
+    found, usable, jets, targets = _numbers(scene, solution, columns, rows.size)
+    phi = found["volume_fraction"]
+    if scene.network.model == "auto":
+        usable = usable & _surely_affine(scene, solution, jets, phi, targets, columns)
+    variance = {name: np.zeros(rows.size) for name in found} if task.uncertain else {}
+    for key, sides in _sides(scene, task.uncertain).items():
+        ends = []
+        for value in sides:
+            end, good, *_ = _numbers(
+                scene, solution, _Columns(scene, {**values, key: np.full(rows.size, value)}), rows.size
+            )
+            usable = usable & good
+            ends.append(end)
+        for name in found:
+            variance[name] += (0.5 * (ends[0][name] - ends[1][name])) ** 2
+    chosen = rows[usable]
+    for name, column in found.items():
+        block.numbers[name][chosen] = np.broadcast_to(column, rows.shape)[usable]
+    for name, column in variance.items():
+        block.numbers[f"{name}_std"][chosen] = np.sqrt(column[usable])
+    if variance:
+        block.numbers[STD_FLAG][chosen] = 0.0
+    for name, along in _along(task, jets, phi, usable, scene, columns).items():
+        block.profiles[name][chosen] = along
+    late = [np.isnan(np.broadcast_to(found[name], rows.shape)[usable]) for name in BEYOND]
+    block.status[chosen] = np.where(late[0] | late[1], INCOMPLETE, OK)
+    block.reason[chosen] = np.select([late[0] & late[1], *late], [BOTH, *BEYOND.values()], "").astype(object)
+
+
+class _Columns:
+    """Values of a key in every row: the column where it varies, the scene's own elsewhere, None where it has none."""
+
+    def __init__(self, scene: Scene, values: dict[str, FloatArray]) -> None:
+        self.scene, self.values = scene, values
+
+    def __call__(self, key: str) -> Any:
+        if key in self.values:
+            return self.values[key]
         section, _, name = key.partition(".")
-        measured = getattr(getattr(scene, section), name)
+        measured = getattr(getattr(self.scene, section), name)
         return None if measured is None else np.asarray(getattr(measured, "value", measured))
 
-    viscosity = of("solution.viscosity")
-    if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and viscosity is None:
-        return
+
+def _sides(scene: Scene, keys: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+    """Every uncertain input, moved by its standard uncertainty to both sides."""
+    inputs = uncertain_inputs(scene)
+    return {key: (inputs[key].value + inputs[key].std, inputs[key].value - inputs[key].std) for key in keys}
+
+
+def _numbers(
+    scene: Scene, solution: Solution, of: _Columns, rows: int
+) -> tuple[dict[str, FloatArray], BoolArray, _Jets, tuple[FloatArray, FloatArray]]:
+    """Numbers of the rows, which of them can be used, the jets, and V of both criteria."""
     quality, closure = scene.network.solvent_quality, scene.network.closure_used
-    phi = _volume_fraction(scene, solution, values, of)
-    jets = _Jets(scene, viscosity, of)
+    phi = _volume_fraction(scene, solution, of.values, of)
+    jets = _Jets(scene, of("solution.viscosity"), of)
     reduced = jets.length / jets.radius
     stretch = jets.call("ratio", np.atleast_1d(reduced))
     usable = (phi > 1e-9) & (phi < 1 - 1e-9) & jets.usable & (stretch < _MOST_STRETCH) & np.isfinite(stretch)
-    usable = np.broadcast_to(usable, rows.shape)
+    usable = np.broadcast_to(usable, (rows,))
     phi = np.where(usable, phi, 0.5)
-    stretch = np.where(usable, np.broadcast_to(stretch, rows.shape), 1.0)
+    stretch = np.where(usable, np.broadcast_to(stretch, (rows,)), 1.0)
     full = crossover_velocity_ratio(phi, quality)
     target = extension_velocity_ratio(of("network.crossover_extension"), phi, closure=closure, solvent_quality=quality)
-    if scene.network.model == "auto":
-        usable = usable & _surely_affine(scene, solution, jets, phi, (full, target), of)
     found: dict[str, FloatArray] = {"volume_fraction": phi}
     found |= _crossover("crossover", full, jets)
-    found |= _crossover("crossover_extension", np.broadcast_to(target, rows.shape), jets)
+    found |= _crossover("crossover_extension", np.broadcast_to(target, (rows,)), jets)
     place = found["crossover_position"]
     reached = np.isfinite(place)
     there = np.where(reached, jets.call("ratio", np.where(reached, place, 0.0) / jets.radius), 1.0)
     state = _state(there, phi, scene)
+    state["network_radius"] = jets.radius / np.sqrt(there) * state["network_radius_ratio"]
     found |= {f"crossover_{name}": np.where(reached, state[name], np.nan) for name in AT_CROSSOVER}
     radius = jets.radius / np.sqrt(stretch)
     state = _state(stretch, phi, scene)
     state |= {"radius": radius, "velocity_ratio": stretch, "network_radius": radius * state["network_radius_ratio"]}
     found |= {f"end_{name}": state[name] for name in AT_END}
-    chosen = rows[usable]
-    for name, column in found.items():
-        block.numbers[name][chosen] = np.broadcast_to(column, rows.shape)[usable]
-    for name, along in _along(task, jets, phi, usable, scene, of).items():
-        block.profiles[name][chosen] = along
-    late = [np.isnan(np.broadcast_to(found[name], rows.shape)[usable]) for name in BEYOND]
-    block.status[chosen] = np.where(late[0] | late[1], INCOMPLETE, OK)
-    block.reason[chosen] = np.select([late[0] & late[1], *late], [BOTH, *BEYOND.values()], "").astype(object)
+    found["fibre_radius"] = radius * np.sqrt(state["mean_polymer_fraction"])
+    return {name: np.broadcast_to(column, (rows,)) for name, column in found.items()}, usable, jets, (full, target)
 
 
 def _surely_affine(

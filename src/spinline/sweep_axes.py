@@ -45,14 +45,14 @@ def _axis(key: str, how: str, given: Any, field: str) -> Axis:
     if how == "values":
         if not given:
             raise InputError(field, "is empty", remedy="give at least one value")
-        return Axis(key, column([read_value(key, value, field) for value in given]))
+        return Axis(key, column([read_value(key, value, field, exact=True) for value in given]))
     if reader(key) is None:
         raise InputError(field, f"needs a number, and {key} holds words", value=given, remedy="give values = [...]")
     steps = how in ("linspace", "logspace")
     if len(given) != (3 if steps else 2):
         allowed = "[from, to, number]" if steps else "[low, high]"
         raise InputError(field, "has the wrong length", value=given, allowed=allowed, remedy="write it so")
-    low, high = (read_value(key, end, field) for end in given[:2])
+    low, high = (read_value(key, end, field, exact=True) for end in given[:2])
     if isinstance(low, str) or isinstance(high, str):
         raise InputError(field, "needs two numbers", value=given, remedy="give values = [...]")
     if how in ("logspace", "loguniform") and not (low > 0 and high > 0):

@@ -66,7 +66,7 @@ def unit_of(key: str) -> str:
     return "" if how is None else "1"
 
 
-def read_value(key: str, value: Any, field: str, *, ranged: bool = True) -> Any:
+def read_value(key: str, value: Any, field: str, *, ranged: bool = True, exact: bool = False) -> Any:
     """A value of a key as a float in SI, or as it stands where the key holds words.
 
     Parameters
@@ -79,6 +79,8 @@ def read_value(key: str, value: Any, field: str, *, ranged: bool = True) -> Any:
         Name shown in errors.
     ranged : bool
         Refuse what is out of the key's range.
+    exact : bool
+        Refuse an uncertainty, which would be lost.
 
     Raises
     ------
@@ -105,6 +107,9 @@ def read_value(key: str, value: Any, field: str, *, ranged: bool = True) -> Any:
                 return parse(value, how.kind, field).value
             raise InputError(field, error.message(), value=value, allowed=context.get("allowed", ""),
                              remedy=context.get("remedy") or "change it in the sweep") from None  # fmt: skip
+        if exact and measured.std > 0:
+            raise InputError(field, "varies, and carries an uncertainty besides", value=value,
+                             remedy="drop the +/-; a key of the base scene that does not vary may carry one")  # fmt: skip
         return measured.value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(field, "is not a number", value=value, remedy="write it bare, without quotes")

@@ -29,9 +29,11 @@ from spinline.errors import InputError
 from spinline.jetprofile.straight import StraightJet
 from spinline.results import VARIABLES
 from spinline.scene import HyperbolicJet, PowerLawJet, Scene, scene_from_dict
-from spinline.solve import Solved, evaluate
+from spinline.solve import SAMPLED, Solved, evaluate
+from spinline.summary import SUMMARISED, summarised
 from spinline.sweep_design import Column
 from spinline.sweep_keys import placed
+from spinline.uncertainty import shares
 
 __all__ = ["FAILED", "INCOMPLETE", "OK", "PENDING", "REFUSED", "SCALARS", "Block", "Task", "evaluate_rows", "numbers"]
 
@@ -45,11 +47,9 @@ PROFILES = (
     "network_radius_conservative", "core_polymer_fraction", "core_polymer_fraction_eq40",
     "core_polymer_fraction_conservative", "strand_force",
 )  # fmt: skip
-AT_CROSSOVER = ("relative_extension", "orientation", "core_polymer_fraction")
-AT_END = (
-    "radius", "velocity_ratio", "relative_extension", "orientation", "network_radius", "core_polymer_fraction",
-    "mean_polymer_fraction",
-)  # fmt: skip
+AT_CROSSOVER = SUMMARISED
+AT_END = ("radius", "velocity_ratio", *SUMMARISED, "mean_polymer_fraction")
+STD_FLAG = "uncertainty"  # 0 followed, 1 for some inputs in part or not at all, 2 not followed
 # name: (unit, what it is)
 SCALARS: dict[str, tuple[str, str]] = (
     {
@@ -62,6 +62,7 @@ SCALARS: dict[str, tuple[str, str]] = (
     }
     | {f"crossover_{name}": (VARIABLES[name][0], f"at the crossover: {VARIABLES[name][1]}") for name in AT_CROSSOVER}
     | {f"end_{name}": (VARIABLES[name][0], f"at the end of the jet: {VARIABLES[name][1]}") for name in AT_END}
+    | {"fibre_radius": VARIABLES["fibre_radius"]}
 )
 BEYOND = {  # reasons of status 1
     "crossover_position": "the crossover is not reached within the jet",
@@ -89,6 +90,8 @@ class Task:
         Numbers of a run beyond `SCALARS`, that other models have.
     vectorise : bool
         Try the closed forms of `sweep_affine` first.
+    uncertain : tuple of str
+        Keys of the base scene that carry ``+/-`` and do not vary: every number then has a ``_std`` beside it.
     """
 
     base: Mapping[str, Any]
@@ -97,6 +100,13 @@ class Task:
     points: int = 101
     extra: tuple[str, ...] = ()
     vectorise: bool = False
+    uncertain: tuple[str, ...] = ()
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Columns of numbers."""
+        plain = (*SCALARS, *self.extra)
+        return (*plain, *(f"{name}_std" for name in plain), STD_FLAG) if self.uncertain else plain
 
     def scene(self, values: Mapping[str, Any]) -> Scene:
         """The scene of one row."""
@@ -125,7 +135,7 @@ class Block:
     def empty(cls, task: Task, rows: int) -> "Block":
         """NaN everywhere, nothing computed."""
         return cls(
-            {name: np.full(rows, np.nan) for name in (*SCALARS, *task.extra)},
+            {name: np.full(rows, np.nan) for name in task.numbers},
             {name: np.full((rows, task.points), np.nan) for name in task.profiles},
             np.full(rows, PENDING, dtype=np.uint8),
             np.full(rows, "", dtype=object),
@@ -159,7 +169,8 @@ def evaluate_rows(
         try:
             scene = task.scene({key: values[i] for key, values in lists.items()})
             solved = solve_row(scene, task)
-            for name, value in numbers(solved).items():
+            found = numbers(solved)
+            for name, value in (found | _uncertainties(solved, task, found)).items():
                 if name in block.numbers:
                     block.numbers[name][i] = value
             for name, along in _profiles(solved, task).items():
@@ -180,13 +191,25 @@ def numbers(solved: Solved) -> dict[str, float]:
     fields = solved.fields
     place = fields["arc_length" if "arc_length" in fields else "z"]
     known = np.flatnonzero(np.isfinite(fields["stretch_ratio"]))
-    position = result.get("crossover_position", np.nan)
-    if np.isfinite(position):
-        here = int(known[np.argmin(np.abs(place[known] - position))])
-        result |= {f"crossover_{name}": float(fields[name][here]) for name in AT_CROSSOVER}
+    result |= summarised(place, fields, result.get("crossover_position", np.nan))
     if known.size:
         result |= {f"end_{name}": float(fields[name][known[-1]]) for name in AT_END}
     return result
+
+
+def _uncertainties(solved: Solved, task: Task, found: Mapping[str, float]) -> dict[str, float]:
+    """Standard uncertainties from the inputs', by the rung that was taken, and how far they were followed."""
+    if not task.uncertain:
+        return {}
+    if solved.scene.network.model in SAMPLED:
+        return {STD_FLAG: 2.0}
+
+    def again(scene: Scene) -> dict[str, float]:
+        jet = None if isinstance(scene.jet, PowerLawJet | HyperbolicJet) else jet_of(scene, task.folder)
+        return numbers(evaluate(scene, jet, attributes=False))
+
+    stds, remarks = shares(solved.scene, found, again)
+    return {**stds, STD_FLAG: 1.0 if remarks else 0.0}
 
 
 def profile_grid(span: FloatArray, scale: FloatArray, points: int) -> FloatArray:
@@ -250,7 +273,10 @@ def _built(key: _Key) -> Any:
 
 def _missing(block: Block, i: int) -> str:
     """Why numbers of a computed row are NaN; empty where none is."""
-    absent = [name for name, values in block.numbers.items() if np.isnan(values[i])]
+    absent = [
+        name for name, values in block.numbers.items()
+        if np.isnan(values[i]) and name != STD_FLAG and not name.endswith("_std")
+    ]  # fmt: skip
     words = [text for name, text in BEYOND.items() if name in absent]
     others = [name for name in absent if not (name.startswith("crossover") and words)]
     return "; ".join([*words, *([f"does not happen in this jet: {', '.join(others)}"] if others else [])])

@@ -24,7 +24,7 @@ from spinline.results import VARIABLES
 from spinline.sweep_design import Column
 from spinline.sweep_file import Sweep
 from spinline.sweep_keys import unit_of
-from spinline.sweep_rows import PENDING, SCALARS, Block, Task
+from spinline.sweep_rows import PENDING, SCALARS, STD_FLAG, Block, Task
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -238,8 +238,13 @@ def _layout(sweep: Sweep, task: Task) -> dict[str, tuple[tuple[str, ...], dict[s
     layout: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {}
     for key in sweep.design.keys:
         layout[key] = (("scene",), {"long_name": f"{key} of the scene", **_unit(unit_of(key))})
-    for name in (*SCALARS, *task.extra):
-        unit, words = SCALARS.get(name) or VARIABLES.get(name, ("", name.replace("_", " ")))
+    for name in task.numbers:
+        plain = name.removesuffix("_std")
+        unit, words = SCALARS.get(plain) or VARIABLES.get(plain, ("", name.replace("_", " ")))
+        if name == STD_FLAG:
+            words = "of the inputs: 0 followed, 1 in part or for some inputs, 2 not followed (chain, walk)"
+        elif plain != name:
+            words = f"standard uncertainty, from the inputs': {words}"
         layout[name] = (("scene",), {"long_name": words, **_unit(unit)})
     for name in task.profiles:
         layout[f"profile_{name}"] = (("scene", "point"), {"long_name": VARIABLES[name][1], **_unit(VARIABLES[name][0])})

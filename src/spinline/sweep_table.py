@@ -68,10 +68,10 @@ def _cell(row: list[str], j: int, key: str, unit: str | None, field: str) -> Any
         bare = not isinstance(how, Read) or not QUANTITIES[how.kind].unit
         if bare and _plain(text):
             return _number(text, field)
-        return read_value(key, text, field, ranged=False)
+        return read_value(key, text, field, ranged=False, exact=True)
     if not isinstance(how, Read) or not QUANTITIES[how.kind].unit:
         if isinstance(how, Read):
-            return read_value(key, f"{text} {unit}", field, ranged=False)
+            return read_value(key, f"{text} {unit}", field, ranged=False, exact=True)
         raise InputError(
             field, "has a unit, and is a bare number", value=unit, remedy="take the unit out of the header"
         )

@@ -23,6 +23,7 @@ import xarray as xr
 
 from spinline.build import build_jet, build_solution
 from spinline.checks import FloatArray, real
+from spinline.draws import LEVELS, draw_scenes
 from spinline.effects import choose_effects
 from spinline.errors import InputError, SpinlineWarning
 from spinline.fit_model import ForwardModel
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from spinline.effects import Effects
+
 __all__ = ["compare_theory", "overlay_figure", "save_overlay", "theory_words"]
 
 _KINDS: tuple[Kind, ...] = ("radius", "mean", "core")
@@ -52,6 +55,7 @@ def compare_theory(
     core_within: float = 0.4,
     places: Sequence[float] | None = None,
     values: Mapping[str, float] | None = None,
+    draws: Sequence[Mapping[str, float]] = (),
 ) -> xr.Dataset:
     """Compare a reduced map with a scene.
 
@@ -67,12 +71,15 @@ def compare_theory(
         z of the sections of Fig. 37, m; default four, evenly over the rows.
     values : mapping, optional
         Parameters in place of the scene's (SI), ``fraction_scale`` from a fit for example.
+    draws : sequence of mapping, optional
+        Draws of the same parameters, for bands; without them those of the scene's inputs that carry ``+/-``.
 
     Returns
     -------
     xarray.Dataset
         Along ``kind``: ``log_likelihood``, ``chi_squared``, ``count``, ``mean_residual`` (in standard errors). Along ``row``:
-        measured and predicted core. Along ``curve``: theory of Fig. 36. Along ``place`` and ``shell``: Fig. 37.
+        measured and predicted core. Along ``curve``: theory of Fig. 36. Along ``place`` and ``shell``: Fig. 37. ``_band``:
+        2.5, 16, 50, 84 and 97.5 % of the theory over the draws, along ``quantile``.
 
     Warns
     -----
@@ -87,6 +94,7 @@ def compare_theory(
         if (part.z > model.length * (1 + 1e-9) + model.values["origin"]).any():
             raise InputError(f"{part.source}: z", "is beyond the jet", value=float(part.z.max()),
                              allowed=f"up to {model.length:g} m", remedy="raise jet.length in the scene")  # fmt: skip
+    models = _drawn(scene, effects, values, draws)
     rows, notes = _judge(model, data)
     radius, _, core = data
     both, i, j = np.intersect1d(radius.z, core.z, return_indices=True)
@@ -111,18 +119,21 @@ def compare_theory(
         "curve_local": ("curve", _theory(model, curve, 0.0), {"units": "1", "long_name": "the same, of the network itself"}),
         "curve_core": ("curve", _theory(model, curve, reach), {"units": "1", "long_name": "core, Eq. (40), V = (r_0/r)^2"}),
     }  # fmt: skip
-    data_vars |= _sections(model, reduced, places, radius, r0)
+    data_vars |= _sections(model, reduced, places, radius, r0, models)
+    if models:
+        data_vars |= _bands(models, radius, core, j, curve, reach)
     attributes = {
         "title": f"{scene.title or scene.name}: measured and predicted", "scene": scene.text, "core_within": core_within,
         "effects_left_out": ", ".join(effects.left_out),
         "log_likelihood": float(np.sum(rows["log_likelihood"][1])), "crossover_radius_ratio": crossing,
         "volume_fraction": phi, "fraction_scale": model.values["fraction_scale"],
-        "values": json.dumps(dict(values or {})), "warnings": "\n".join(notes),
+        "values": json.dumps(dict(values or {})), "bands": _of_what(models, draws), "warnings": "\n".join(notes),
         "references": "Greenfeld et al., Macromolecules 45, 3616 (2012); review Figs. 36, 37",
     }  # fmt: skip
     for note in notes:
         warnings.warn(note, SpinlineWarning, stacklevel=2)
-    return xr.Dataset(data_vars, {"kind": list(_KINDS)}, attributes)
+    coordinates: dict[str, Any] = {"kind": list(_KINDS)} | ({"quantile": list(LEVELS)} if models else {})
+    return xr.Dataset(data_vars, coordinates, attributes)
 
 
 def theory_words(result: xr.Dataset) -> list[str]:
@@ -163,7 +174,9 @@ def overlay_figure(result: xr.Dataset) -> "Figure":
     for axis in (left, right):
         axis.grid(visible=True, color="0.9", linewidth=0.6)
         axis.set_axisbelow(True)
-    sheet.suptitle(f"{result.attrs['title']}; log-likelihood {result.attrs['log_likelihood']:.5g}", fontsize=10.5)
+    of = result.attrs["bands"]
+    said = "" if of.startswith("none") else f"\nbands: {of}"
+    sheet.suptitle(f"{result.attrs['title']}; log-likelihood {result.attrs['log_likelihood']:.5g}{said}", fontsize=10.5)
     return sheet
 
 
@@ -222,6 +235,7 @@ def _sections(
     places: Sequence[float] | None,
     radius: Observation,
     r0: float,
+    models: "Sequence[ForwardModel]",
 ) -> dict[str, Any]:
     """Relative change across the jet at several z: rows within a twentieth of the length, weighted."""
     (rings,) = read_map(reduced, ("shell",))
@@ -238,6 +252,8 @@ def _sections(
     area = outer**2 - inner**2
     values, spreads, theory, at, size = [], [], [], [], []
     predicted = model.measured([rings])[0].reshape(-1, count)
+    drawn = np.array([one.measured([rings])[0].reshape(-1, count) for one in models])
+    drawn_theory = []
     measured, std = rings.value.reshape(-1, count), rings.std.reshape(-1, count)
     for place in chosen:
         near = np.abs(z - place) <= half
@@ -252,10 +268,17 @@ def _sections(
         values.append(profile / mean - 1)
         spreads.append(error / mean)
         theory.append(expected / float(expected @ area / area.sum()) - 1)
+        if models:
+            ones = drawn[:, near].mean(axis=1)
+            drawn_theory.append(ones / (ones @ area / area.sum())[:, np.newaxis] - 1)
         at.append(float(z[near].mean()))
         size.append(float(np.interp(at[-1], radius.z, radius.value)) / (r0 * model.values["length_scale"]))
     centre = 0.5 * (inner + outer)
-    return {
+    bands: dict[str, Any] = {}
+    if models:
+        rows = np.quantile(np.array(drawn_theory), LEVELS, axis=1)
+        bands["relative_change_band"] = (("quantile", "place", "shell"), rows, {"units": "1"})
+    return bands | {
         "place_z": ("place", at, {"units": "m", "long_name": "mean z of the rows of a section"}),
         "place_radius_ratio": ("place", size, {"units": "1", "long_name": "r/r_0 of the jet there"}),
         "shell_centre": ("shell", centre, {"units": "1", "long_name": "r/R at the centre of a ring"}),
@@ -267,6 +290,59 @@ def _sections(
     }  # fmt: skip
 
 
+def _drawn(
+    scene: Scene, effects: "Effects", values: Mapping[str, float] | None, draws: Sequence[Mapping[str, float]]
+) -> list[ForwardModel]:
+    """Models of the draws; of the scene's uncertain inputs where none are given."""
+
+    def model(one: Scene, of: Mapping[str, float]) -> ForwardModel:
+        return forward_model(one, relaxation=effects.relaxation, evaporation=effects.evaporation, values=of)
+
+    if draws:
+        return [model(scene, {**(values or {}), **draw}) for draw in draws]
+    found = []
+    for drawn in draw_scenes(scene):
+        try:
+            found.append(model(drawn, values or {}))
+        except InputError:
+            continue
+    return found
+
+
+def _bands(
+    models: Sequence[ForwardModel], radius: Observation, core: Observation, rows: Any, curve: FloatArray, reach: float
+) -> dict[str, Any]:
+    """Quantiles of the theory of Fig. 36 over the draws."""
+    found: dict[str, list[Any]] = {"core_predicted": [], "curve_core": [], "curve_local": [], "crossover": []}
+    for one in models:
+        found["core_predicted"].append(one.measured([radius, core])[1][rows])
+        found["curve_core"].append(_theory(one, curve, reach))
+        found["curve_local"].append(_theory(one, curve, 0.0))
+        phi = one.values["volume_fraction"]
+        found["crossover"].append(float(radius_ratio(crossover_velocity_ratio(phi, one.solvent_quality))))
+    along = {"core_predicted": ("row",), "curve_core": ("curve",), "curve_local": ("curve",), "crossover": ()}
+    names = {"crossover": "crossover_radius_ratio_band"}
+    return {
+        names.get(name, f"{name}_band"): (
+            ("quantile", *along[name]), np.quantile(np.array(values), LEVELS, axis=0), {"units": "1"}
+        )
+        for name, values in found.items()
+    }  # fmt: skip
+
+
+def _of_what(models: Sequence[ForwardModel], draws: Sequence[Any]) -> str:
+    if not models:
+        return "none: no input carries an uncertainty, no fit is given"
+    return f"68 and 95 % of {len(models)} draws of " + ("the fit" if draws else "the scene's uncertain inputs")
+
+
+def _shade(axis: "Axes", x: Any, result: xr.Dataset, name: str, colour: str) -> None:
+    if name in result:
+        rows = result[name].values
+        for low, high, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
+            axis.fill_between(x, rows[low], rows[high], color=colour, alpha=alpha, linewidth=0)
+
+
 def _figure36(axis: "Axes", result: xr.Dataset) -> None:
     from spinline.figures import BLUE, GREY, PURPLE, RED
 
@@ -274,6 +350,11 @@ def _figure36(axis: "Axes", result: xr.Dataset) -> None:
         result["radius_ratio"].values, result["core_measured"].values, result["core_measured_std"].values,
         result["radius_ratio_std"].values, fmt="o", color=GREY, markersize=3, linewidth=0.7, alpha=0.8, label="measured",
     )  # fmt: skip
+    _shade(axis, result["curve_radius_ratio"].values, result, "curve_core_band", BLUE)
+    if "crossover_radius_ratio_band" in result:
+        ends = result["crossover_radius_ratio_band"].values
+        for left, right, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
+            axis.axvspan(ends[left], ends[right], color=PURPLE, alpha=alpha, linewidth=0)
     axis.plot(
         result["curve_radius_ratio"],
         result["curve_core"],
@@ -290,6 +371,8 @@ def _figure36(axis: "Axes", result: xr.Dataset) -> None:
         label="the network itself",
     )
     order = np.argsort(result["radius_ratio_predicted"].values)
+    ordered = result.isel(row=order)
+    _shade(axis, ordered["radius_ratio_predicted"].values, ordered, "core_predicted_band", RED)
     axis.plot(result["radius_ratio_predicted"].values[order], result["core_predicted"].values[order], color=RED, linestyle="--",
               linewidth=1.2, label="the scene at the rows' z")  # fmt: skip
     crossing = result.attrs["crossover_radius_ratio"]
@@ -318,6 +401,12 @@ def _figure37(axis: "Axes", result: xr.Dataset) -> None:
         change, error = one["relative_change"].values, one["relative_change_std"].values
         axis.errorbar(size * centre, change, error, fmt=marks[i % 6], color=colour, markersize=3.5,
                       linewidth=0.8, label=f"z = {1e3 * float(one['place_z']):.2g} mm")  # fmt: skip
+        if "relative_change_band" in one:
+            rows = one["relative_change_band"].values
+            for low, high, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
+                axis.stairs(
+                    rows[high], size * edges, baseline=rows[low], fill=True, color=colour, alpha=alpha, linewidth=0
+                )
         axis.stairs(one["relative_change_predicted"].values, size * edges, color=colour, linewidth=1.1, baseline=None)
     axis.axhline(0, color="0.4", linewidth=0.8)
     axis.set_xlabel("distance from the axis $r/r_0$")

@@ -6,6 +6,7 @@ against the reference of the other is the price of the effect it leaves out. Tim
 compiled.
 """
 
+import json
 import time
 import warnings
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from spinline.difference import difference, largest
 from spinline.errors import InputError, SpinlineWarning
 from spinline.jetprofile.straight import StraightJet
 from spinline.scene import Scene
+from spinline.uncertainty import certain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +27,7 @@ __all__ = ["Measured", "Trade", "trade", "variant"]
 
 _FINER = 100.0
 _AFFORDABLE = 3000  # steps of a chain
-_PATIENCE = 2.0  # s; a rung slower than this is measured once
+_PATIENCE = 2.0  # s; a rung slower than this is measured twice
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,34 @@ class Trade:
         """For JSON: dictionaries and lists."""
         return asdict(self)
 
+    def json(self) -> str:
+        """`plain` as text, NaN as null; the attribute ``trade`` of a result."""
+        from spinline.results import plain
+
+        def nested(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {key: nested(item) for key, item in value.items()}
+            if isinstance(value, list | tuple):
+                return [nested(item) for item in value]
+            return plain(value)
+
+        return json.dumps(nested(self.plain()), ensure_ascii=False, allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> "Trade":
+        """What `json` wrote."""
+        data = json.loads(text)
+        nan = float("nan")
+        rungs = tuple(
+            Measured(**{
+                **rung,
+                "seconds": nan if rung["seconds"] is None else rung["seconds"],
+                "errors": {branch: nan if error is None else error for branch, error in rung["errors"].items()},
+            })
+            for rung in data["rungs"]
+        )  # fmt: skip
+        return cls(rungs, data["references"], data["rtol"], data["recommendation"])
+
 
 def variant(scene: Scene, model: str, **changes: Any) -> Scene:
     """The scene by another rung; changes are of ``[network]`` or ``[accuracy]``, by the names of their keys."""
@@ -110,6 +140,7 @@ def trade(scene: Scene, *, quick: bool = False, progress: Callable[[str], None] 
     InputError
         For a scene that cannot be computed at all, or holds many times.
     """
+    scene = certain(scene)  # a rung costs what one run of it does
     solution = build_solution(scene)
     jet = build_jet(scene, solution)
     if not isinstance(jet, StraightJet) and jet.time is not None:
@@ -173,10 +204,12 @@ def _measure(scene: Scene, model: str, setting: str, references: "dict[str, xr.D
         result = _run(scene)
         first = time.process_time() - began
         again = []
-        for _ in range(3 if first < _PATIENCE else 0):
+        for _ in range(3):  # the first run may have compiled: one more at least
             began = time.process_time()
             result = _run(scene)
             again.append(time.process_time() - began)
+            if again[-1] > _PATIENCE:
+                break
     except InputError as error:
         return Measured(model, setting, nan, dict.fromkeys(references, nan), {}, str(error))
     errors = {branch: difference(result, reference) for branch, reference in references.items()}
