@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from spinline import xray
+from spinline.absorber import build_absorber
 from spinline.build import build_solution
 from spinline.doubt import relative_doubts
 from spinline.errors import InputError
-from spinline.experiment import build_absorber
 from spinline.figures_images import reduction_sheet
 from spinline.images import images_from_dict
 from spinline.preview import preview_images

@@ -195,7 +195,7 @@ def test_the_weights_are_the_likeliest() -> None:
     fisher, slope = np.einsum("inp,inq->ipq", design, design), np.einsum("inp,in->ip", design, data)
     matrix, right = assembled(along, fisher, slope)
     zero = np.zeros_like(right)
-    weights, mode, settled = penalty.improved(matrix, right, zero, np.ones(3), 60)
+    weights, mode, settled = penalty.improved(matrix, right, zero, np.ones(4), 60)
     assert settled
 
     def evidence(logs):
@@ -203,20 +203,33 @@ def test_the_weights_are_the_likeliest() -> None:
         added = dense(penalty.added(matrix, w))
         eigen = np.linalg.eigvalsh(added - dense(matrix))
         best = right.ravel() @ np.linalg.solve(added, right.ravel())
-        return 0.5 * (
-            best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - 2 * logs.sum()
-        )
+        return 0.5 * (best + np.log(eigen[eigen > 1e-9 * eigen[-1]]).sum() - np.linalg.slogdet(added)[1] - logs.sum())
 
     logs = np.log(weights)
     assert mode.ravel() == pytest.approx(
         np.linalg.solve(dense(penalty.added(matrix, weights)), right.ravel()), rel=1e-9
     )
-    for j in range(3):
-        step = np.eye(3)[j]
+    for j in range(4):
+        step = np.eye(4)[j]
         up, here, down = (evidence(logs + h * step) for h in (0.5, 0.0, -0.5))
         width = 1 / np.sqrt(4 * (2 * here - up - down))
         assert abs(up - down) * width < 0.25  # a quarter of the weight's own standard deviation
         assert max(evidence(logs + 3 * step), evidence(logs - 3 * step)) < here
+
+
+@pytest.mark.parametrize(("splines", "order", "weight"), [(60, 3, 3e4), (100, 2, 3e3)])
+def test_scatter_about_a_smooth_truth(splines, order, weight) -> None:
+    """Errors from noise alone are (1 - 1/(2m))^(1/2) of the posterior's, away from the ends: the docstring of `map_smoothing`."""
+    basis = axial_basis(np.arange(8.0 * splines), splines)
+    assert basis.order == order
+    band = np.zeros((splines, 4, 1, 1))
+    band[:, :, 0, 0] = basis.penalty
+    design = basis.along(np.eye(splines))
+    counts = design.T @ design
+    posterior = np.linalg.inv(counts + weight * dense(band))
+    noise, all_of_it = (((design @ v) * design).sum(axis=1) for v in (posterior @ counts @ posterior, posterior))
+    inner = slice(3 * splines, 5 * splines)
+    assert noise[inner].mean() / all_of_it[inner].mean() == pytest.approx(1 - 0.5 / order, abs=0.01)
 
 
 # the whole
@@ -231,15 +244,22 @@ def test_no_bias_under_drift_slope_and_offset(phantom) -> None:
     assert fit.warnings == ()
     assert np.abs((fit.mean_fraction - line) / fit.mean_fraction_std).max() < 0.2
     assert np.abs((fit.fraction - line[:, None]) / fit.fraction_std).max() < 0.2
-    assert np.abs(fit.radius - RADIUS).max() < 0.01 * PIXEL
-    assert np.abs(fit.axis - AXIS).max() < 0.005 * PIXEL
+    assert np.abs(fit.radius - RADIUS)[5:-5].max() < 0.01 * PIXEL
+    assert np.abs(fit.axis - AXIS)[5:-5].max() < 0.005 * PIXEL
+    for value, true, std in ((fit.radius, RADIUS, fit.radius_std), (fit.axis, AXIS, fit.axis_std)):
+        off = (value - true) / std  # noiseless: what the smoothing takes from ends that bend
+        assert np.abs(off).max() < 1
+        assert np.sqrt((off**2).mean()) < 0.3
     assert fit.values["amplitude"] == pytest.approx(1.005 + 0.003 * np.cos(4 * HEIGHTS), abs=1e-5)
     assert xray.shell_weights(TENTHS) @ fit.fraction.T == pytest.approx(fit.mean_fraction, abs=1e-12)
 
 
 @pytest.mark.parametrize("photons", [1e5, 1e7])
 def test_errors_are_what_they_say(image, photons) -> None:
-    """25 replicates of 100 rows: the whole campaign, 1,000 of 300 rows, is in benchmarks/bench_xray_map.py."""
+    """25 replicates of 100 rows against z 0.9 to 1.15 and 93 to 97 %, to 3 standard errors that the replicates themselves show.
+
+    The whole campaign, 1,000 of 300 rows, is in benchmarks/bench_xray_map.py.
+    """
     z = {"fraction": [], "mean": [], "radius": [], "axis": [], "misfit": []}
     for i in range(25):
         fit = xray.fit_map(xray.noisy_counts(photons * image, 5, i), SOLUTION, detector(photons))
@@ -252,9 +272,11 @@ def test_errors_are_what_they_say(image, photons) -> None:
     z = {name: np.array(value) for name, value in z.items()}
     assert z.pop("misfit").mean() == pytest.approx(0, abs=0.8)
     for name, value in z.items():
-        width = np.sqrt((value**2).mean())
-        assert 0.7 < width < 1.25, (name, width)
-        assert 0.88 < (np.abs(value) < 1.96).mean() < 0.999, name
+        for one, low, high in ((value**2, 0.9**2, 1.15**2), (np.abs(value) < 1.96, 0.93, 0.97)):
+            each = one.reshape(25, -1).mean(axis=1)
+            spread = 3 * each.std(ddof=1) / 5
+            assert each.mean() + spread > low, (name, each.mean(), spread)
+            assert each.mean() - spread < high, (name, each.mean(), spread)
     assert abs(z["mean"].mean(axis=1).mean()) < 3 * z["mean"].mean(axis=1).std() / 5 + 0.05
 
 
@@ -293,7 +315,7 @@ def test_blur_is_part_of_the_model_and_can_be_fitted(phantom) -> None:
 def test_one_row_is_like_a_row(image) -> None:
     counts = xray.noisy_counts(1e7 * image[50:51], 3)
     wide = xray.fit_map(counts, SOLUTION, detector(1e7))
-    alone = xray.fit_row(counts, SOLUTION, detector(1e7))
+    alone = xray.fit_row(counts, SOLUTION, detector(1e7), shells=14)  # as many as splines
     assert wide.converged
     assert abs(wide.mean_fraction[0] - alone.mean_fraction) < alone.mean_fraction_std
     assert wide.mean_fraction_std[0] == pytest.approx(alone.mean_fraction_std, rel=0.3)

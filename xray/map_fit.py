@@ -7,8 +7,9 @@ counts tell themselves (`map_smoothing`). Fisher scoring takes all unknowns at o
     (A + S) step = g - S c,   A = sum_i (B_i B_i^T) x F_i,
 
 with F_i the Fisher matrix of row i and B_i the four splines that it touches. The covariance is that of the posterior,
-``(A + S)^-1``: taken over the map, its intervals hold what they say, noise and smoothing bias together (Nychka). Not so for
-detail that the counts cannot show: a rise that is narrow and deep in the noise is smoothed away, and its error understated.
+``(A + S)^-1``: taken over the map, its intervals hold what they say, noise and smoothing bias together (Nychka), to the
+extent that the jet is as smooth as the prior's draws (`map_smoothing`). Those of a smoother one are up to a fifth too wide;
+detail that the counts cannot show, a rise narrow and deep in the noise, is smoothed away, and its error understated.
 
 The logarithm of the counts is never taken, zero counts are data, and a fraction outside [0, 1] is not cut off.
 

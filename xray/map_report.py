@@ -132,8 +132,8 @@ def _warnings(fit: MapFit, model: MapModel, best: BestMap) -> tuple[str, ...]:
         said.append(
             f"the jet reaches the end of {_rows(ends)}: without air there, beam level and fraction are hard to tell apart"
         )
-    across = fit.term_freedom["fraction across"] + fit.term_freedom.get("fraction along", 0.0)
-    if across > 0.6 * model.radial.size * model.axial.size:
+    detail = sum(freedom for name, freedom in fit.term_freedom.items() if name.startswith("fraction"))
+    if detail > 0.6 * model.radial.size * model.axial.size:
         said.append(
             "the fraction asks for more detail than the splines have: give more radial_splines or axial_splines"
         )

@@ -29,8 +29,10 @@ _SWEEPS = 8
 _WEIGHT_TURNS = 12  # then the weights stay
 _NEAR = 1.0  # squared step, in standard deviations, per unknown: what is left is noise rather than a wrong start
 _HALVINGS = 8
-_FIRST_CHANGES = {  # what a second difference of coefficients may be, before the counts are asked
-    "fraction across": 0.01,
+_STIFFEST = 1e6  # of a first weight against the counts, for what they tell is not to be lost in rounding
+_FIRST_CHANGES = {  # what a difference of coefficients may be, before the counts are asked
+    "fraction across, core": 0.01,
+    "fraction across, rim": 0.01,
     "fraction along": 0.003,
     "radius": 0.5,
     "axis": 0.3,
@@ -129,7 +131,8 @@ class BestMap:
 def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
     """Maximise the likelihood from a start; `held` has the nuisances that are not fitted, shape (rows, 5)."""
     penalty = model.penalty
-    weights = np.array([_FIRST_CHANGES[name] ** -2.0 for name in penalty.names])
+    first = np.array([_FIRST_CHANGES[name] ** -2.0 for name in penalty.names])
+    weights = first
     c = _first(model, held, start)
     here = model.look(held, c)
     if here is None:
@@ -140,6 +143,8 @@ def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
         while turns < _TURNS:
             turns += 1
             matrix, right = assembled(model.axial, here.fisher, here.gradient)
+            if not changes:
+                weights = np.minimum(first, _STIFFEST * penalty.balance(matrix))
             sweeps = _SWEEPS if near and changes < _WEIGHT_TURNS else 0
             weights, proposed, now = penalty.improved(matrix, right, c, weights, sweeps)
             settled = now if sweeps else settled
