@@ -11,6 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+IMAGES_PIXEL, IMAGES_PHI = 0.67e-6, 0.0444256
+IMAGES = {
+    "counts": "a.npz", "flat": "a.npz", "dark": "a.npz", "gain": 1.0, "pixel_size": "0.67 um", "energy": "10 keV", "shells": 1,
+    "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Ran:
@@ -92,3 +98,51 @@ def round_jet_counts(
     seen = seen.reshape(-1, parts).mean(axis=1)[pad:-pad]
     u = np.linspace(-1, 1, n)
     return flat * (amplitude * (1 + slope * u) * seen + veil) + dark
+
+
+@pytest.fixture(scope="session")
+def round_frame():
+    """Mean counts of a jet of 30 um, from brute force: 24 rows of 120 pixels, off centre, drifted, tilted beam."""
+    return round_jet_counts(
+        lambda r: np.full_like(r, IMAGES_PHI), 30e-6, flat=np.ones(120), pixel=IMAGES_PIXEL, solvent=531.87, contrast=-137.44, air=0.6,
+        axis=3 * IMAGES_PIXEL, amplitude=1.01, slope=0.01, along=400,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def frames_of(tmp_path, round_frame):
+    """Write frames, flats and darks, and check an images file of them."""
+    from spinline.images import images_from_dict
+
+    def make(photons=4e6, count=3, flats=8, per_count=1.0, offset=20.0, rows=24, save=True, mean=None, **keys):
+        rng = np.random.default_rng(7)
+        one = round_frame if mean is None else mean
+        arrays = {
+            "counts": rng.poisson(photons * one, (count, rows, one.shape[-1])) / per_count + offset,
+            "flat": rng.poisson(photons, (flats, rows, one.shape[-1])) / per_count + offset,
+            "dark": np.full((rows, one.shape[-1]), offset),
+        }
+        if save:
+            np.savez(tmp_path / "a.npz", **arrays)
+        data = {key: value for key, value in {**IMAGES, **keys}.items() if value is not None}
+        return images_from_dict(data, folder=tmp_path), arrays
+
+    return make
+
+
+@pytest.fixture
+def quiet():
+    """Warnings of the package are not looked at."""
+    import warnings
+
+    from spinline.errors import SpinlineWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SpinlineWarning)
+        yield
+
+
+def score_of(result):
+    """Mean over blocks of the fraction's error, in its standard deviations."""
+    z = (result["mean_polymer_fraction"] - IMAGES_PHI) / result["mean_polymer_fraction_std"]
+    return float(z.mean()) * np.sqrt(z.size)

@@ -10,73 +10,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import IMAGES as FILE
+from conftest import IMAGES_PHI as PHI
+from conftest import IMAGES_PIXEL as PIXEL
+from conftest import score_of as score
 
 from spinline import results
-from spinline.errors import InputError, SpinlineWarning
+from spinline.errors import InputError
 from spinline.images import bundled_images, images_from_dict, load_images
 from spinline.preview import preview_images
 from spinline.reduce import reduce_images
 from spinline.reduction import REDUCTION_VARIABLES, UNIDENTIFIABLE, lines, to_csv
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-PIXEL, PHI = 0.67e-6, 0.0444256
-FILE = {
-    "counts": "a.npz", "flat": "a.npz", "dark": "a.npz", "gain": 1.0, "pixel_size": "0.67 um", "energy": "10 keV", "shells": 1,
-    "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
-}  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def clean(request):
-    """Mean counts of a jet of 30 um, from brute force: 24 rows of 120 pixels, off centre, drifted, tilted beam."""
-    counts = request.getfixturevalue("brute_force")
-    return counts(
-        lambda r: np.full_like(r, PHI), 30e-6, flat=np.ones(120), pixel=PIXEL, solvent=531.87, contrast=-137.44, air=0.6,
-        axis=3 * PIXEL, amplitude=1.01, slope=0.01, along=400,
-    )  # fmt: skip
-
-
-@pytest.fixture
-def scene(tmp_path, clean):
-    """Write frames, flats and darks, and check an images file of them."""
-
-    def make(photons=4e6, count=3, flats=8, per_count=1.0, offset=20.0, rows=24, save=True, mean=None, **keys):
-        rng = np.random.default_rng(7)
-        one = clean if mean is None else mean
-        arrays = {
-            "counts": rng.poisson(photons * one, (count, rows, one.shape[-1])) / per_count + offset,
-            "flat": rng.poisson(photons, (flats, rows, one.shape[-1])) / per_count + offset,
-            "dark": np.full((rows, one.shape[-1]), offset),
-        }
-        if save:
-            np.savez(tmp_path / "a.npz", **arrays)
-        data = {key: value for key, value in {**FILE, **keys}.items() if value is not None}
-        return images_from_dict(data, folder=tmp_path), arrays
-
-    return make
-
-
-@pytest.fixture
-def quiet():
-    import warnings
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SpinlineWarning)
-        yield
 
 
 pytestmark = pytest.mark.usefixtures("quiet")
 
 
-def score(result):
-    """Mean over blocks of the fraction's error, in its standard deviations."""
-    z = (result["mean_polymer_fraction"] - PHI) / result["mean_polymer_fraction_std"]
-    return float(z.mean()) * np.sqrt(z.size)
-
-
 @pytest.mark.parametrize("method", ["row", "chord"])
-def test_the_fraction_comes_out_with_its_error(scene, method) -> None:
-    images, _ = scene(method=method, photons=2e7)
+def test_the_fraction_comes_out_with_its_error(frames_of, method) -> None:
+    images, _ = frames_of(method=method, photons=2e7)
     result = reduce_images(images)
     assert abs(score(result)) < 3
     assert 0.6 < float(((result["mean_polymer_fraction"] - PHI) / result["mean_polymer_fraction_std"]).std()) < 1.4
@@ -91,8 +45,8 @@ def test_the_fraction_comes_out_with_its_error(scene, method) -> None:
     assert result.sizes == {"row": 24, "shell": 1, "other_shell": 1, "bound": 2}
 
 
-def test_names_units_and_provenance(scene, tmp_path) -> None:
-    images, _ = scene(shells=3, block_rows=8)
+def test_names_units_and_provenance(frames_of, tmp_path) -> None:
+    images, _ = frames_of(shells=3, block_rows=8)
     result = reduce_images(images)
     assert set(map(str, result.variables)) == set(REDUCTION_VARIABLES)
     for name, (unit, words) in REDUCTION_VARIABLES.items():
@@ -121,11 +75,11 @@ def test_names_units_and_provenance(scene, tmp_path) -> None:
     assert any("g/cm3" in line for line in lines(result))
 
 
-def test_every_kind_of_file_gives_the_same_numbers(scene, tmp_path) -> None:
+def test_every_kind_of_file_gives_the_same_numbers(frames_of, tmp_path) -> None:
     import h5py
     import tifffile
 
-    images, arrays = scene(block_rows=12)
+    images, arrays = frames_of(block_rows=12)
     expected = reduce_images(images)["mean_polymer_fraction"].values
     np.savez_compressed(tmp_path / "b.npz", **arrays)
     np.savez(tmp_path / "f.npz", **{k: np.asfortranarray(v) for k, v in arrays.items()})
@@ -156,23 +110,23 @@ def test_every_kind_of_file_gives_the_same_numbers(scene, tmp_path) -> None:
         assert reduce_images(other)["mean_polymer_fraction"].values == pytest.approx(expected, rel=1e-12), kind
 
 
-def test_flat_and_dark_from_parts_of_the_frame(scene, clean) -> None:
+def test_flat_and_dark_from_parts_of_the_frame(frames_of, round_frame) -> None:
     """Air beside the jet, rows beyond its end, and a row of the detector: the same fraction, as well as they allow."""
-    images, arrays = scene(photons=2e7, flat={"columns": [0, 12]}, block_rows=24)
+    images, arrays = frames_of(photons=2e7, flat={"columns": [0, 12]}, block_rows=24)
     assert abs(score(reduce_images(images))) < 3
-    air = np.ones_like(clean) * 1.01 * (1 + 0.01 * np.linspace(-1, 1, clean.size))
-    both = np.concatenate((np.tile(air, (24, 1)), np.tile(clean, (24, 1))))
-    images, _ = scene(photons=2e7, mean=both, rows=48, flat={"rows": [0, 24]}, block_rows=24)
+    air = np.ones_like(round_frame) * 1.01 * (1 + 0.01 * np.linspace(-1, 1, round_frame.size))
+    both = np.concatenate((np.tile(air, (24, 1)), np.tile(round_frame, (24, 1))))
+    images, _ = frames_of(photons=2e7, mean=both, rows=48, flat={"rows": [0, 24]}, block_rows=24)
     result = reduce_images(images)
     assert abs(result["mean_polymer_fraction"].values[1] - PHI) < 3 * result["mean_polymer_fraction_std"].values[1]
-    images, arrays = scene(photons=2e7, dark=20, block_rows=24, save=False)
+    images, arrays = frames_of(photons=2e7, dark=20, block_rows=24, save=False)
     arrays["flat"] = arrays["flat"].mean(axis=(0, 1))
     np.savez(images.folder / "a.npz", **arrays)
     assert abs(score(reduce_images(images))) < 3
 
 
-def test_gain_is_found_from_the_flats(scene) -> None:
-    images, _ = scene(photons=1e5, per_count=2.5, block_rows=24, flats=12)
+def test_gain_is_found_from_the_flats(frames_of) -> None:
+    images, _ = frames_of(photons=1e5, per_count=2.5, block_rows=24, flats=12)
     known = reduce_images(images_from_dict({**FILE, "gain": 2.5, "block_rows": 24}, folder=images.folder))
     found = reduce_images(
         images_from_dict({**{k: v for k, v in FILE.items() if k != "gain"}, "block_rows": 24}, folder=images.folder)
@@ -186,9 +140,9 @@ def test_gain_is_found_from_the_flats(scene) -> None:
     assert "gain = " in found.attrs["warnings"]
 
 
-def test_few_flats_and_read_noise_widen_the_error(scene, tmp_path) -> None:
+def test_few_flats_and_read_noise_widen_the_error(frames_of, tmp_path) -> None:
     """Scatter over 24 rows is what the error says, though one flat adds as much noise as the frames have."""
-    images, arrays = scene(photons=1e6, count=1, flats=1, save=False)
+    images, arrays = frames_of(photons=1e6, count=1, flats=1, save=False)
     rng = np.random.default_rng(3)
     noise = 300.0
     for key in ("counts", "flat"):
@@ -205,10 +159,10 @@ def test_few_flats_and_read_noise_widen_the_error(scene, tmp_path) -> None:
     assert 0.65 < float(z.std()) < 1.4
 
 
-def test_flat_after_takes_out_a_drift_of_the_flat(scene, tmp_path, clean) -> None:
+def test_flat_after_takes_out_a_drift_of_the_flat(frames_of, tmp_path, round_frame) -> None:
     """The flat changes shape while frames are taken: half way between both, the jet is what it is."""
     bump = 1 + 0.004 * np.cos(np.linspace(0, 9, 120))
-    images, arrays = scene(photons=2e7, count=4, save=False, block_rows=24, mean=clean * bump)
+    images, arrays = frames_of(photons=2e7, count=4, save=False, block_rows=24, mean=round_frame * bump)
     rng = np.random.default_rng(5)
     arrays["flat_after"] = rng.poisson(2e7 * bump**2, (8, 24, 120)) + 20
     np.savez(tmp_path / "a.npz", **arrays)
@@ -218,9 +172,9 @@ def test_flat_after_takes_out_a_drift_of_the_flat(scene, tmp_path, clean) -> Non
     assert float(wrong["misfit"].min()) > 4 > abs(float(right["misfit"].max()))
 
 
-def test_calibration_takes_out_a_wrong_coefficient(scene) -> None:
+def test_calibration_takes_out_a_wrong_coefficient(frames_of) -> None:
     """Attenuation 4.5 % off moves the fraction by 0.17; the known one in rows 0 to 12 takes that out, and its error is said."""
-    images, _ = scene(photons=2e7, coherent=False, block_rows=4)
+    images, _ = frames_of(photons=2e7, coherent=False, block_rows=4)
     off = reduce_images(images, noisy=True)
     shift = float(off["mean_polymer_fraction"].mean()) - PHI
     assert abs(shift) == pytest.approx(0.17, abs=0.02)
@@ -238,20 +192,20 @@ def test_calibration_takes_out_a_wrong_coefficient(scene) -> None:
     )
 
 
-def test_given_attenuation(scene) -> None:
+def test_given_attenuation(frames_of) -> None:
     """5.329 and 3.490 cm2/g: water and PEO at 10 keV."""
-    images, _ = scene(
+    images, _ = frames_of(
         photons=2e7, energy=None, block_rows=24, polymer_attenuation="3.4905 cm2/g", solvent_attenuation="5.3285 cm2/g"
     )
     assert abs(float(reduce_images(images)["mean_polymer_fraction"][0]) - PHI) < 0.01
 
 
-def test_pixel_size_from_the_nozzle(scene, clean) -> None:
+def test_pixel_size_from_the_nozzle(frames_of, round_frame) -> None:
     """A nozzle of 41.3 pixels, edges anywhere within a pixel: to a fiftieth of a pixel."""
     left, right = 37.3, 37.3 + 41.3
     covered = np.clip(right - np.arange(120), 0, 1) - np.clip(left - np.arange(120), 0, 1)
-    rows = np.concatenate((np.tile(1 - covered, (8, 1)), np.tile(clean, (24, 1))))
-    images, _ = scene(
+    rows = np.concatenate((np.tile(1 - covered, (8, 1)), np.tile(round_frame, (24, 1))))
+    images, _ = frames_of(
         photons=4e6,
         mean=rows,
         rows=32,
@@ -267,8 +221,8 @@ def test_pixel_size_from_the_nozzle(scene, clean) -> None:
     )
 
 
-def test_bad_pixels_are_left_out(scene, tmp_path) -> None:
-    _, arrays = scene(photons=2e7, save=False, block_rows=4)
+def test_bad_pixels_are_left_out(frames_of, tmp_path) -> None:
+    _, arrays = frames_of(photons=2e7, save=False, block_rows=4)
     arrays["counts"][:, 3, 50] = 9e7  # hot
     arrays["counts"][1, 7, 61] = np.nan
     arrays["flat"][:, 10, 40] = 0.0  # dead
@@ -285,13 +239,13 @@ def test_bad_pixels_are_left_out(scene, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("photons", [20, 5, 1])
-def test_few_photons_and_zero_counts(scene, brute_force, photons) -> None:
+def test_few_photons_and_zero_counts(frames_of, brute_force, photons) -> None:
     """2,000 rows of 20, 5 or 1 photons per pixel in one block: unbiased within 3 sd."""
     wide = brute_force(
         lambda r: np.full_like(r, PHI), 50e-6, flat=np.ones(224), pixel=PIXEL, solvent=531.87, contrast=-137.44, air=0.6,
         axis=3 * PIXEL, amplitude=1.01, slope=0.01, along=400,
     )  # fmt: skip
-    images, arrays = scene(
+    images, arrays = frames_of(
         photons=photons, count=1, rows=2000, flats=20, offset=0.0, dark=0, block_rows=2000, mean=wide, shells=3
     )
     assert (arrays["counts"] == 0).any() or photons == 20
@@ -299,9 +253,9 @@ def test_few_photons_and_zero_counts(scene, brute_force, photons) -> None:
     assert abs(score(result)) < 3
 
 
-def test_each_frame_and_resume_give_identical_arrays(scene, tmp_path) -> None:
+def test_each_frame_and_resume_give_identical_arrays(frames_of, tmp_path) -> None:
     """Killed half way, run again: the same to the last bit as in one go, and as frame by frame."""
-    _, arrays = scene(photons=4e6, count=6, block_rows=6)
+    _, arrays = frames_of(photons=4e6, count=6, block_rows=6)
     text = 'frames = "each"\ncounts = "a.npz"\nflat = "a.npz"\ndark = "a.npz"\ngain = 1\npixel_size = "0.67 um"\nenergy = "10 keV"\n'
     text += 'shells = 1\nblock_rows = 6\n[solution]\npolymer = "PEO"\nsolvent = "water"\nmass_fraction = 0.05\n'
     (tmp_path / "e.toml").write_text(text, encoding="utf-8")
@@ -341,9 +295,9 @@ def test_each_frame_and_resume_give_identical_arrays(scene, tmp_path) -> None:
         )
 
 
-def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(scene, tmp_path) -> None:
+def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_path) -> None:
     """A SIGKILL among the blocks of one frame; those that were kept are not fitted again."""
-    scene(photons=4e6, count=2)
+    frames_of(photons=4e6, count=2)
     text = 'counts = "a.npz"\nflat = "a.npz"\ndark = "a.npz"\ngain = 1\npixel_size = "0.67 um"\nenergy = "10 keV"\nshells = 1\n'
     text += 'block_rows = 2\n[solution]\npolymer = "PEO"\nsolvent = "water"\nmass_fraction = 0.05\n'
     (tmp_path / "s.toml").write_text(text, encoding="utf-8")
@@ -367,20 +321,20 @@ def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(scene, tmp_path) 
 
 
 @pytest.mark.slow
-def test_processes_give_what_one_gives(scene, monkeypatch) -> None:
+def test_processes_give_what_one_gives(frames_of, monkeypatch) -> None:
     import spinline.reduce
 
-    images, _ = scene(photons=4e6, count=4, block_rows=12)
+    images, _ = frames_of(photons=4e6, count=4, block_rows=12)
     images = images.model_copy(update={"frames": "each"})
     one = reduce_images(images)
     monkeypatch.setattr(spinline.reduce, "_WORTH_PROCESSES", 0.0)
     assert reduce_images(images, workers=2).identical(one)
 
 
-def test_a_checkpoint_of_other_data_is_not_used(scene, tmp_path) -> None:
+def test_a_checkpoint_of_other_data_is_not_used(frames_of, tmp_path) -> None:
     from spinline.checkpoint import Checkpoint
 
-    images, _ = scene(block_rows=12)
+    images, _ = frames_of(block_rows=12)
     store = Checkpoint(tmp_path / "p", "another job")
     store.save(
         "sum", total=np.zeros((24, 120)), exposures=np.ones((24, 120)), highest=np.zeros((24, 120)), frames=np.array(3)
@@ -413,15 +367,15 @@ def test_a_sum_goes_on_where_it_stopped(tmp_path) -> None:
     assert whole.total == pytest.approx(np.load(tmp_path / "c.npy").sum(axis=0), rel=1e-12)
 
 
-def test_blocks_that_smear_are_flagged_and_half_blocks_are_kept_together(scene) -> None:
-    images, _ = scene(block_rows=5)
+def test_blocks_that_smear_are_flagged_and_half_blocks_are_kept_together(frames_of) -> None:
+    images, _ = frames_of(block_rows=5)
     assert reduce_images(images)["row"].values.tolist() == [2.0, 7.0, 12.0, 17.0, 21.5]
-    images, _ = scene(block_rows=7)
+    images, _ = frames_of(block_rows=7)
     assert reduce_images(images)["row"].values.tolist() == [3.0, 10.0, 17.0]
 
 
-def test_preview_says_what_the_reduction_finds(scene) -> None:
-    images, _ = scene(photons=4e6, block_rows=4)
+def test_preview_says_what_the_reduction_finds(frames_of) -> None:
+    images, _ = frames_of(photons=4e6, block_rows=4)
     seen, result = preview_images(images), reduce_images(images)
     numbers = seen.numbers()
     assert np.nanmedian(seen.expected_std) == pytest.approx(
@@ -471,9 +425,9 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("keys", "replaced", "words"), REFUSED)
-def test_refusals_name_the_key(scene, tmp_path, keys, replaced, words) -> None:
+def test_refusals_name_the_key(frames_of, tmp_path, keys, replaced, words) -> None:
     def attempt():
-        images, arrays = scene(**keys)
+        images, arrays = frames_of(**keys)
         arrays = {k: v for k, v in {**arrays, **replaced}.items() if v is not None}
         np.savez(tmp_path / "a.npz", **arrays)
         reduce_images(images)
@@ -482,10 +436,10 @@ def test_refusals_name_the_key(scene, tmp_path, keys, replaced, words) -> None:
         attempt()
 
 
-def test_damaged_files_are_named(scene, tmp_path) -> None:
+def test_damaged_files_are_named(frames_of, tmp_path) -> None:
     import tifffile
 
-    images, arrays = scene()
+    images, arrays = frames_of()
     tifffile.imwrite(tmp_path / "whole.tif", arrays["counts"].astype(np.uint16), photometric="minisblack")
     whole = (tmp_path / "whole.tif").read_bytes()
     (tmp_path / "cut.tif").write_bytes(whole[: len(whole) // 2])
@@ -499,8 +453,8 @@ def test_damaged_files_are_named(scene, tmp_path) -> None:
             reduce_images(images.model_copy(update={"counts": name}))
 
 
-def test_counts_and_flat_that_changed_places(scene, tmp_path) -> None:
-    images, arrays = scene(photons=2e7)
+def test_counts_and_flat_that_changed_places(frames_of, tmp_path) -> None:
+    images, arrays = frames_of(photons=2e7)
     np.savez(tmp_path / "a.npz", counts=arrays["flat"], flat=arrays["counts"], dark=arrays["dark"])
     with pytest.raises(InputError, match="flat: seems to have changed places with counts"):
         reduce_images(images)
@@ -509,15 +463,15 @@ def test_counts_and_flat_that_changed_places(scene, tmp_path) -> None:
         reduce_images(images_from_dict({**FILE, "counts": "c.npy", "flat": "c.npy"}, folder=tmp_path))
 
 
-def test_noise_over_the_signal_is_refused_with_a_remedy(scene) -> None:
-    images, _ = scene(photons=3e4)
+def test_noise_over_the_signal_is_refused_with_a_remedy(frames_of) -> None:
+    images, _ = frames_of(photons=3e4)
     with pytest.raises(InputError, match=r"block_rows = 1: the error expected, .* exceeds.*photons.*--noisy"):
         reduce_images(images)
     assert np.isfinite(reduce_images(images, noisy=True)["mean_polymer_fraction"]).any()
 
 
-def test_a_jet_along_the_rows_is_told(scene, tmp_path, clean) -> None:
-    images, arrays = scene(rows=120, save=False)
+def test_a_jet_along_the_rows_is_told(frames_of, tmp_path, round_frame) -> None:
+    images, arrays = frames_of(rows=120, save=False)
     np.savez(tmp_path / "a.npz", **{k: np.swapaxes(v, -1, -2) for k, v in arrays.items()})
     with pytest.raises(InputError, match=r"transpose: seems wrong.*transpose = true"):
         reduce_images(images)
@@ -526,16 +480,16 @@ def test_a_jet_along_the_rows_is_told(scene, tmp_path, clean) -> None:
     )
 
 
-def test_clipped_counts_are_refused_though_no_limit_was_given(scene, tmp_path) -> None:
-    images, arrays = scene(photons=60000, count=2, save=False)
+def test_clipped_counts_are_refused_though_no_limit_was_given(frames_of, tmp_path) -> None:
+    images, arrays = frames_of(photons=60000, count=2, save=False)
     arrays["counts"] = np.minimum(arrays["counts"] * 1.08, 65535).astype(np.uint16)
     np.savez(tmp_path / "a.npz", **arrays)
     with pytest.raises(InputError, match=r"counts = 65535.*saturated"):
         reduce_images(images)
 
 
-def test_no_jet_in_view(scene, clean) -> None:
-    images, _ = scene(mean=np.ones_like(clean))
+def test_no_jet_in_view(frames_of, round_frame) -> None:
+    images, _ = frames_of(mean=np.ones_like(round_frame))
     with pytest.raises(InputError, match="show no jet"):
         reduce_images(images)
 
@@ -584,40 +538,6 @@ def test_the_map_of_the_bundled_images() -> None:
     assert result.attrs["method"] == "map"
 
 
-def test_fringes_are_refused_as_absorption_and_reduced_as_fringes(spinline, tmp_path) -> None:
-    """Frames 5 cm behind the jet, as `simulate-image` makes them."""
-    where = ("--from", "0.05 mm", "--to", "0.06 mm", "--distance", "5 cm", "--blur", "0.8 um")
-    made = spinline("simulate-image", "peo5-water", *where, "--photons", "1e6", "--frames", "2", "-o", "f.npz")
-    assert made.code == 0
-    refused = spinline("reduce", "f.toml", "--method", "row", "--set", "shells=1", "-o", "r.nc")
-    assert "fringes" in refused.err
-    ran = spinline("reduce", "f.toml", "--set", "shells=1", "--set", "block_rows=5", "-o", "p.nc", "--no-figure")
-    assert ran.code == 0
-    result = results.open_result(tmp_path / "p.nc")
-    assert result.attrs["method"] == "phase"
-    z = (result["mean_polymer_fraction"] - PHI) / result["mean_polymer_fraction_std"]
-    assert abs(float(z.mean())) < 2.5
-
-
-def test_a_harmonic_that_is_known_is_taken_out(scene, brute_force) -> None:
-    """5 % of the signal at 30 keV: left out, a fraction 0.18 too large; with the spectrum, none."""
-    from spinline.xray import solution_absorber
-
-    third = solution_absorber("PEO", "water", 30.0)
-    soft = {"flat": np.ones(120), "pixel": PIXEL, "axis": 3 * PIXEL, "amplitude": 1.01, "slope": 0.01, "along": 400}
-    one, three = (
-        brute_force(lambda r: np.full_like(r, PHI), 30e-6, solvent=a, contrast=d, air=air, **soft)
-        for a, d, air in ((531.87, -137.44, 0.6), (third.solvent, third.contrast, third.air))
-    )
-    images, _ = scene(photons=2e7, mean=0.95 * one + 0.05 * three, block_rows=24)
-    left_out = reduce_images(images)
-    lines_of = {key: value for key, value in FILE.items() if key != "energy"}
-    lines_of |= {"spectrum": {"10 keV": 0.95, "30 keV": 0.05}, "block_rows": 24}
-    known = reduce_images(images_from_dict(lines_of, folder=images.folder))
-    assert float(left_out["mean_polymer_fraction"][0]) - PHI == pytest.approx(0.18, abs=0.03)
-    assert abs(score(known)) < 3
-
-
 def test_exposure(spinline) -> None:
     """Photons for 0.01 of a jet that is known: the table of the limits, 7.4e4, 5.6e5, 4.4e6, 6.8e7."""
     plans = spinline("exposure", "peo5-water", "--energy", "10 keV", "--json").json
@@ -643,95 +563,3 @@ def test_exposure(spinline) -> None:
         ran = spinline("exposure", "peo5-water", *bad)
         assert (ran.code, ran.out) == (2, "")
         assert ran.err.startswith("error: ")
-
-
-@pytest.fixture(scope="module")
-def fringed():
-    """Mean counts of rows 1 and 10 cm behind a jet of 30 um, with the air's edge fringes."""
-    from spinline import xray
-
-    medium = xray.solution_medium("PEO", "water", 10.0)
-    jet = xray.RoundJet(np.array([PHI]), 30e-6, 3 * PIXEL)
-    detector = xray.Detector(np.ones(120), PIXEL, blur=1.2e-6)
-    return {z: xray.fresnel_counts(jet, medium, detector, z) for z in (0.01, 0.1)}
-
-
-def outcome(images):
-    """The result and what was warned of, or the refusal."""
-    import warnings
-
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always", SpinlineWarning)
-        try:
-            return reduce_images(images, noisy=True), [str(w.message) for w in said]
-        except InputError as error:
-            return error, []
-
-
-def is_flagged(result):
-    names, masks = result["flags"].attrs["flag_meanings"].split(), result["flags"].attrs["flag_masks"]
-    bit = masks[names.index("fringes")]
-    return bool(((result["flags"].values & bit) > 0).all())
-
-
-@pytest.mark.parametrize("distance", [0.01, 0.1])
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"method": "chord"},
-        {"method": "row", "blur": "1.2 um", "propagation_distance": "5 cm"},
-        {"method": "map", "blur": "1.2 um"},
-        {"method": "row", "energy": None, "spectrum": {"10 keV": 0.99, "30 keV": 0.01}},
-        {"method": "row", "energy": None, "polymer_attenuation": "3.49 cm2/g", "solvent_attenuation": "5.33 cm2/g"},
-        {"method": "chord", "frames": "each"},
-    ],
-)
-def test_fringes_are_refused_or_flagged_as_data(scene, fringed, keys, distance) -> None:
-    images, _ = scene(photons=2e4, mean=fringed[distance], rows=6, **keys)
-    result, said = outcome(images)
-    if isinstance(result, InputError):
-        assert result.field == "method"
-        assert "fringes" in result.problem
-        return
-    assert any("fringes" in words for words in said)
-    assert is_flagged(result)
-    assert (result["fringe_significance"].values > 5).all()
-    assert result.attrs["fringes"].startswith("meets Fresnel fringes")
-    assert "fringes" in result.attrs["warnings"]
-
-
-def test_no_fringes_are_said_so(scene) -> None:
-    result = reduce_images(scene(photons=4e6)[0])
-    assert not is_flagged(result)
-    assert float(result["fringe_significance"]) < 5
-    assert result.attrs["fringes"].startswith("none seen")
-
-
-def test_what_cannot_be_tested_is_said(scene) -> None:
-    given = {"energy": None, "polymer_attenuation": "3.49 cm2/g", "solvent_attenuation": "5.33 cm2/g"}
-    solution = {
-        "polymer": {"name": "mine", "density": "1.13 g/cm3"}, "solvent": "water", "mass_fraction": 0.05,
-    }  # fmt: skip
-    images, _ = scene(photons=4e6, solution=solution, **given)
-    result = reduce_images(images)
-    assert np.isnan(float(result["fringe_significance"]))
-    assert "not looked for" in result.attrs["fringes"]
-    assert "not looked for" in result.attrs["warnings"]
-
-
-def test_a_spectrum_with_fringes_is_reduced(scene) -> None:
-    """10 keV with 5 % of the signal at 30 keV, 10 cm: waves summed by their shares; the harmonic left out shows as misfit."""
-    from spinline import xray
-
-    beam = xray.Spectrum(np.array([10.0, 30.0]), np.array([0.95, 0.05]))
-    medium = xray.solution_medium("PEO", "water", beam)
-    jet = xray.RoundJet(np.array([PHI]), 30e-6, 3 * PIXEL)
-    mean = xray.fresnel_counts(jet, medium, xray.Detector(np.ones(120), PIXEL, blur=0.8e-6), 0.1)
-    keys = {"method": "phase", "blur": "0.8 um", "propagation_distance": "10 cm", "block_rows": 6}
-    images, _ = scene(photons=2e6, mean=mean, rows=12, energy=None, spectrum={"10 keV": 0.95, "30 keV": 0.05}, **keys)
-    result = reduce_images(images)
-    assert abs(score(result)) < 3
-    assert float(result["misfit"].max()) < 4
-    assert result.attrs["fringes"] == "fitted"
-    one, _ = scene(photons=2e6, mean=mean, rows=12, **keys)
-    assert float(reduce_images(one)["misfit"].min()) > 4

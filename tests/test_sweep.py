@@ -1,6 +1,5 @@
-"""Sweeps: designs, closed forms against single runs, bad rows, the store after a kill, processes, clusters, bad files."""
+"""Sweeps: designs, closed forms against single runs, bad rows, the store after a kill, processes, clusters."""
 
-import json
 import os
 import signal
 import subprocess
@@ -18,7 +17,7 @@ import spinline as sl
 from spinline.errors import InputError
 from spinline.plan import plan_scene
 from spinline.scene import scene_from_dict
-from spinline.sweep import as_grid, load_sweep, open_sweep, run_sweep, sweep_from_dict
+from spinline.sweep import as_grid, open_sweep, run_sweep, sweep_from_dict
 from spinline.sweep_affine import closed_forms
 from spinline.sweep_design import Axis, Design
 from spinline.sweep_keys import placed
@@ -235,49 +234,6 @@ def test_closed_forms_are_taken_only_where_the_plan_takes_them_over_the_whole_bo
         scene = task.scene({key: float(values[i]) for key, values in columns.items()})
         solution = sl.solve.build_solution(scene)
         assert plan_scene(scene, solution, sl.solve.build_jet(scene, solution)).model == "affine", i
-
-
-def test_rows_hold_the_structure_and_what_the_inputs_leave_of_it():
-    data = spec(samples=24, set={"network.model": "affine", "jet.radius": "125 +/- 3 um",
-                                 "solution.temperature": "293 +/- 2 K"})  # fmt: skip
-    sweep = sweep_from_dict(data)
-    fast, slow = run_sweep(sweep), run_sweep(sweep, vectorise=False, workers=1)
-    assert fast.attrs["computed_by"].startswith("closed forms")
-    assert set(fast.attrs["uncertain_inputs"].split(", ")) == {"jet.radius", "solution.temperature"}
-    for name in SCALARS:
-        room = 1e-9 * np.abs(slow[name])
-        for suffix in ("", "_std"):
-            gap = np.abs(fast[name + suffix] - slow[name + suffix])
-            assert (np.isnan(gap) | (gap <= room)).all(), name + suffix
-            np.testing.assert_array_equal(np.isnan(fast[name + suffix]), np.isnan(slow[name + suffix]))
-    assert (fast["uncertainty"] == 0).all()
-    base = load_base("peo5-water")
-    base["network"], base["jet"]["radius"] = {"model": "affine"}, "125 +/- 3 um"
-    base["solution"]["temperature"] = "293 +/- 2 K"
-    i = int(np.flatnonzero(fast["status"] == 0)[0])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sl.SpinlineWarning)
-        run = sl.run(scene_from_dict(placed(base, values_of(fast, i)) | {"accuracy": {"draws": 0}}))
-    for name in ("crossover_position", "crossover_axial_stretch", "end_network_radius", "fibre_radius"):
-        np.testing.assert_allclose(fast[name][i], run[name], rtol=1e-12)
-        np.testing.assert_allclose(fast[f"{name}_std"][i], run[f"{name}_std"], rtol=1e-7, atol=1e-12 * float(run[name]))
-
-
-def test_what_is_not_followed_has_a_flag_and_vitrification_is_a_column():
-    walk = {"network.model": "walk", "accuracy.strands": 10, "accuracy.points": 5, "jet.radius": "125 +/- 3 um"}
-    result = run_sweep(sweep_from_dict({"scene": "peo5-water", "set": walk, "vary": {"jet.k": [0.9, 1.1]}}), workers=1)
-    assert (result["uncertainty"] == 2).all()
-    assert np.isnan(result["fibre_radius_std"]).all()
-    dry = {"scene": "pmma10-drying", "set": {"jet.radius": "50 +/- 1 um"}, "vary": {"jet.k": [0.5]}}
-    result = run_sweep(sweep_from_dict(dry), workers=1)
-    assert result["frozen_orientation"].notnull().all()
-    assert (result["frozen_position_std"] > 0).all()
-    assert "uncertainty" not in run_sweep(sweep_from_dict(spec(samples=4)))
-
-
-def test_an_uncertainty_of_what_varies_is_refused():
-    with pytest.raises(InputError, match="carries an uncertainty"):
-        sweep_from_dict({"scene": "peo5-water", "vary": {"jet.radius": ["100 +/- 3 um", "120 um"]}})
 
 
 def test_words_divide_a_sweep_into_groups_of_closed_forms():
@@ -568,99 +524,3 @@ def test_the_bundled_sweep_runs(spinline):
         ran = spinline("sweep", name, "--json")
         assert ran.code == 0, ran.err
         assert ran.json["ok"] == ran.json["scenes"]
-
-
-BAD = {
-    "scene": ("scene = 3", "scene = 3: is neither a name nor a scene"),
-    "missing scene": ("[vary]\njet.k = [1]", "scene: is missing"),
-    "unknown scene": ('scene = "peo5-watr"', "did you mean 'peo5-water'"),
-    "nothing varies": ('scene = "peo5-water"', "vary: is missing or empty"),
-    "top": ('scene = "peo5-water"\nprofile = []', "did you mean 'profiles'"),
-    "key": ('scene = "peo5-water"\n[vary]\nk = [1]', 'did you mean "jet.k"'),
-    "one": ('scene = "peo5-water"\n[vary]\njet.k = 1', "nothing varies"),
-    "form": ('scene = "peo5-water"\n[vary]\njet.k = { linspce = [1, 2, 3] }', "needs one way to vary"),
-    "two forms": ('scene = "peo5-water"\n[vary]\njet.k = { values = [1], linspace = [1, 2, 3] }', "needs one way to vary"),
-    "unit": ('scene = "peo5-water"\n[vary]\njet.radius = [100]', "vary.jet.radius.values = 100: needs a unit"),
-    "range": ('scene = "peo5-water"\n[vary]\njet.beta = [0.1]', "vary.jet.beta.values = 0.1: is out of range"),
-    "word": ('scene = "peo5-water"\n[vary]\nmodel = ["afine"]', '= \'afine\': is not known; allowed: "auto", "affine"'),
-    "words spaced": ('scene = "peo5-water"\n[vary]\nmodel = { linspace = [1, 2, 3] }', "holds words"),
-    "steps": ('scene = "peo5-water"\n[vary]\njet.k = { linspace = [1, 2] }', "[from, to, number]"),
-    "step count": ('scene = "peo5-water"\n[vary]\njet.k = { linspace = [1, 2, 2.5] }', "whole number of steps"),
-    "log": ('scene = "peo5-water"\n[vary]\nambient.air_velocity = { logspace = ["-1 m/s", "1 m/s", 3] }', "take linspace"),
-    "swapped": (
-        'scene = "peo5-water"\n[design]\nkind = "sobol"\nsamples = 4\n[vary]\njet.k = { uniform = [2, 1] }', "swap the ends",
-    ),
-    "kind": ('scene = "peo5-water"\n[design]\nkind = "lhs"\n[vary]\njet.k = [1]', "design.kind = 'lhs'"),
-    "samples": ('scene = "peo5-water"\n[design]\nkind = "sobol"\n[vary]\njet.k = [1]', "design.samples: is missing"),
-    "design key": ('scene = "peo5-water"\n[design]\nsample = 3\n[vary]\njet.k = [1]', "did you mean 'samples'"),
-    "range in grid": ('scene = "peo5-water"\n[vary]\njet.k = { uniform = [1, 2] }', "a grid needs steps"),
-    "both": ('scene = "peo5-water"\n[vary]\njet.k = [1]\njet.electric_field = ["1 kV/m"]', "one sets the other"),
-    "too many": (
-        'scene = "peo5-water"\n[vary]\njet.k = { linspace = [1, 2, 1000000] }\njet.beta = { linspace = [0.3, 0.5, 1000000] }',
-        "makes 1e+12 scenes",
-    ),
-    "set": ('scene = "peo5-water"\nset = { jet.length = 3 }\n[vary]\njet.k = [1]', "set.jet.length = 3: needs a unit"),
-    "no table": ('scene = "peo5-water"\n[design]\nkind = "table"\npath = "x.csv"', "cannot be read"),
-    "profile": ('scene = "peo5-water"\nprofiles = ["radus"]\n[vary]\njet.k = [1]', "did you mean 'radius'"),
-    "points": ('scene = "peo5-water"\npoints = 1\n[vary]\njet.k = [1]', "points = 1: is not a whole number in range"),
-    "bead profile": ('scene = "pvp-jetspin"\nprofiles = ["radius"]\n[vary]\nsolution.mass_fraction = [0.02]', "straight jet"),
-    "wrong base": (
-        '[scene.solution]\npolymer = "PEOX"\nsolvent = "water"\nmass_fraction = 0.1\n[scene.jet]\nprofile = "power-law"\n'
-        'radius = "1 um"\nflow_rate = "1 mL/h"\nlength = "1 mm"\nbeta = 0.5\n[vary]\njet.k = [1]',
-        "error: scene.solution.polymer = 'PEOX': is not built in",
-    ),
-    "no such key there": ('scene = "pvp-jetspin"\n[vary]\njet.k = [1]', "error: jet.k = "),
-    "one parameter": (
-        'scene = "peo5-water"\n[design]\nkind = "sensitivity"\nsamples = 4\n[vary]\njet.k = { uniform = [1, 2] }', "one key",
-    ),
-    "power of two": (
-        'scene = "peo5-water"\n[design]\nkind = "sensitivity"\nsamples = 5\n[vary]\njet.k = { uniform = [1, 2] }\n'
-        "jet.beta = { uniform = [0.3, 0.5] }", "take 8",
-    ),
-    "not TOML": ("scene = ", "is not a TOML file"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("what", BAD)
-def test_a_mistake_in_the_file_is_one_message(what, spinline, tmp_path):
-    text, words = BAD[what]
-    (tmp_path / "s.toml").write_text(text)
-    ran = spinline("sweep", "s.toml")
-    assert ran.code == 2
-    assert words in ran.err
-    assert ran.err.startswith("error: ")
-    assert ran.err.count("\n") == 1
-    assert ";" in ran.err  # what is allowed, or what to do
-    assert not (tmp_path / "s.zarr").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", "holds no rows"),
-        ("jet.k\n", "holds no rows"),
-        ("jet.q\n1\n", 'did you mean "jet.'),
-        ("jet.k,jet.k\n1,2\n", "is there twice"),
-        ("jet.k\nx\n", "row 1, jet.k"),
-        ("jet.radius\n100\n", "needs a unit"),
-        ("jet.radius [kg]\n100\n", "is not a length"),
-        ("jet.k [um]\n100\n", "has a unit"),
-        ("jet.k,jet.beta\n1\n", "row 1, jet.beta: is empty"),
-        ("model\nafine\n", "is not known"),
-    ],
-)
-def test_a_mistake_in_a_table_is_one_message(text, words, tmp_path):
-    (tmp_path / "t.csv").write_text(text)
-    with pytest.raises(InputError, match=None) as error:
-        sweep_from_dict({"scene": "peo5-water", "design": {"kind": "table", "path": "t.csv"}}, folder=tmp_path)
-    assert words in str(error.value)
-
-
-def test_a_sweep_file_is_found_by_name_or_said_to_be_missing():
-    with pytest.raises(InputError, match="cannot be read as a sweep"):
-        load_sweep("nowhere.toml")
-
-
-def test_json_of_the_base_scene_is_in_the_result():
-    result = run_sweep(sweep_from_dict(spec(samples=2)))
-    assert json.loads(result.attrs["base_scene"])["jet"]["beta"] == 0.47
