@@ -223,7 +223,7 @@ def fit_frame(
 
     Notes
     -----
-    1 to 2 ms a block of 400 pixels.
+    As `fit_row`, a block.
     """
     if one is fit_row:
         require_contrast(absorber)

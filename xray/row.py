@@ -81,8 +81,7 @@ def fit_row(
 
     Notes
     -----
-    1 ms for 400 pixels and 3 shells at 1e5 photons or more, 2 to 4 ms where the
-    error of the mean is over 0.04 and the radius is fitted: other starts are tried.
+    1 ms for 400 pixels and 3 shells at 1e5 photons or more; 2 to 9 ms at 1e4 and fewer, where other starts are tried.
     Flat and dark are taken as exact: average enough of them.
     """
     require_contrast(absorber)

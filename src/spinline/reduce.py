@@ -8,7 +8,7 @@ four methods:
 method      what it does                                               price
 ==========  =========================================================  ==============
 `chord`     Eqs. (41)-(42), every chord on its own: the quick look     0.1 ms a row
-`row`       Poisson likelihood of shells, radius, axis, beam, blur     0.5 to 2 ms a row
+`row`       Poisson likelihood of shells, radius, axis, beam, blur     0.7 to 2 ms a row
 `map`       penalised likelihood of all rows, smooth in (r, z)         1 ms a row
 `phase`     as `row`, of the wave with its fringes                     60 ms a block
 ==========  =========================================================  ==============
