@@ -116,6 +116,17 @@ def test_few_counts_are_not_biased(image, photons) -> None:
     assert abs(each.mean() - MEAN) < 2 * each.std() / np.sqrt(2000)
 
 
+def test_a_shell_of_air_is_no_part_of_the_jet(image) -> None:
+    """Ten shells at 1e5 photons: the likelihood is as large for a jet a ninth wider whose rim is as clear as air."""
+    mean, flat = image(50e-6, 1e5)
+    found, std, fits = replicates(mean, xray.Detector(flat, PIXEL), 40, seed=3, shells=10)
+    assert max(f.jet.fraction[-1] for f in fits) < 2.0  # air is 3.9
+    assert max(f.jet.radius for f in fits) < 52e-6
+    z = (found - MEAN) / std
+    assert abs(z.mean()) < 3 / np.sqrt(40)
+    assert 0.7 < np.sqrt((z**2).mean()) < 1.35  # 40 scores: 1 within 0.11
+
+
 def test_a_block_is_its_sum_and_bad_pixels_are_left_out(image) -> None:
     mean, flat = image(50e-6, 1e5)
     rows = np.array([xray.noisy_counts(mean, 2, i) for i in range(8)])

@@ -172,11 +172,13 @@ def turned_covariance(covariance: FloatArray, means: FloatArray) -> FloatArray:
 def _flags(fit: RowFit, model: RowModel, residual: FloatArray) -> list[str]:
     """What is odd about a fit."""
     half = 0.5 * model.pixel * model.flat.size
+    rim, room = float(fit.jet.fraction[-1]), 1.0 + 5.0 * float(fit.fraction_std[-1])
     odd = {
         "not_converged": not fit.converged,
         "noisy": fit.mean_fraction_std > abs(fit.mean_fraction),
         "not_gaussian": fit.mean_fraction_std > 0.2 and fit.std["radius"] > 0,
-        "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std,
+        "impossible": not -3 * fit.mean_fraction_std <= fit.mean_fraction <= 1 + 3 * fit.mean_fraction_std
+        or not -room <= rim <= 1.0 + room,
         "misfit": fit.misfit > 4,
         "outlier": bool(np.abs(residual).max() > _FAR),
         "narrow_shells": fit.jet.radius < 2 * fit.jet.fraction.size * model.pixel,

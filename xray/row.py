@@ -5,7 +5,8 @@ asked for) are those of the largest likelihood, all at once. The logarithm of th
 and least squares of logarithms is biased by -0.5 in the fraction at 100 photons per pixel. Steps are Fisher scoring, damped
 after Levenberg; the covariance is the inverse Fisher matrix at the end, which the scatter of replicates bears out.
 
-A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiased only if none is.
+A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiased only if none is. But an outermost shell that is
+nearly as transparent as air is no part of the jet: such a maximum is a jet of fewer shells, and that within it is taken instead.
 """
 
 from collections.abc import Sequence
@@ -99,13 +100,20 @@ def fit_row(
     start = _start(model, data, lit, nuisances, radius, axis, amplitude, slope, detector)
     best = largest_likelihood(model, start, free, data, lit)
     fit = row_outcome(model, best, free, data, lit)
+    if "radius" in nuisances and _hollow(fit, absorber):
+        inner = start.copy()
+        inner[model.shells] = fit.jet.radius * edges[-2]
+        trial = largest_likelihood(model, inner, free, data, lit)
+        within = row_outcome(model, trial, free, data, lit)
+        if not _hollow(within, absorber):
+            best, fit = trial, within
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
         first = best
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
             trial = largest_likelihood(model, other, free, data, lit, known=best)
-            if trial[3] < best[3] - 1e-3:
+            if trial[3] < best[3] - 1e-3 and not _hollow(row_outcome(model, trial, free, data, lit), absorber):
                 best = trial
         if best is not first:
             fit = row_outcome(model, best, free, data, lit)
@@ -118,6 +126,13 @@ def fit_row(
         if sharp.converged and sharp.deviance < fit.deviance + 1.0:
             return sharp  # the likelihood is largest at no blur at all, where its slope does not vanish
     return fit
+
+
+def _hollow(fit: RowFit, absorber: Absorber) -> bool:
+    """Whether the outermost of several shells absorbs less than half of what any mixture would."""
+    least = absorber.solvent - absorber.air + min(absorber.contrast, 0.0)
+    outermost = absorber.solvent - absorber.air + absorber.contrast * float(fit.jet.fraction[-1])
+    return fit.jet.fraction.size > 1 and least > 0.0 and outermost < 0.5 * least
 
 
 def _start(
