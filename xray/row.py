@@ -5,8 +5,8 @@ asked for) are those of the largest likelihood, all at once. The logarithm of th
 and least squares of logarithms is biased by -0.5 in the fraction at 100 photons per pixel. Steps are Fisher scoring, damped
 after Levenberg; the covariance is the inverse Fisher matrix at the end, which the scatter of replicates bears out.
 
-A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiased only if none is. But an outermost shell that is
-nearly as transparent as air is no part of the jet: such a maximum is a jet of fewer shells, and that within it is taken instead.
+A fraction outside [0, 1] is not cut off: the mean of many noisy rows is unbiased only if none is. But an outermost shell that
+is nearly as transparent as air is no part of the jet: such a maximum is a jet of fewer shells, and that within it is taken.
 """
 
 from collections.abc import Sequence
