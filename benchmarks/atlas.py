@@ -2,6 +2,7 @@
 
     python benchmarks/atlas.py --scenes 100000 --seed 1 --wall -o benchmarks/atlas.json
     python benchmarks/atlas.py --check benchmarks/atlas.json --scenes 1000
+    python benchmarks/atlas.py --again benchmarks/atlas.json
     python benchmarks/atlas_figure.py benchmarks/atlas.json docs/images/atlas.png
 
 A scene follows from (seed, index) alone (`atlas_scenes`). Each may take ten seconds; a hang, a crash, a NaN that no flag
@@ -304,6 +305,25 @@ def check(summary, scenes, workers=1):
     return failed, changed
 
 
+def judged_again(summary):
+    """A summary whose failures are judged again; what they were is kept under ``mended``, the maps are left as they were."""
+    letters, outcomes = list(summary["letters"]), Counter(summary["outcomes"])
+    still, mended = [], list(summary.get("mended", []))
+    warm()
+    for item in summary["failures"]:
+        one = judge(summary["seed"], item["index"])
+        if one["kind"] not in ("result", "refused"):
+            still.append(item)
+            continue
+        letters[item["index"] - summary["first"]] = one["letter"]
+        outcomes[f"{item['asked']} / {item['kind']}"] -= 1
+        taken = f"auto: {one['taken']}" if item["asked"] == "auto" and one["kind"] == "result" else item["asked"]
+        outcomes[f"{taken} / {one['kind']}"] += 1
+        mended.append(item | {"now": one["kind"]})
+    new = {"failed": len(still), "failures": still, "mended": mended, "letters": "".join(letters)}
+    return summary | new | {"outcomes": {name: count for name, count in sorted(outcomes.items()) if count}}
+
+
 def main():
     """Run the campaign."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -314,7 +334,13 @@ def main():
     parser.add_argument("--wall", action="store_true", help="limit by the wall clock, not by processor time")
     parser.add_argument("-o", "--out", type=Path)
     parser.add_argument("--check", type=Path, help="judge the first scenes of this summary again, and compare")
+    parser.add_argument("--again", type=Path, help="judge the failures of this summary again, after mending; in place")
     asked = parser.parse_args()
+    if asked.again:
+        summary = judged_again(json.loads(asked.again.read_text(encoding="utf-8")))
+        asked.again.write_text(json.dumps(summary) + "\n", encoding="utf-8")
+        print(json.dumps({"mended": summary["mended"], "failures": summary["failures"]}, indent=1))
+        raise SystemExit(bool(summary["failures"]))
     if asked.check:
         failed, changed = check(json.loads(asked.check.read_text(encoding="utf-8")), asked.scenes, asked.workers)
         print(json.dumps({"failed": failed, "changed": changed}, indent=1))
