@@ -11,7 +11,7 @@ import spinline as sl
 from spinline.errors import InputError, SpinlineWarning
 from spinline.jetprofile import PowerLaw
 from spinline.results import VARIABLES, scalars
-from spinline.scene import bundled_scenes, load_scene
+from spinline.scene import bundled_scenes, load_scene, scene_from_dict
 
 
 def quiet(name: str, *overrides: str) -> xr.Dataset:
@@ -359,3 +359,22 @@ def test_chain_rung_settles_on_the_manifold() -> None:
     ]
     assert locked[1].attrs["locked_from"] == pytest.approx(locked[0].attrs["locked_from"], rel=0.05)
     assert (locked[1]["relative_extension"] <= 1).all()
+
+
+def test_a_passage_within_a_panel_of_many_decades_is_found():
+    """A jet of 10^7 radii: the panel that holds the passage is so long that halving it takes over a hundred steps."""
+    scene = scene_from_dict(
+        {
+            "solution": {"polymer": "PVP", "solvent": "ethanol", "volume_fraction": 0.027910989502476998,
+                         "viscosity": "6180 Pa s", "kuhn_length": "4.680691543502936e-09 m"},
+            "jet": {"profile": "power-law", "radius": "5.810148615721182e-06 m", "flow_rate": "2.5016367337692542e-12 m^3/s",
+                    "length": "58.101486157211816 m", "k": 0.10965966275812168, "beta": 0.5},
+            "network": {"model": "manifold", "solvent_quality": "good", "coupling": 4692445.023461631, "closure": "force",
+                        "inertia": 2.9542261079115328e-15, "force_law": "linear"},
+            "accuracy": {"rtol": 0.0175657782237877, "points": 2},
+        }
+    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SpinlineWarning)
+        result = sl.run(scene)
+    assert 0 < float(result["crossover_position"]) <= float(result["crossover_extension_position"]) < 58.1
