@@ -100,20 +100,19 @@ def fit_row(
     start = _start(model, data, lit, nuisances, radius, axis, amplitude, slope, detector)
     best = largest_likelihood(model, start, free, data, lit)
     fit = row_outcome(model, best, free, data, lit)
-    if "radius" in nuisances and _hollow(fit, absorber):
+    if "radius" in nuisances and _hollow(fit.jet.fraction, absorber):
         inner = start.copy()
         inner[model.shells] = fit.jet.radius * edges[-2]
         trial = largest_likelihood(model, inner, free, data, lit)
-        within = row_outcome(model, trial, free, data, lit)
-        if not _hollow(within, absorber):
-            best, fit = trial, within
+        if trial[1] and not _hollow(trial[0][: model.shells], absorber):
+            best, fit = trial, row_outcome(model, trial, free, data, lit)
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
         first = best
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
             trial = largest_likelihood(model, other, free, data, lit, known=best)
-            if trial[3] < best[3] - 1e-3 and not _hollow(row_outcome(model, trial, free, data, lit), absorber):
+            if trial[3] < best[3] - 1e-3 and not _hollow(trial[0][: model.shells], absorber):
                 best = trial
         if best is not first:
             fit = row_outcome(model, best, free, data, lit)
@@ -128,11 +127,11 @@ def fit_row(
     return fit
 
 
-def _hollow(fit: RowFit, absorber: Absorber) -> bool:
+def _hollow(fraction: FloatArray, absorber: Absorber) -> bool:
     """Whether the outermost of several shells absorbs less than half of what any mixture would."""
     least = absorber.solvent - absorber.air + min(absorber.contrast, 0.0)
-    outermost = absorber.solvent - absorber.air + absorber.contrast * float(fit.jet.fraction[-1])
-    return fit.jet.fraction.size > 1 and least > 0.0 and outermost < 0.5 * least
+    outermost = absorber.solvent - absorber.air + absorber.contrast * float(fraction[-1])
+    return fraction.size > 1 and least > 0.0 and outermost < 0.5 * least
 
 
 def _start(
