@@ -104,7 +104,9 @@ class Manifold:
             k = int(above[0])
             if k == 0:
                 return float(s[0])
-            crossing = brentq(lambda x: float(self.stretch(x)) - stretch, s[k - 1], s[k], xtol=1e-14, rtol=1e-14, maxiter=1000)
+            crossing = brentq(
+                lambda x: float(self.stretch(x)) - stretch, s[k - 1], s[k], xtol=1e-14, rtol=1e-14, maxiter=1000
+            )
             return float(crossing)  # a panel may span decades: bisection alone takes some 100 steps there
         return float("nan")
 

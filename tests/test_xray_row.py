@@ -116,6 +116,11 @@ def test_few_counts_are_not_biased(image, photons) -> None:
     assert abs(each.mean() - MEAN) < 2 * each.std() / np.sqrt(2000)
 
 
+def test_more_photons_than_can_be_counted_are_refused() -> None:
+    with pytest.raises(InputError, match="more photons than can be counted"):
+        xray.fit_row(COUNTS * 1e290, SOLUTION, ROW)
+
+
 def test_a_shell_of_air_is_no_part_of_the_jet(image) -> None:
     """Ten shells at 1e5 photons: the likelihood is as large for a jet a ninth wider whose rim is as clear as air."""
     mean, flat = image(50e-6, 1e5)

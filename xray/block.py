@@ -9,6 +9,8 @@ from spinline.xray.forward import Detector
 
 __all__ = ["smoothed_outliers", "summed_counts"]
 
+_MOST = 1e100  # photons of a pixel; beyond, their squares leave double precision
+
 
 def smoothed_outliers(counts: FloatArray) -> FloatArray:
     """Counts with lone pixels 8 standard deviations off the median of three put to that median: for a start, not for a fit."""
@@ -43,6 +45,11 @@ def summed_counts(
     except (TypeError, ValueError):
         raise InputError("counts", "are not numbers", value=counts) from None
     data = real("counts", kept, least=0.0, unit="photons", remedy="give raw counts, dark included; mask bad pixels")
+    if data.max() > _MOST:
+        raise InputError(
+            "counts", "are more photons than can be counted", value=float(data.max()), allowed=f"[0, {_MOST:g}]",
+            remedy="give raw counts times the gain",
+        )  # fmt: skip
     if (data >= saturation).any():
         raise InputError(
             "counts", f"{int((data >= saturation).sum())} pixels are saturated", value=float(data.max()),
