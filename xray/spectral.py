@@ -18,7 +18,7 @@ from spinline.checks import FloatArray
 from spinline.xray.block import summed_counts
 from spinline.xray.chords import checked_edges, disc_chords, equal_shells
 from spinline.xray.forward import Absorber, Detector, RoundJet
-from spinline.xray.limit import free_parameters
+from spinline.xray.limit import extra_parameters, free_parameters
 from spinline.xray.medium import Medium
 from spinline.xray.model import NUISANCES, RowModel
 from spinline.xray.outcome import RowFit, row_outcome
@@ -41,14 +41,23 @@ class SpectralRowModel(RowModel):
     medium : Medium
     widest_blur : float, optional
         m, where the blur is fitted.
+    extras : tuple of str
+        As in `RowModel`.
     """
 
-    def __init__(self, detector: Detector, edges: FloatArray, medium: Medium, widest_blur: float | None = None) -> None:
+    def __init__(
+        self,
+        detector: Detector,
+        edges: FloatArray,
+        medium: Medium,
+        widest_blur: float | None = None,
+        extras: tuple[str, ...] = (),
+    ) -> None:
         darkest = int(np.argmax(medium.solvent))  # decides how finely pixels are cut
         super().__init__(
             detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
             float(medium.solvent[darkest] - medium.air[darkest]), float(medium.contrast[darkest]),
-            detector.blur, widest_blur,
+            detector.blur, widest_blur, (detector.tail_share, detector.tail_length), extras,
         )  # fmt: skip
         thin = medium.absorber
         self.base, self.contrast = thin.solvent - thin.air, thin.contrast
@@ -57,7 +66,7 @@ class SpectralRowModel(RowModel):
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean counts, shape (pixels,), and their derivatives, shape (pixels, shells + 5); as `RowModel.evaluate`."""
         k, m = self.shells, self.medium
-        radius, axis, amplitude, slope, blur = parameters[k:].tolist()
+        radius, axis, _, _, blur = parameters[k : k + 5].tolist()
         chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], self._x, axis)
         by_radius = by_radius * self.edges[1:]
         mu = (m.solvent - m.air)[:, None] + m.contrast[:, None] * parameters[:k]
@@ -72,8 +81,8 @@ class SpectralRowModel(RowModel):
         by_disc = lines @ step
         columns[:, k + 1] = -(by_radius * by_disc).sum(axis=1)
         columns[:, k + 2] = -(by_axis * by_disc).sum(axis=1)
-        seen = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
-        return self.counts(seen, amplitude, slope)
+        seen = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur, parameters)
+        return self.counts(*seen, parameters)
 
 
 def spectral_law(medium: Medium) -> Callable[..., RowFit]:
@@ -136,9 +145,12 @@ def fit_row_spectrum(
     )  # fmt: skip
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     free = free_parameters(edges.size - 1, nuisances)
+    extras = extra_parameters(nuisances, detector)
     data, rows = summed_counts(counts, detector, good, saturation)
-    model = SpectralRowModel(detector, edges, medium, 3.0 * detector.blur if "blur" in nuisances else None)
+    model = SpectralRowModel(detector, edges, medium, 3.0 * detector.blur if "blur" in nuisances else None, extras)
     model.scale_exposure(rows)
+    model.scatter = detector.scatter
     lit = rows > 0
-    start = np.array([*first.jet.fraction, *(first.values[name] for name in NUISANCES)])
-    return row_outcome(model, largest_likelihood(model, start, free, data, lit), free, data, lit, misfit=_MISFIT)
+    start = np.array([*first.jet.fraction, *(first.values[name] for name in (*NUISANCES, *extras))])
+    best = largest_likelihood(model, start, free, data, lit, prior=model.known_before())
+    return row_outcome(model, best, free, data, lit, misfit=_MISFIT)
