@@ -23,20 +23,20 @@ from spinline.checks import BoolArray, FloatArray
 from spinline.errors import InputError
 from spinline.xray.chords import equal_shells, shell_weights
 from spinline.xray.forward import Absorber, Detector, row_model
-from spinline.xray.model import EXTRAS, NUISANCES, RowModel
+from spinline.xray.model import EXTRAS, NUISANCES, SHAPE_STD, RowModel
 from spinline.xray.outcome import RowFit
 from spinline.xray.row import fit_row
 from spinline.xray.scoring import largest_likelihood
 
 __all__ = ["SHARED", "Block", "DetectorFit", "fit_detector", "hidden_traces", "row_shifts"]
 
-SHARED = ("blur", "tail_share", "tail_length", "attenuation")
+SHARED = ("blur", "tail_share", "tail_length", "attenuation", "shape2", "shape3", "shape4")
 _TURNS = 25
 _NEAR = 1e-4  # squared step, in standard deviations
 _HALVINGS = 6
 _SHARPEST = 0.15  # pixels: a blur under this is none
 _VAGUE = 0.5  # of a tail's length: known no better, it needs a prior
-_UNITS = {"blur": 1.0, "tail_share": 0.05, "tail_length": 20.0, "attenuation": 0.01}
+_UNITS = {"blur": 1.0, "tail_share": 0.05, "tail_length": 20.0, "attenuation": 0.01, "shape2": 1e-3, "shape3": 1e-3, "shape4": 1e-3}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +66,11 @@ class Block:
     cosine: float = 1.0
     smear: float = 0.0
     known: float | None = None
+
+    def seen(self) -> Detector:
+        """The detector as the block's rows see it: blur and tail aslant, and blurred by what changes within the block."""
+        d = self.detector
+        return replace(d, blur=float(np.hypot(d.blur, self.smear)) / self.cosine, tail_length=d.tail_length / self.cosine)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +166,11 @@ def fit_detector(
     units = np.array([_UNITS[name] * (p if name in ("blur", "tail_length") else 1.0) for name in names])
     d = blocks[0].detector
     first = {"blur": d.blur, "tail_share": d.tail_share, "tail_length": d.tail_length, "attenuation": 1.0}
-    theta = np.array([first[name] for name in names]) / units
+    theta = np.array([first.get(name, 0.0) for name in names]) / units
     centre, precision = theta.copy(), np.zeros(theta.size)
     for i, name in enumerate(names):
+        if name.startswith("shape"):
+            precision[i] = (SHAPE_STD / units[i]) ** -2.0
         if prior and name in prior:
             centre[i], precision[i] = prior[name][0] / units[i], (prior[name][1] / units[i]) ** -2.0
     here = _total(parts, names, theta * units, centre, precision, units)
@@ -261,7 +268,7 @@ def _part(
     single = block.known is not None and "attenuation" in names
     edges = equal_shells(1 if single else shells)
     scaled = absorber.along(block.cosine)
-    start = _seen_by(block, block.detector.blur, block.detector.tail_length)
+    start = block.seen()
     try:
         fit = fit_row(
             block.counts, scaled, start, shells=edges, nuisances=nuisances, good=block.good, radius=block.radius,
@@ -283,12 +290,6 @@ def _part(
     own = [*([] if single else range(k)), *(k + i for i, name in enumerate((*NUISANCES, *extras)) if name in nuisances)]
     shared = [k + (*NUISANCES, *extras).index(name) if name != "attenuation" else -1 for name in names]
     return _Part(block, model, own, at, model.base, model.contrast, shared)
-
-
-def _seen_by(block: Block, blur: float, length: float) -> Detector:
-    """The detector as the block's rows see it."""
-    wide = float(np.hypot(blur, block.smear)) / block.cosine
-    return replace(block.detector, blur=wide, tail_length=length / block.cosine)
 
 
 def _total(
@@ -457,7 +458,7 @@ def row_shifts(
         What the fit had free.
     """
     extras = tuple(name for name in EXTRAS if name in (*names, *nuisances))
-    seen = _seen_by(block, block.detector.blur, block.detector.tail_length)
+    seen = block.seen()
     model = row_model(absorber.along(block.cosine), seen, fit.jet.shell_edges, None, extras)
     model.scale_exposure(block.good.astype(np.float64))
     k = model.shells
