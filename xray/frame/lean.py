@@ -64,7 +64,7 @@ class Lean:
 
 
 def axis_lean(track: Track) -> Lean:
-    """Slope of the axis along a track: of the polynomial, of order 1 to 6, that the rows' axes ask for (Schwarz's criterion)."""
+    """Slope of the axis along a track: of the polynomial, of order 1 to 6, that the rows ask for (Schwarz's criterion)."""
     rows = track.axis.size
     use = track.found & np.isfinite(track.axis)
     if use.sum() < _FEWEST:

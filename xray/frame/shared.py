@@ -316,7 +316,7 @@ def _total(
     precision: FloatArray,
     units: FloatArray,
 ) -> tuple[float, FloatArray, FloatArray] | None:
-    """Deviance with each block's own unknowns at their best, and what is left of curvature and slope; None outside the model."""
+    """Deviance with each block's own unknowns at their best, with what is left of curvature and slope, or None."""
     off = theta / units - centre
     deviance, matrix, slope = float(precision @ off**2), np.diag(precision), -precision * off
     placed = []

@@ -2,9 +2,10 @@
 
     counts = flat (A (1 + s u) B[T] + veil) + dark,    T = exp(-sum_j (mu_s + phi_j D - mu_air) L_j)
 
-with L_j the chords of the shells (`chords`), B the blur of the detector (Gaussian, with a far `tail`), A and s the drift of the beam since the
-flat field was taken (its level, and its slope from the middle of the row, u = 0, to either end, u = +-1), and mu_air the air
-that the jet displaces. `flat` is the beam without a jet above the dark level, so that amplitude and veil are shares of it.
+with L_j the chords of the shells (`chords`), B the blur of the detector (Gaussian, with a far `tail`), A and s the drift of the
+beam since the flat field was taken (its level, and its slope from the middle of the row, u = 0, to either end, u = +-1), and
+mu_air the air that the jet displaces. `flat` is the beam without a jet above the dark level, so that amplitude and veil are
+shares of it.
 
 Left out, with what it costs (bias of the mean fraction, PEO/water, 10 keV, R = 50 um): fringes (Fresnel) at 1 cm behind the jet
 -0.25, at 10 cm -1.9; a section 1 % out of round -0.04; a tilt of 5 degrees out of the plane -0.015; energy wrong by 1 % 0.11. A

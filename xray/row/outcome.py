@@ -20,8 +20,8 @@ FLAGS = {
     ),
     "impossible": "the mean fraction lies outside [0, 1] by more than its error: check energy, pixel size, flat, "
     "fringes, and that one jet with air on both sides is in view",
-    "misfit": "the counts scatter more than Poisson about the model: blur or glare that is not given, fringes, an elliptic jet, or a "
-    "wrong flat or gain",
+    "misfit": "the counts scatter more than Poisson about the model: blur or glare that is not given, fringes, an elliptic "
+    "jet, or a wrong flat or gain; the errors are widened by it",
     "outlier": "a pixel lies 8 standard deviations off: mask it if it is bad",
     "narrow_shells": "the shells are narrower than 2 pixels: use fewer",
     "no_air": "the jet reaches the end of the row: without air there, beam level and fraction are hard to tell apart",

@@ -18,7 +18,7 @@ from numba import njit
 
 from spinline.base.checks import FloatArray
 
-__all__ = ["line_spread", "spread_tail"]
+__all__ = ["line_spread", "spread_pixels", "spread_tail"]
 
 # least squares of y K1(y)/pi on 3,000 places up to y = 12, their integral held to one
 _HEIGHTS = np.array([0.92903299, -0.53905169, -0.00995852, -0.06054409, -0.00115123])
@@ -96,3 +96,31 @@ def spread_tail(rows: FloatArray, share: float, length: float, by_share: FloatAr
         by_length[i] *= share
         for c in range(width):
             rows[c, i] += share * (out[i, c] - given[i, c])
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def spread_pixels(columns: FloatArray, share: float, length: float, low: int, high: int) -> None:
+    """As `spread_tail`, without derivatives, of columns of shape (pixels, columns) that are 0 outside `low` to `high`."""
+    n, width = columns.shape
+    out = np.zeros((n, width))
+    state = np.empty(width)
+    total = 0.0
+    for m in range(_RATES.size):
+        q = np.exp(-_RATES[m] / length)
+        total += _HEIGHTS[m] * (1.0 + q) / (1.0 - q)
+    for m in range(_RATES.size):
+        q, w = np.exp(-_RATES[m] / length), _HEIGHTS[m] / total
+        state[:] = 0.0
+        for i in range(low, n):
+            for c in range(width):
+                state[c] = q * state[c] + columns[i, c]
+                out[i, c] += w * state[c]
+        state[:] = 0.0
+        for i in range(high - 1, -1, -1):
+            for c in range(width):
+                state[c] *= q
+                out[i, c] += w * state[c]
+                state[c] += columns[i, c]
+    for i in range(n):
+        for c in range(width):
+            columns[i, c] += share * (out[i, c] - columns[i, c])
