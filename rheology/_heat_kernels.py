@@ -7,7 +7,7 @@ a ledger that nothing depends on: mass given off and enthalpy taken up, integrat
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.rheology._drying_kernels import MU, STAGES
 
 __all__ = ["GAS", "attempt_heat", "rates", "surface"]

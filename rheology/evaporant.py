@@ -11,8 +11,8 @@ from typing import Self
 
 import numpy as np
 
-from spinline.checks import FloatArray, number, positive
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive
+from spinline.base.errors import InputError
 from spinline.rheology import thermal, vapour
 from spinline.rheology.names import known_as
 

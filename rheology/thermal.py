@@ -19,7 +19,7 @@ conductivity of air   U.S. Standard Atmosphere (1976), 1 %
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 from spinline.rheology import vapour
 from spinline.rheology.solvents import SOLVENTS, known_name
 
