@@ -1,7 +1,7 @@
 """Rates of a drying jet with heat in compiled loops, and a step of Radau's method on them.
 
-State: logarithms of the solvents' volumes over their starts (plain volumes for what is only in the air), temperature. Beside it
-a ledger that nothing depends on: mass given off and enthalpy taken up, integrated with the same stages.
+State: logarithms of the solvents' volumes over their starts (plain volumes for what is only in the air), temperature.
+Beside it a ledger that nothing depends on: mass given off and enthalpy taken up, integrated with the same stages.
 """
 
 import numpy as np
@@ -37,14 +37,16 @@ def _number(law: int, along: float, across: float, schmidt: float, floor: float)
     else:
         speed = along if law == 2 else np.sqrt(along * along + 64 * across * across)
         value = 0.495 * np.cbrt(speed) * np.sqrt(schmidt)
-    return max(value, floor)
+    return float(max(value, floor))
 
 
 @njit(cache=True, error_model="numpy")
 def _activities(
     volumes: FloatArray, phi0: float, sub: FloatArray, pairs: FloatArray, unit: float, out: FloatArray
 ) -> float:
-    """Activities of the liquids, Flory-Huggins (or Raoult with the polymer's molar volume `unit`); returns the volume left."""
+    """Activities of the liquids, Flory-Huggins (or Raoult with the polymer's molar volume `unit`); returns the volume
+    left.
+    """
     n = volumes.size
     total = phi0
     for i in range(n):
@@ -84,10 +86,10 @@ def surface(
 ) -> tuple[float, float, float]:
     """Mass fluxes over pi and a length (kg/m/s) of every liquid, and heat: from the air, with the vapour; Re.
 
-    `sub` rows: density, molar mass, heat capacity, vapour heat capacity, diffusivity at 298.15 K, chi, pressure far away, inside
-    (1 or 0), log of the volume at the start, molar volume. `air`: pressure, temperature, floor, phi_0, r_0, wind, kept, law,
-    polymer's heat capacity by volume, its molar volume for Raoult's law, Stefan (1 or 0). `place`: stretch, speed along the
-    jet, across it, pace. Returns (nan, 0, 0) where the liquid boils.
+    `sub` rows: density, molar mass, heat capacity, vapour heat capacity, diffusivity at 298.15 K, chi, pressure far
+    away, inside (1 or 0), log of the volume at the start, molar volume. `air`: pressure, temperature, floor, phi_0,
+    r_0, wind, kept, law, polymer's heat capacity by volume, its molar volume for Raoult's law, Stefan (1 or 0).
+    `place`: stretch, speed along the jet, across it, pace. Returns (nan, 0, 0) where the liquid boils.
     """
     n = activity.size
     p, warm = air[0], air[1]
@@ -139,7 +141,9 @@ def surface(
 
 @njit(cache=True, error_model="numpy")
 def _dimer_diffusion(mass: float) -> float:
-    """Diffusivity of a dimer over the monomer's: Fuller, twice the mass and the volume (32.7 of formic, 53.3 of acetic acid)."""
+    """Diffusivity of a dimer over the monomer's: Fuller, twice the mass and the volume (32.7 of formic, 53.3 of acetic
+    acid).
+    """
     monomer, dimer = mass * 1e3, 2e3 * mass
     volume = 32.74 if monomer < 53 else 53.26
     reduced = np.sqrt((1 / dimer + 1 / 28.9644) / (1 / monomer + 1 / 28.9644))
@@ -160,7 +164,7 @@ def rates(
 ) -> bool:
     """dy/dx, and the ledger's; False where the liquid boils or the temperature leaves the tables."""
     n = sub.shape[0]
-    kelvin = y[n]
+    kelvin = float(y[n])
     if not (_LOW <= kelvin <= 480.0):
         return False
     volumes, activity, flux = np.empty(n), np.empty(n), np.empty(n)
@@ -214,7 +218,8 @@ def _eliminate(a: FloatArray, b: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy")
 def _jacobian(
-    y: FloatArray, first: FloatArray, sub: FloatArray, tables: FloatArray, pairs: FloatArray, air: FloatArray, place: FloatArray,
+    y: FloatArray, first: FloatArray, sub: FloatArray, tables: FloatArray, pairs: FloatArray, air: FloatArray, place:
+    FloatArray,
 ) -> FloatArray:  # fmt: skip
     n = y.size
     matrix, moved, ledger, at = np.zeros((n, n)), np.empty(n), np.empty(LEDGER), y.copy()
@@ -243,7 +248,8 @@ def attempt_heat(
     stages: FloatArray,
     ticks: FloatArray,
 ) -> tuple[int, float]:
-    """One step of size h: stages (3, n + 1) as changes of y, and of the ledger (3, 2); iterations (0: none), size of the error.
+    """One step of size h: stages (3, n + 1) as changes of y, and of the ledger (3, 2); iterations (0: none), size of
+    the error.
 
     `places` at the start and at the three stages, (4, 4).
     """
@@ -314,4 +320,3 @@ def attempt_heat(
     for i in range(n):
         size += (error[i] / scale[i]) ** 2
     return done, float(np.sqrt(size / n))
-

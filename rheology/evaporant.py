@@ -1,8 +1,9 @@
 """A liquid that leaves or enters a jet, with all that its loss and its heat need, against temperature.
 
-From the library by name (`Evaporant.build`), any property given instead; or from constants alone (`Evaporant.given`): a vapour
-pressure at one temperature, carried on by Clausius and Clapeyron with the heat of vaporisation. Inside, ``ln p``, the heat of
-vaporisation and the part of the pressure that dimers have are cubic splines in T, 3 K apart: to 1e-8 of the library's.
+From the library by name (`Evaporant.build`), any property given instead; or from constants alone (`Evaporant.given`):
+a vapour pressure at one temperature, carried on by Clausius and Clapeyron with the heat of vaporisation. Inside, ``ln
+p``, the heat of vaporisation and the part of the pressure that dimers have are cubic splines in T, 3 K apart: to 1e-8
+of the library's.
 """
 
 from dataclasses import dataclass, replace
@@ -91,7 +92,8 @@ class Evaporant:
             As for the class.
         pressure : float
             Of the air, Pa.
-        density, molar_mass, vapour_pressure, latent_heat, heat_capacity, vapour_heat_capacity, diffusivity : float, optional
+        density, molar_mass, vapour_pressure, latent_heat, heat_capacity, vapour_heat_capacity, diffusivity : float,
+        optional
             SI. A vapour pressure of a library solvent scales its curve.
 
         Raises
@@ -141,7 +143,9 @@ class Evaporant:
         return self._at(1, temperature)
 
     def dew_point(self) -> float:
-        """Temperature at which the air's partial pressure is saturation, K; NaN where there is none of it in the air."""
+        """Temperature at which the air's partial pressure is saturation, K; NaN where there is none of it in the
+        air.
+        """
         if self.ambient_pressure <= 0:
             return float("nan")
         from scipy.optimize import brentq

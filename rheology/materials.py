@@ -1,8 +1,8 @@
 """Built-in polymers: density, repeat unit, Kuhn length, entanglements and glass transition, each with its source.
 
-What is measured and at hand is cited by `property_source`; what is a handbook value or an estimate says so there: give your
-own (``dataclasses.replace(polymer, kuhn_length=...)``) where it matters. `polymer_property` says what is missing and how to
-give it.
+What is measured and at hand is cited by `property_source`; what is a handbook value or an estimate says so there: give
+your own (``dataclasses.replace(polymer, kuhn_length=...)``) where it matters. `polymer_property` says what is missing
+and how to give it.
 Solvents are in `solvents`. A name that is not here is not an obstacle: give the properties themselves.
 
 Estimates of the entanglement molar mass follow from chain and density by the packing length p (Fetters et al., 1994)::
@@ -74,8 +74,8 @@ class Polymer:
     glass_transition : float
         T_g in K, amorphous, high molar mass; NaN where unknown.
     melting_temperature, melting_enthalpy : float
-        Equilibrium melting point of the crystals in K and heat of fusion in J per mole of repeat units; NaN where the polymer
-        does not crystallise, or they are not known.
+        Equilibrium melting point of the crystals in K and heat of fusion in J per mole of repeat units; NaN where the
+        polymer does not crystallise, or they are not known.
     heat_capacity : float
         J/kg/K; NaN where unknown.
     """
@@ -112,7 +112,8 @@ def packing_entanglement_molar_mass(
     Parameters
     ----------
     density : float
-        Of the *melt*, kg/m3, > 0: M_e goes as its inverse square, and the density near room temperature is 5 to 8 % too high.
+        Of the *melt*, kg/m3, > 0: M_e goes as its inverse square, and the density near room temperature is 5 to 8 %
+        too high.
     repeat_unit_molar_mass : float
         kg/mol, > 0.
     backbone_bonds : int
@@ -123,8 +124,8 @@ def packing_entanglement_molar_mass(
     Returns
     -------
     float
-        At the density of the melt (413 K) 0.1 % and 4 % off the measured M_e of PMMA and PS, a third low for PEO; at that of
-        the glass or crystal at room temperature 10, 17 and 43 % low.
+        At the density of the melt (413 K) 0.1 % and 4 % off the measured M_e of PMMA and PS, a third low for PEO; at
+        that of the glass or crystal at room temperature 10, 17 and 43 % low.
 
     References
     ----------
@@ -148,6 +149,9 @@ _FETTERS = "Fetters et al., Macromolecules 27, 4639 (1994), 413 K"
 _COLBY = "Rubinstein, Colby, Polymer Physics (2003), Table 2.1"
 _BICERANO = "Bicerano, Prediction of Polymer Properties, 3rd ed. (2002), measured values"
 _TUBBS = "Tubbs, J. Polym. Sci. A 3, 4181 (1965)"
+_COLLAGEN = (
+    "Eastoe, Leach, in Ward, Courts, The Science and Technology of Gelatin (1977); density of the dry film, about"
+)
 _ATHAS = "Wunderlich, ATHAS data bank; Pure Appl. Chem. 67, 1019 (1995)"
 _OWN = "give your own where it matters"
 
@@ -176,12 +180,18 @@ POLYMERS: Mapping[str, Polymer] = {
         _polymer("PS", 1050.0, "C8H8", 0.10414912, 2, _HANDBOOK, 1.8e-9, 373.0, 13.31, heat=1220.0),
         _polymer("PVA", 1269.0, "C2H4O", 0.04405256, 2, _HANDBOOK, 1.5e-9, 358.0, None, (501.0, 6870.0)),
         _polymer("PLA", 1248.0, "C3H4O2", 0.07206266, 3, _DATA_HANDBOOK, 1.1e-9, 330.0, 8.7, (480.0, 6700.0)),
-        _polymer("PVDF", 1680.0, "C2H2F2", 0.0640341, 2, _DATA_HANDBOOK, 1.1e-9, 233.0, None, (483.0, 6700.0)),
-        _polymer("nylon 6", 1084.0, "C6H11NO", 0.1131579, 7, _DATA_HANDBOOK, 1.0e-9, 323.0, None, (533.0, 26000.0), 1500.0),
-        _polymer("PET", 1333.0, "C10H8O4", 0.1921711, 9, _DATA_HANDBOOK, 1.3e-9, 342.0, None, (553.0, 26900.0), 1180.0),
-        _polymer("cellulose acetate", 1300.0, "C10.9H14.9O7.45", 0.2651, 4, _DATA_HANDBOOK, 12e-9, 463.0),
-        _polymer("PVB", 1100.0, "C8H14O2", 0.1421956, 4, _HANDBOOK, 1.7e-9, 345.0),
-        _polymer("gelatin", 1350.0, "", 0.0918, 3, "mean residue of collagen; density of the dry film", 4e-9, 473.0),
+        _polymer("PVDF", 1680.0, "C2H2F2", 0.0640340864, 2, _DATA_HANDBOOK, 1.1e-9, 233.0, None, (483.0, 6700.0)),
+        _polymer(
+            "nylon 6", 1084.0, "C6H11NO", 0.11315764, 7, _DATA_HANDBOOK, 1.0e-9, 323.0, None, (533.0, 26000.0), 1500.0
+        ),
+        _polymer(
+            "PET", 1333.0, "C10H8O4", 0.19216812, 9, _DATA_HANDBOOK, 1.3e-9, 342.0, None, (553.0, 26900.0), 1180.0
+        ),
+        _polymer(
+            "cellulose acetate", 1300.0, "C10.9H14.9O7.45", 0.265130466, 4, _DATA_HANDBOOK, 12e-9, 463.0, float("nan")
+        ),
+        _polymer("PVB", 1100.0, "C8H14O2", 0.14219556, 4, _HANDBOOK, 1.7e-9, 345.0),
+        _polymer("gelatin", 1350.0, "C3.86H6.2N1.115O1.446", 0.0913631329, 3, _COLLAGEN, 4e-9, 473.0, float("nan")),
     )
 }
 

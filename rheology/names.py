@@ -11,8 +11,8 @@ ALIASES: Mapping[str, str] = {
     "polymethylmethacrylate": "PMMA", "polycaprolactone": "PCL", "polyecaprolactone": "PCL", "polyεcaprolactone": "PCL",
     "polyvinylpyrrolidone": "PVP", "povidone": "PVP", "polyacrylonitrile": "PAN", "polystyrene": "PS",
     "polyvinylalcohol": "PVA", "pvoh": "PVA", "pval": "PVA", "polylacticacid": "PLA", "polylactide": "PLA", "plla": "PLA",
-    "polyllactide": "PLA", "polyvinylidenefluoride": "PVDF", "polyvinylidenedifluoride": "PVDF", "nylon6": "nylon 6", "pa6": "nylon 6",
-    "polyamide6": "nylon 6", "polycaprolactam": "nylon 6", "polyethyleneterephthalate": "PET",
+    "polyllactide": "PLA", "polyvinylidenefluoride": "PVDF", "polyvinylidenedifluoride": "PVDF", "nylon6": "nylon 6",
+    "pa6": "nylon 6", "polyamide6": "nylon 6", "polycaprolactam": "nylon 6", "polyethyleneterephthalate": "PET",
     "celluloseacetate": "cellulose acetate", "ca": "cellulose acetate", "polyvinylbutyral": "PVB", "gelatine": "gelatin",
     # solvents
     "h2o": "water", "ethylalcohol": "ethanol", "etoh": "ethanol", "propanone": "acetone", "2propanone": "acetone",

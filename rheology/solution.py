@@ -156,7 +156,9 @@ class Solution:
             known = replace(known, density=polymer_density, source="density given by the user")
         if not isinstance(solvent, str | Mapping):
             raise InputError(f"{field}solvent", "is not a name or a mapping of names", value=solvent)
-        parts = {_called(name): share for name, share in ({solvent: 1.0} if isinstance(solvent, str) else solvent).items()}
+        parts = {
+            _called(name): share for name, share in ({solvent: 1.0} if isinstance(solvent, str) else solvent).items()
+        }
         density = (
             solvents.mixture_density(parts, temperature, f"{field}solvent")
             if solvent_density is None

@@ -267,7 +267,7 @@ def known_name(name: str, table: Mapping[str, object], field: str, remedy: str) 
     by_lower = {key.lower(): key for key in table}
     key = known_as(name, table)
     if key is None:
-        near = difflib.get_close_matches(name.lower(), by_lower, n=1)
+        near = difflib.get_close_matches(name.lower().replace("0", "o"), by_lower, n=1)
         hint = f"did you mean {by_lower[near[0]]!r}? Otherwise {remedy}" if near else remedy
         raise InputError(field, "is not built in", value=name, allowed=", ".join(table), remedy=hint)
     return key

@@ -1,16 +1,21 @@
-"""Heat in a drying jet: vapour pressures down to the wet bulb, heats of vaporisation, heat capacities, the air's conductivity.
+"""Heat in a drying jet: vapour pressures down to the wet bulb, heats of vaporisation, heat capacities, the air's
+conductivity.
 
 ====================  ==================================================================================================
 property              source
 ====================  ==================================================================================================
-vapour pressure       `vapour.vapour_pressure`; beyond its range by Clausius and Clapeyron with the slope at its end: HFIP
+vapour pressure       `vapour.vapour_pressure`; beyond its range by Clausius and Clapeyron with the slope at its end:
+HFIP
                       below 294 K, water below the triple point (supercooled, not ice), acids below their melting points
-heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 %; HFIP, DMAc, NMP and TFA from the slope of their
+heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 %; HFIP, DMAc, NMP and TFA from the slope
+of their
                       vapour pressure, within 10 %
 heat capacity         of the liquid near 298 K, CRC Handbook (97th ed.), 2 %; HFIP and TFA estimates, within 20 %
-... of the vapour     Poling, Prausnitz, O'Connell, 5th ed., 298 K; DMF, DMSO, DMAc, NMP, TFA and HFIP estimates by group
+... of the vapour     Poling, Prausnitz, O'Connell, 5th ed., 298 K; DMF, DMSO, DMAc, NMP, TFA and HFIP estimates by
+group
                       contributions, within 15 %: it enters the small Ackermann correction alone
-association           formic acid: Coolidge, J. Am. Chem. Soc. 50, 2166 (1928); acetic acid: MacDougall, J. Am. Chem. Soc. 58, 2585
+association           formic acid: Coolidge, J. Am. Chem. Soc. 50, 2166 (1928); acetic acid: MacDougall, J. Am. Chem.
+Soc. 58, 2585
                       (1936); `dimer_share`
 conductivity of air   U.S. Standard Atmosphere (1976), 1 %
 ====================  ==================================================================================================
@@ -88,7 +93,9 @@ def saturation_pressure(name: str, temperature: ArrayLike) -> FloatArray:
 
 
 def vaporisation_heat(name: str, temperature: ArrayLike) -> FloatArray:
-    """Heat of vaporisation in J/kg of liquid, into vapour at saturation (dimers where there are any); as `saturation_pressure`."""
+    """Heat of vaporisation in J/kg of liquid, into vapour at saturation (dimers where there are any); as
+    `saturation_pressure`.
+    """
     known = _name(name)
     kelvin = _kelvin(temperature)
     from chemicals.phase_change import phase_change_data_Perrys2_150
@@ -102,7 +109,8 @@ def vaporisation_heat(name: str, temperature: ArrayLike) -> FloatArray:
         low = max(float(row["Tmin"]), 0.5 * COLDEST)
         top = min(float(row["Tmax"]), HOTTEST)
         terms = [float(row[key]) for key in ("Tc", "C1", "C2", "C3", "C4")]
-        clipped = np.clip(kelvin, low if known in _DIMERS else COLDEST, top)  # the fits of the acids turn below their ranges
+        # the fits of the acids turn below their ranges
+        clipped = np.clip(kelvin, low if known in _DIMERS else COLDEST, top)
         molar = np.array([EQ106(float(t), *terms) for t in clipped.ravel()]).reshape(kelvin.shape)  # J/mol
         return np.asarray(molar / mass, dtype=np.float64)
     t = np.clip(kelvin, *_range(known))
@@ -180,4 +188,3 @@ def _name(name: str) -> str:
 
 def _kelvin(temperature: ArrayLike) -> FloatArray:
     return real("temperature", temperature, least=COLDEST, most=HOTTEST, unit="K")
-

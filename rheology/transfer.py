@@ -9,15 +9,16 @@ name                     law                                                    
 ``yarin``                ``0.495 Re^(1/3) Sc^(1/2)``, Re of v along the jet: no cross-flow                0.5 < Re < 50
 =======================  =============================================================================  =============
 
-Pr takes the place of Sc for heat. ``Re = 2 r v/nu``; v and v_n are the speeds of the air past the jet, along it and across it. Kase
-and Matsuo's is written ``0.495 (2 r/nu)^(1/3) (v^2 + 64 v_n^2)^(1/6) Sc^(1/2)``, which holds where v is 0. Heat and vapour share one
-power of Re in it, so the wet bulb does not depend on Re. It goes to 0 with Re, where a cylinder does not: `floor` sets a least
-number; Churchill and Bernstein's is for cylinders in cross-flow and overestimates threads along their axis.
+Pr takes the place of Sc for heat. ``Re = 2 r v/nu``; v and v_n are the speeds of the air past the jet, along it and
+across it. Kase and Matsuo's is written ``0.495 (2 r/nu)^(1/3) (v^2 + 64 v_n^2)^(1/6) Sc^(1/2)``, which holds where v
+is 0. Heat and vapour share one power of Re in it, so the wet bulb does not depend on Re. It goes to 0 with Re, where a
+cylinder does not: `floor` sets a least number; Churchill and Bernstein's is for cylinders in cross-flow and
+overestimates threads along their axis.
 
 References
 ----------
-Kase, Matsuo, J. Polym. Sci. A 3, 2541 (1965); Churchill, Bernstein, J. Heat Transfer 99, 300 (1977); Yarin, Koombhongse, Reneker, J. Appl.
-Phys. 89, 3018 (2001).
+Kase, Matsuo, J. Polym. Sci. A 3, 2541 (1965); Churchill, Bernstein, J. Heat Transfer 99, 300 (1977); Yarin,
+Koombhongse, Reneker, J. Appl. Phys. 89, 3018 (2001).
 """
 
 from typing import Literal, get_args

@@ -1,16 +1,17 @@
 """Vapour over a polymer solution: vapour pressures, what air does with vapour, activities, where drying ends.
 
-Vapour pressures come from the `chemicals` library: IAPWS-95 for water, DIPPR 101 (Perry's Handbook, 8th ed., Table 2-8) for
-the others, the Antoine fits of Landolt-Boernstein IV/20A for HFIP, NMP and TFA, a line of ln p against 1/T for DMAc. Diffusion in air is Fuller's method, 5 % on average
-(Poling, Prausnitz, O'Connell, 5th ed., Eq. 11-4.4 and Table 11-1); the viscosity of air is the U.S. Standard Atmosphere's.
+Vapour pressures come from the `chemicals` library: IAPWS-95 for water, DIPPR 101 (Perry's Handbook, 8th ed., Table
+2-8) for the others, the Antoine fits of Landolt-Boernstein IV/20A for HFIP, NMP and TFA, a line of ln p against 1/T
+for DMAc. Diffusion in air is Fuller's method, 5 % on average (Poling, Prausnitz, O'Connell, 5th ed., Eq. 11-4.4 and
+Table 11-1); the viscosity of air is the U.S. Standard Atmosphere's.
 
 Activities, of solvent i with volume fraction phi_i and molar volume v_i, the polymer (phi_p) being long::
 
     Flory-Huggins  ln a_i = ln phi_i + 1 - sum_j phi_j v_i/v_j + chi_i phi_p - v_i phi_p sum_j phi_j chi_j/v_j
     Raoult         a_i = (phi_i/v_i) / (sum_j phi_j/v_j + phi_p/v_p)
 
-(sums over solvents; solvents mix without heat). One solvent: ``ln a = ln(1 - phi) + phi + chi phi^2``. Raoult's law needs the
-molar volume v_p of what counts as one polymer molecule, the repeat unit if drying is to end smoothly.
+(sums over solvents; solvents mix without heat). One solvent: ``ln a = ln(1 - phi) + phi + chi phi^2``. Raoult's law
+needs the molar volume v_p of what counts as one polymer molecule, the repeat unit if drying is to end smoothly.
 """
 
 from collections.abc import Mapping
@@ -73,8 +74,8 @@ def vapour_pressure(name: str, temperature: float) -> float:
     name : str
         A key of `VAPOURS`.
     temperature : float
-        K, within the range of the correlation (HFIP: 294 to 331 K; NMP from 336 K on). `thermal.saturation_pressure` goes on
-        beyond it.
+        K, within the range of the correlation (HFIP: 294 to 331 K; NMP from 336 K on). `thermal.saturation_pressure`
+        goes on beyond it.
 
     Returns
     -------
@@ -277,7 +278,8 @@ def raoult_coefficient(
 def log_flory_huggins(
     solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, chi: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """``ln(a_i/phi_i)`` and ``1 - phi_i``, Flory-Huggins, each to rounding of itself: in a nearly pure solvent nothing cancels.
+    """``ln(a_i/phi_i)`` and ``1 - phi_i``, Flory-Huggins, each to rounding of itself: in a nearly pure solvent nothing
+    cancels.
 
     Parameters
     ----------
