@@ -44,6 +44,7 @@ QUANTITIES = {
     q.name: q
     for q in (
         Quantity("length", "m", "125 um"),
+        Quantity("angle", "rad", "3 deg", "an"),
         Quantity("velocity", "m/s", "2 cm/s"),
         Quantity("flow rate", "m^3/s", "3.2 mL/hour"),
         Quantity("time", "s", "25 ms"),
@@ -76,7 +77,14 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf(?:inity)?|nan)
 _TEXT = re.compile(
     rf"\s*(?P<value>{_NUMBER})\s*(?:(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER}))?\s*(?P<unit>.*?)\s*", re.IGNORECASE
 )
-_SPELLED = {"°C": "degC", "°F": "degF", "µ": "u", "μ": "u", "·": "*", "Å": "angstrom", "²": "2", "³": "3"}
+_SPELLED = {
+    "°C": "degC", "℃": "degC", "°F": "degF", "℉": "degF", "µ": "u", "μ": "u", "·": "*", "⋅": "*", "×": "*", "∙": "*", "Å": "angstrom",
+    "Torr": "torr", "Ω": "ohm", "−": "-", "–": "-", "‐": "-", "⁻": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " ", "°": "deg",
+} | {raised: str(i) for i, raised in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")}  # fmt: skip
+_PRINTED = str.maketrans({"−": "-", "–": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " "})
+_TWICE = re.compile(
+    r"(?P<unit>[^\d\s+\-±].*?)\s*(?P<sign>\+/-|\+-|±)\s*(?P<std>[\d.]+(?:[eE][-+]?\d+)?)\s*(?P<again>\S.*)"
+)
 _POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)\b")
 
 
@@ -115,7 +123,7 @@ def parse(text: Any, kind: str, field: str) -> Measured:
         if not np.isfinite(text):
             raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
         return Measured(float(text), 0.0, str(text))
-    match = _TEXT.fullmatch(text)
+    match = _TEXT.fullmatch(_said_once(text.translate(_PRINTED)))
     if match is None:
         raise InputError(field, "is not a number with a unit", value=text, remedy=_example(quantity))
     value, unit = float(match["value"]), match["unit"]
@@ -180,6 +188,8 @@ def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tup
         return _plain(registry, parsed, "kg") * AVOGADRO, 0.0
     try:
         if kind == "temperature":
+            if "delta" in unit:
+                raise wrong  # a difference is no temperature
             zero = float(registry.Quantity(0.0, parsed).to("K").magnitude)
             return float(registry.Quantity(1.0, parsed).to("K").magnitude) - zero, zero
         return _plain(registry, parsed, quantity.unit), 0.0
@@ -195,8 +205,17 @@ def _plain(registry: Any, unit: Any, target: str) -> float:
         return float(one.to(target).magnitude)
 
 
+def _said_once(text: str) -> str:
+    """ "125 um +/- 3 um" as "125 +/- 3 um"; other text as it is."""
+    match = re.fullmatch(rf"\s*(?P<value>{_NUMBER})\s*{_TWICE.pattern}\s*", text, re.IGNORECASE)
+    if match is None or match["unit"].strip() != match["again"].strip():
+        return text
+    return f"{match['value']} +/- {match['std']} {match['unit']}"
+
+
 def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
     own = _FRACTIONS[kind]
+    unit = re.sub(r"^(wt|vol|mass|w|v)\.\s*-?%$", r"\1%", unit)
     if not unit:
         return 1.0
     if own and unit in ("%", own, own.replace("%", " %")):

@@ -15,9 +15,11 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.images.absorber import build_absorber, given_medium, uncalibrated
 from spinline.images.blur_check import steady_rows, unsaid_blur
-from spinline.images.frames import FrameSum, Stack, sample_frames
+from spinline.images.flat_and_dark import Fields, build_fields, open_counts
+from spinline.images.stacks import Stack
+from spinline.images.sums import FrameSum, sample_frames
 from spinline.images.given_quantities import doubt_words, hardened, ideal_mixture, relative_doubts
-from spinline.images.photons import Fields, build_fields, open_counts, photons_frame
+from spinline.images.photons import photons_frame
 from spinline.scene.images_file import Images
 from spinline.setup.build import build_solution
 from spinline.xray.frame.blocks import Frame, FrameFit, fit_frame, require_track

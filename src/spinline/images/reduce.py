@@ -31,7 +31,9 @@ import numpy as np
 from spinline.base.checkpoint import Checkpoint, fingerprint
 from spinline.base.errors import InputError
 from spinline.images.experiment import FRINGES, Experiment, fringes_in, prepare, require_signal
-from spinline.images.frames import FrameSum, Stack, open_stack, sum_frames
+from spinline.images.flat_and_dark import open_counts
+from spinline.images.stacks import Stack
+from spinline.images.sums import FrameSum, sum_frames
 from spinline.images.methods import Kept, require_method
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import FrameFit, blocks_of
@@ -106,14 +108,14 @@ def reduce_images(
         images = images.model_copy(update={"block_rows": 1})
         said_so = f"a map takes every row: block_rows = {experiment.images.block_rows} serves the expected error alone"
         experiment = replace(experiment, images=images, remarks=(*experiment.remarks, said_so))
-    if images.frames == "sum" or experiment.stack.frames == 1:
+    if not images.frames.each or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
         kept = None if job is None else Kept(_begun(job, images.method), _pause(job))
         fit = method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks), kept)
         fits = [_flagged(fit, experiment.fringes)]
     else:
         fits = _each(experiment, job, workers, said)
-    result = assemble(experiment, fits, facts, each=images.frames == "each")
+    result = assemble(experiment, fits, facts, each=images.frames.each)
     for remark in str(result.attrs["warnings"]).splitlines():
         warnings.warn(remark, SpinlineWarning, stacklevel=2)
     if job is not None:
@@ -132,7 +134,8 @@ def _flagged(fit: FrameFit, fringes: float) -> FrameFit:
 def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
     begun = None
     if job is not None and (kept := job.load("sum")) is not None:
-        begun = FrameSum(kept["total"], kept["exposures"], kept["highest"], int(kept["frames"]))
+        lists = (tuple(kept[name].tolist()) for name in ("lost", "copies", "torn"))
+        begun = FrameSum(kept["total"], kept["exposures"], kept["highest"], int(kept["frames"]), *lists)
     last = time.monotonic()
 
     def pause(so_far: FrameSum) -> None:
@@ -145,6 +148,7 @@ def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
                 exposures=so_far.exposures,
                 highest=so_far.highest,
                 frames=np.array(so_far.frames),
+                **{name: np.array(getattr(so_far, name), dtype=np.int64) for name in ("lost", "copies", "torn")},
             )
             last = time.monotonic()
 
@@ -233,9 +237,7 @@ class _OneThreadEach:
 def _loaded(setup: str) -> Experiment:
     """The experiment in a process of its own; the frames are opened there."""
     experiment: Experiment = pickle.loads(Path(setup).read_bytes())
-    images = experiment.images
-    stack = open_stack(images.counts, "counts", images.folder, transpose=images.transpose)
-    object.__setattr__(experiment, "stack", stack)
+    object.__setattr__(experiment, "stack", open_counts(experiment.images))
     return experiment
 
 
