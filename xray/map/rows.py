@@ -127,7 +127,7 @@ def _binned(
 @njit(cache=True, error_model="numpy", nogil=True)
 def _spread(seen: FloatArray, low: int, high: int, share: float, length: float) -> tuple[int, int]:
     """Spread the pixels from `low` to before `high`, of which alone `seen` says something, by the tail; all are touched."""
-    pixels, width = seen.shape
+    pixels = seen.shape[0]
     seen[:low] = 0.0
     seen[high:] = 0.0
     spread_pixels(seen, share, length, low, high)

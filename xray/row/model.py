@@ -17,7 +17,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 
-__all__ = ["EXTRAS", "NUISANCES", "RowModel"]
+__all__ = ["EXTRAS", "NUISANCES", "RowModel", "beam_shape"]
 
 NUISANCES = ("radius", "axis", "amplitude", "slope", "blur")
 EXTRAS = ("tail_share", "tail_length", "shape2", "shape3", "shape4")
@@ -204,6 +204,14 @@ class RowModel:
         """Blurred and binned columns, shape (cells, columns), and the derivative of the first with the blur."""
         out, _ = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
         return out[:-1].T, out[-1]
+
+
+def beam_shape(shapes: dict[str, float], pixels: int) -> FloatArray:
+    """``1 + c_2 P_2(u) + ...`` of a row of pixels, for coefficients by name ("shape2" and so on)."""
+    u = np.linspace(-1.0, 1.0, pixels)
+    return np.asarray(
+        1.0 + sum((value * _legendre(int(name[5:]), u) for name, value in shapes.items()), np.zeros(pixels))
+    )
 
 
 def _legendre(order: int, u: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ The shares of the lines are taken as known: one row cannot tell a harmonic from 
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -86,12 +87,22 @@ class SpectralRowModel(RowModel):
 
 
 def spectral_law(medium: Medium) -> Callable[..., RowFit]:
-    """`fit_row_spectrum` in the form of `fit_row`: ``law(counts, absorber, detector, **options)``; the absorber is not used."""
+    """`fit_row_spectrum` in the form of `fit_row`: ``law(counts, absorber, detector, **options)``.
+
+    Of the absorber, what it is over the medium's is taken: how much longer the paths are.
+    """
 
     def law(counts: ArrayLike, absorber: Absorber, detector: Detector, **options: Any) -> RowFit:
-        return fit_row_spectrum(counts, medium, detector, **options)
+        factor = absorber.solvent / medium.absorber.solvent  # of the paths: a lean
+        return fit_row_spectrum(counts, medium if factor == 1.0 else _along(medium, factor), detector, **options)
 
     return law
+
+
+def _along(medium: Medium, factor: float) -> Medium:
+    """A medium on paths longer by a factor."""
+    names = ("solvent", "contrast", "air")
+    return replace(medium, **{name: getattr(medium, name) * factor for name in names})
 
 
 def spectral_counts(

@@ -21,10 +21,12 @@ from spinline.scene.images_file import Images
 
 if TYPE_CHECKING:
     from spinline.xray.frame.blocks import Frame
+    from spinline.xray.frame.track import Track
 
-__all__ = ["lone_outliers", "photons_frame"]
+__all__ = ["lone_outliers", "photons_frame", "residual_outliers"]
 
 _MOST_PHOTONS = 1e15  # differences of single photons are lost in a float beyond
+_SMOOTH, _FAR = 0.003, 6.0  # beside the jet's own shadow
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 
 
@@ -143,7 +145,28 @@ def _require_light(each: FloatArray, dark: FloatArray, seen: BoolArray) -> None:
     )  # fmt: skip
 
 
-def lone_outliers(ratio: FloatArray, photons: FloatArray) -> BoolArray:
+def residual_outliers(frame: "Frame", track: "Track") -> BoolArray:
+    """Pixels that lie off the uniform jet of their row, and off their neighbours there.
+
+    A jet's edge hides a pixel that is a little too bright from a look at neighbours alone; divided by the jet it shows.
+    """
+    rows, n = frame.counts.shape
+    edges = np.arange(n + 1) - 0.5 * n
+    s = np.clip((edges - track.axis[:, None]) / track.radius[:, None], -1.0, 1.0)
+    chord = np.diff(s * np.sqrt((1.0 - s) * (1.0 + s)) + np.arcsin(s), axis=1) * track.radius[:, None] ** 2
+    u = np.linspace(-1.0, 1.0, n)
+    beam = frame.flat * (track.level[:, None] * (1.0 + track.slope[:, None] * u))
+    expected = beam * np.exp(np.minimum(-track.attenuation[:, None] * chord, 30.0))
+    safe = np.where(frame.good & (expected > 0.0), expected, 1.0)
+    ratio = np.where(frame.good & (expected > 0.0), (frame.counts - frame.dark) / safe, np.nan)
+    usable = np.isfinite(ratio).any(axis=1) & track.found
+    if not usable.any():
+        return np.zeros((rows, n), dtype=np.bool_)
+    lone = lone_outliers(ratio, np.where(frame.good, safe + frame.dark, 0.0), floor=_SMOOTH, far=_FAR)
+    return np.asarray(lone & frame.good & usable[:, None])
+
+
+def lone_outliers(ratio: FloatArray, photons: FloatArray, floor: float = 0.02, far: float = 8.0) -> BoolArray:
     """Pixels 8 standard deviations off the median of their neighbours along the row and along the column; NaN is no neighbour.
 
     Parameters
@@ -152,6 +175,8 @@ def lone_outliers(ratio: FloatArray, photons: FloatArray) -> BoolArray:
         Transmission.
     photons : ndarray, shape (rows, columns)
         Photons that a transmission of 1 stands for.
+    floor, far : float
+        Share of the beam by which neighbours may differ for other reasons than noise, and standard deviations beyond it.
     """
     from scipy.ndimage import median_filter
 
@@ -163,7 +188,7 @@ def lone_outliers(ratio: FloatArray, photons: FloatArray) -> BoolArray:
             continue
         middle = median_filter(filled, size=size, mode="nearest")
         noise = np.sqrt(np.maximum(middle, 0.02) * photons + 4.0)
-        lone &= np.abs(filled - middle) * photons > 8.0 * noise + 0.02 * photons
+        lone &= np.abs(filled - middle) * photons > far * noise + floor * photons
     return np.asarray(lone)
 
 

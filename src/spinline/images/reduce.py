@@ -30,12 +30,14 @@ import numpy as np
 
 from spinline.base.checkpoint import Checkpoint, fingerprint
 from spinline.base.errors import InputError
-from spinline.images.experiment import FRINGES, Experiment, fringes_in, prepare, require_signal
+from spinline.images.experiment import Experiment, prepare, require_signal
 from spinline.images.flat_and_dark import open_counts
-from spinline.images.stacks import Stack
-from spinline.images.sums import FrameSum, sum_frames
+from spinline.images.formats.base import split_source
+from spinline.images.looks import FRINGES, fringes_in
 from spinline.images.methods import Kept, require_method
-from spinline.scene.images_file import Images
+from spinline.images.stacks import Stack
+from spinline.images.sums import FrameSum, one_frame, sum_frames
+from spinline.scene.images_file import Images, Position
 from spinline.xray.frame.blocks import FrameFit, blocks_of
 from spinline.xray.frame.track import track_jet
 from spinline.xray.row.chords import equal_shells
@@ -256,13 +258,9 @@ def _task(setup: str, folder: str, index: int) -> int:
 def _one(experiment: Experiment, index: int) -> FrameFit:
     """One frame of the stack; NaN where it shows no jet."""
     stack = experiment.stack
-    block = stack.read(index, index + 1)[0]
-    finite = np.isfinite(block)
-    clean = np.where(finite, block, 0).astype(np.float64)
-    summed = FrameSum(clean, finite.astype(np.int64), np.where(finite, clean, -np.inf), 1)
     images = experiment.images
     try:
-        frame, _ = experiment.frame(summed, (index + 0.5) / stack.frames)
+        frame, _ = experiment.frame(one_frame(stack, index), (index + 0.5) / stack.frames)
         fit = require_method(images.method).reduce(experiment, frame, None, None, None)
         if images.method == "phase":
             return fit
@@ -317,10 +315,13 @@ def _job(images: Images) -> str:
     from spinline.base.version import __version__
 
     files = []
-    for name in (images.counts, images.flat.file, images.flat_after and images.flat_after.file,
-                 images.dark and images.dark.file, images.bad_pixels):  # fmt: skip
-        if not name:
-            continue
-        path = images.folder / name.partition(":/")[0]
-        files += [path] if path.is_file() else sorted(images.folder.glob(name)) if "*" in name else []
+    places: list[Images | Position] = [images, *images.positions]
+    for place in places:
+        sources = (place.flat, place.flat_after, place.dark)
+        names = [getattr(place, key, None) for key in ("counts", "transmission", "absorbance", "bad_pixels")]
+        for name in (*names, *(source.file for source in sources if source is not None)):
+            if not name:
+                continue
+            path = images.folder / split_source(name)[0]
+            files += [path] if path.is_file() else sorted(images.folder.glob(path.name)) if "*" in name else []
     return fingerprint(f"{__version__}\n{images.text}\n{images.model_dump()!r}", files)

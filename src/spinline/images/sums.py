@@ -20,7 +20,7 @@ from spinline.base.errors import InputError
 from spinline.images.formats.base import Array
 from spinline.images.stacks import Stack
 
-__all__ = ["FrameSum", "sample_frames", "sum_frames"]
+__all__ = ["FrameSum", "one_frame", "sample_frames", "sum_frames"]
 
 _PILE_FROM = 100.0  # counts; below, a few values are all there are
 _BRIGHT = 5.0  # counts over the lowest, a median over the frame: from here on no row is of one number by chance
@@ -325,6 +325,26 @@ def _looked_through(
     rows[copies] = True
     numbers = (tuple((start + np.flatnonzero(which)).tolist()) for which in (lost, copies, torn))
     return (*numbers, rows)
+
+
+def one_frame(stack: Stack, index: int) -> FrameSum:
+    """One frame, as a sum of one.
+
+    Raises
+    ------
+    InputError
+        For a frame that was lost: it holds one number throughout.
+    """
+    look = _Look(stack.key in _CHECKED and stack.columns >= _WIDE and stack.frames > 1, False)
+    block = stack.read(index, index + 1)
+    if look.bright and np.ptp(np.nan_to_num(np.asarray(block, dtype=np.float64), nan=0.0)) > 0.0:
+        look = _Look(False, False)  # rows may be of one number where counts are few
+    piece = _piece(stack, block, index, look, None)
+    if piece.lost:
+        raise InputError(stack.key, "holds a frame of one number throughout: it was lost", value=stack.source(index))
+    exposures = np.broadcast_to(piece.seen, (stack.rows, stack.columns)).astype(np.int64)
+    so_far = FrameSum(piece.total.astype(np.float64), exposures, np.asarray(piece.high, dtype=np.float64), 1)
+    return _finished(stack, so_far)
 
 
 def sample_frames(stack: Stack, most: int = 64) -> FrameSum:

@@ -336,8 +336,8 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
                 remedy="copy the source again, or write the master anew",
             )  # fmt: skip
         lost = _unwritten(part, name, key, depth + 1) if depth < _DEPTH else set()
-        low, high = source.vspace.get_select_bounds()
-        first, last = source.src_space.get_select_bounds() if source.src_space.get_select_npoints() else ((0,), (0,))
+        low, high = _bounds(source.vspace, dataset)
+        first, last = _bounds(source.src_space, part)
         if dataset.ndim < 3:
             given[:] = not lost
             continue
@@ -347,6 +347,15 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
         for offset, frame in enumerate(range(low[0], min(high[0] + 1, frames), step)):
             given[frame] |= at + offset < has and at + offset not in lost
     return set(np.flatnonzero(~given).tolist())
+
+
+def _bounds(space: Any, dataset: Any) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """First and last corner of a selection; of all of a dataset where all of it is selected."""
+    try:
+        low, high = space.get_select_bounds()
+    except ValueError:
+        return (0,) * dataset.ndim, tuple(n - 1 for n in dataset.shape)
+    return low, high
 
 
 def _require_filters(dataset: Any, path: Path, key: str) -> None:

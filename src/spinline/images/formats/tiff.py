@@ -17,6 +17,7 @@ __all__ = ["FORMAT"]
 
 _COLOURS = (3, 4)
 _CENTIMETRE, _INCH = 3, 2
+_SEPARATE = 2
 _UNITS = {"um": 1e-6, "µm": 1e-6, "\\u00b5m": 1e-6, "micron": 1e-6, "mm": 1e-3, "nm": 1e-9, "m": 1.0, "cm": 1e-2}
 _LEAST, _MOST = 1e-9, 2e-3  # m, of a pixel that is no default of an editor
 
@@ -54,18 +55,20 @@ class _Pages:
 
     threads = False
 
-    def __init__(self, path: Path, file: Any, pages: list[int], shape: tuple[int, int], dtype: Any, key: str) -> None:
-        self.path, self.file, self.pages, self.key = path, file, pages, key
-        self.shape, self.dtype = (len(pages), *shape), np.dtype(dtype)
+    def __init__(
+        self, path: Path, file: Any, pages: list[int], planes: int, shape: tuple[int, int], dtype: Any, key: str
+    ) -> None:
+        self.path, self.file, self.pages, self.planes, self.key = path, file, pages, planes, key
+        self.shape, self.dtype = (len(pages) * planes, *shape), np.dtype(dtype)
         self.account = Account(path.name)
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
         out = np.empty((stop - start, *self.shape[1:]), self.dtype)
         for i in range(start, stop):
-            page = self.file.pages[self.pages[i]]
+            page = self.file.pages[self.pages[i // self.planes]]
             try:
-                out[i - start] = page.asarray().reshape(self.shape[1:])
+                out[i - start] = page.asarray().reshape(self.planes, *self.shape[1:])[i % self.planes]
             except (ImportError, ValueError, KeyError, RuntimeError) as error:
                 missing = _decoder(error, page)
                 if missing is None:
@@ -107,22 +110,25 @@ class _Tiff:
         if not kinds:
             raise InputError(key, "holds no image", value=path.name, remedy="copy it again: it may be cut short")
         (shape, dtype), mine = max(kinds.items(), key=lambda kind: len(kind[1]) * int(np.prod(kind[0][0])))
-        if len(shape) == 3 and (shape[-1] in _COLOURS or shape[0] in _COLOURS):
+        planes = 1
+        if len(shape) == 3 and int(getattr(pages[mine[0]], "planarconfig", 1)) == _SEPARATE:
+            planes, shape = shape[0], shape[1:]  # planes one after the other: frames that a writer took for colours
+        if len(shape) == 3 and shape[-1] in _COLOURS:
             raise InputError(
                 key, "is a colour image, no counts", value=f"{path.name}: pages of shape {shape}",
                 remedy="give the detector's raw frames, (frame, z, x) or (z, x)",
             )  # fmt: skip
         if dtype == "None" or len(shape) != 2:
             raise InputError(key, "holds pages that are no images", value=f"{path.name}: shape {shape}")
-        others = {s: len(i) for (s, d), i in kinds.items() if (s, d) != (shape, dtype)}
+        others = {s: len(i) for (s, _), i in kinds.items() if i is not mine}
         said = tuple(
             f"{path.name} holds {count} more page{'s' * (count > 1)} of shape {' x '.join(map(str, other))}: not read"
             for other, count in others.items()
         )
         one: Any = pages[mine[0]]
-        many = _behind(file, one) if len(mine) == 1 else 1
+        many = planes if planes > 1 or len(mine) > 1 else _behind(file, one)
         account = Account(
-            path.name, f"{len(mine)} pages" if many == 1 else f"one page of {many} frames", remarks=said,
+            path.name, f"{len(mine)} page{'s' * (len(mine) > 1)}" + (f" of {many} frames" if many > 1 else ""), remarks=said,
             metadata=_metadata(file, one),
         )  # fmt: skip
         even = _even(pages, mine, one, many)
@@ -131,7 +137,7 @@ class _Tiff:
             kind = np.dtype(f"{file.byteorder}{np.dtype(dtype).kind}{np.dtype(dtype).itemsize}")
             file.close()
             return _Even(path, *even, size, kind, account)
-        reader = _Pages(path, file, mine, shape, dtype, key)
+        reader = _Pages(path, file, mine, planes, shape, dtype, key)
         reader.account = account
         return reader
 
@@ -145,11 +151,13 @@ def _behind(file: Any, page: Any) -> int:
 
 def _even(pages: Any, mine: list[int], one: Any, many: int) -> tuple[int, int] | None:
     """Offset of the first frame and distance of the next, where frames lie evenly and plainly in the file."""
-    size = one.nbytes
+    size = one.nbytes // many if one.nbytes and len(one.shape) == 3 else one.nbytes
     if one.compression != 1 or one.fillorder != 1 or one.bitspersample % 8 or not one.is_contiguous:
         return None
-    if many > 1:
+    if many > 1 and len(mine) == 1:
         return int(one.dataoffsets[0]), size
+    if many > 1:
+        return None
     offsets = []
     for i in mine:
         page = pages[i]
