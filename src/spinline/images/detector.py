@@ -346,8 +346,8 @@ def _hidden(
         return (
             2,
             [
-                f"the beam's shape changed since the flat ({100 * bend[0]:+.2g} % bend, {abs(bend[1]):.0f} standard deviations): it is "
-                f"fitted row by row (flat_shape = 2); left out, it shifts the mean fraction by {bend[2]:+.2g}"
+                f"the beam's shape changed since the flat ({100 * bend[0]:+.2g} % bend, {abs(bend[1]):.0f} standard deviations): "
+                f"it is fitted (flat_shape = 2); left out, it shifts the mean fraction by {bend[2]:+.2g}"
             ],
             False,
         )
@@ -357,8 +357,8 @@ def _hidden(
             order,
             [
                 f"the air beside the jet is darkened as by glare ({100 * share:.2g} % of the light over {best[0][5:]} pixels, "
-                f"{sigmas:.0f} standard deviations), which is not in the model: it shifts the mean fraction by about {shift:+.2g}; "
-                'take tail_share = "fit"'
+                f"{sigmas:.0f} standard deviations), which is not in the model: it shifts the mean fraction by about "
+                f'{shift:+.2g}; take tail_share = "fit"'
             ],
             True,
         )

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Experiment", "bent", "expected_errors", "fit_blocks", "prepare", "require_signal"]
 
+_LEAN_MATTERS = 1e-4  # of the paths
 _LEANS = 1.0  # degrees from which on a remark says so
 
 
@@ -227,7 +228,7 @@ def _with_detector(experiment: Experiment, frame: Frame, track: Track) -> tuple[
         known = images.calibration_rows, experiment.solution.volume_fraction
     most = images.block_rows if experiment.fields.shared else None
     blocks = []
-    for one, path in _single_frames(experiment) if images.frames.each else [(frame, track)]:
+    for one, path in _single_frames(experiment) if images.each else [(frame, track)]:
         clear = replace(one, blur=0.0)
         blocks += blocks_of_frame(clear, path, axis_lean(path), known=known, most_rows=most)
     calibrate = any(block.known is not None for block in blocks)
@@ -306,7 +307,7 @@ def _scaled(experiment: Experiment, frame: Frame, track: Track, errors: dict[str
     remarks += ideal_mixture(images, solution, absorber)
     doubts = relative_doubts(images, solution, absorber, experiment.pixel, experiment.pixel_std) | errors
     lean = experiment.lean.path_std
-    if lean > 0.0:
+    if lean > _LEAN_MATTERS:
         doubts["lean"] = lean
     if doubts:
         notes["shared_error"], much = doubt_words(doubts, absorber, solution.volume_fraction)

@@ -82,7 +82,7 @@ class Fields:
 def open_counts(images: Images) -> Stack:
     """Stack of the frames with the jet."""
     key, source = images.source
-    stack = _stack(images, source, key, images.frames.part)
+    stack = _stack(images, source, key, images.part)
     if key == "absorbance":
         stack = replace(stack, turned=lambda block: np.exp(-np.asarray(block, dtype=np.float64)))
     shape = stack.reader.shape

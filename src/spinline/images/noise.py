@@ -89,8 +89,8 @@ def pair_noise(
         off = np.broadcast_to(np.asarray(dark, dtype=np.float64), first.shape)[part]
         a, b = first[part] - off, second[part] - off
         good = np.isfinite(a) & np.isfinite(b)
-        if good.sum() < 16 or np.ptp(a[good]) == 0.0 or np.ptp(b[good]) == 0.0:
-            continue  # too few, or a frame that was lost
+        if good.sum() < 16 or (np.ptp(a[good]) == 0.0) != (np.ptp(b[good]) == 0.0):
+            continue  # too few, or one of the frames was lost
         mean_a, mean_b = float(a[good].mean()), float(b[good].mean())
         ratio = mean_a / mean_b if mean_a > 0 and mean_b > 0 and abs(mean_a / mean_b - 1) < 0.5 else 1.0
         d = np.where(good, a - ratio * b, 0.0)

@@ -110,14 +110,14 @@ def reduce_images(
         images = images.model_copy(update={"block_rows": 1})
         said_so = f"a map takes every row: block_rows = {experiment.images.block_rows} serves the expected error alone"
         experiment = replace(experiment, images=images, remarks=(*experiment.remarks, said_so))
-    if not images.frames.each or experiment.stack.frames == 1:
+    if not images.each or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
         kept = None if job is None else Kept(_begun(job, images.method), _pause(job))
         fit = method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks), kept)
         fits = [_flagged(fit, experiment.fringes)]
     else:
         fits = _each(experiment, job, workers, said)
-    result = assemble(experiment, fits, facts, each=images.frames.each)
+    result = assemble(experiment, fits, facts, each=images.each)
     for remark in str(result.attrs["warnings"]).splitlines():
         warnings.warn(remark, SpinlineWarning, stacklevel=2)
     if job is not None:

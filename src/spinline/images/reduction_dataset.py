@@ -171,6 +171,11 @@ def assemble(
             "shell", 0.5 * (edges[1:] + edges[:-1]), _attributes("relative_radius") | {"bounds": "relative_radius_bounds"},
         ),
     }  # fmt: skip
+    if each:
+        frames = np.array([experiment.stack.chosen[i] for i in range(experiment.stack.frames)])
+        sources = [experiment.stack.source(i) for i in range(experiment.stack.frames)]
+        coordinates["frame"] = ("frame", frames, {"long_name": "frame of the stack"})
+        coordinates["frame_source"] = ("frame", np.array(sources, dtype=object), {"long_name": "where the frame is from"})
     result = xr.Dataset(variables, coordinates)
     result.attrs = _provenance(experiment, fits, facts, (*experiment.remarks, *remarks, *_flag_words(flags, fits)))
     return result
@@ -256,7 +261,7 @@ def _provenance(
         "fitted_beside_the_fractions": " ".join((*experiment.nuisances, *experiment.detector.names))
         if fits[0].method != "chord"
         else "radius axis amplitude slope",
-        "frames": experiment.used if not images.frames.each else stack.frames,
+        "frames": experiment.used if not images.each else stack.frames,
         "frames_read": _frames_read(experiment),
         "frame_shape": f"{stack.rows} x {stack.columns}",
         "block_rows": images.block_rows,
@@ -277,8 +282,8 @@ def _frames_read(experiment: Experiment) -> str:
     """How many frames came from where."""
     stack, account = experiment.stack, experiment.stack.account
     total = stack.reader.shape[0]
-    part = f"; frames {experiment.images.frames.text}" if experiment.images.frames.part != slice(None) else ""
-    used = experiment.used if not experiment.images.frames.each else stack.frames
+    part = f"; frames {experiment.images.frames.text}" if experiment.images.part != slice(None) else ""
+    used = experiment.used if not experiment.images.each else stack.frames
     parts = f" ({account.parts})" if account.parts else ""
     gone = f"; {len(account.missing)} never written" if account.missing else ""
     return f"{used} of {total} frames of {account.source}{parts}{part}{gone}"

@@ -83,6 +83,11 @@ class Stack:
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`: (frames, rows, columns)."""
         which = self.chosen[start:stop]
+        if len(which) < stop - start or not which:
+            raise InputError(
+                self.key, f"has no frames {start} to {stop}", value=self.name, allowed=f"0 to {self.frames}",
+                remedy="was the file cut short?",
+            )  # fmt: skip
         try:
             if which[-1] - which[0] == len(which) - 1:
                 block = self.reader.read(which[0], which[-1] + 1)

@@ -132,11 +132,21 @@ class Images(Sheet):
             raise refusal("tail_share", 'goes with tail_length: the share of the light in the tail, or "fit"')
         if self.tail_share is not None and self.tail_share != "fit" and self.tail_length is None:
             raise refusal("tail_length", 'goes with tail_share: how far the tail reaches, or "fit"')
-        if self.positions and self.frames.each:
+        if self.positions and self.each:
             raise refusal("frames", 'are summed at each position: take "sum", or one position')
         if self.positions and self.method in ("chord", "phase"):
             raise refusal("method", 'takes one position: take "map" or "row" for several')
         return self
+
+    @property
+    def each(self) -> bool:
+        """Frames are reduced one by one."""
+        return self.frames == "each"
+
+    @property
+    def part(self) -> slice:
+        """Frames of the stack that are read."""
+        return self.frames.part if isinstance(self.frames, Frames) else slice(None)
 
     @property
     def source(self) -> tuple[str, str]:

@@ -42,10 +42,13 @@ class _Images:
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
+        frames = [self.image] if self.count == 1 else [self.image.get_frame(i) for i in range(start, stop)]
+        for i, frame in enumerate(frames):
+            if getattr(frame, "incomplete_data", False) or getattr(frame, "incomplete_file", False):
+                raise EOFError(f"{self.path.name} ends early, in frame {start + i}")
         if self.count == 1:
             return np.asarray(self.image.data).reshape(self.shape)[start:stop]
-        frames = [np.asarray(self.image.get_frame(i).data) for i in range(start, stop)]
-        return np.stack(frames)
+        return np.stack([np.asarray(frame.data) for frame in frames])
 
 
 class _Fabio:

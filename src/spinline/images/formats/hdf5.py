@@ -342,6 +342,13 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
             given[:] = not lost
             continue
         has = part.shape[0] if part.ndim >= 3 else 1
+        wanted = max(last[0] + 1, high[0] - low[0] + 1 if first[0] == 0 else 0)
+        if part.ndim >= 3 and has < wanted:
+            raise InputError(
+                key, "is a virtual dataset, and a dataset that it refers to holds fewer frames than it says",
+                value=f"{path.name} -> {source.file_name}:{source.dset_name}, {has} of {wanted}",
+                remedy="copy the source again, or name the sources themselves by a pattern",
+            )  # fmt: skip
         step = max((high[0] - low[0]) // max(last[0] - first[0], 1), 1) if part.ndim >= 3 else 1
         at = first[0] if part.ndim >= 3 else 0
         for offset, frame in enumerate(range(low[0], min(high[0] + 1, frames), step)):

@@ -108,7 +108,7 @@ class _Tiff:
             page: Any = pages[i]
             kinds.setdefault((page.shape, str(page.dtype)), []).append(i)
         if not kinds:
-            raise InputError(key, "holds no image", value=path.name, remedy="copy it again: it may be cut short")
+            raise InputError(key, "holds no image: it is damaged", value=path.name, remedy="copy it again: it may be cut short")
         (shape, dtype), mine = max(kinds.items(), key=lambda kind: len(kind[1]) * int(np.prod(kind[0][0])))
         planes = 1
         if len(shape) == 3 and int(getattr(pages[mine[0]], "planarconfig", 1)) == _SEPARATE:
@@ -127,6 +127,12 @@ class _Tiff:
         )
         one: Any = pages[mine[0]]
         many = planes if planes > 1 or len(mine) > 1 else _behind(file, one)
+        said_to_be = int((file.imagej_metadata or {}).get("images", 0)) if file.is_imagej else 0
+        if said_to_be > len(mine) * many:
+            raise InputError(
+                key, f"is cut short: it says {said_to_be} frames, and holds {len(mine) * many}", value=path.name,
+                remedy="copy it again",
+            )  # fmt: skip
         account = Account(
             path.name, f"{len(mine)} page{'s' * (len(mine) > 1)}" + (f" of {many} frames" if many > 1 else ""), remarks=said,
             metadata=_metadata(file, one),
