@@ -4,7 +4,6 @@ Bad input ends with exit code 2 and one message on standard error; warnings go t
 output holds the answer alone.
 """
 
-import shutil
 import sys
 import warnings
 from enum import StrEnum
@@ -190,7 +189,7 @@ def scenes(
     """List the bundled scenes and images, or copy one to start from."""
     import tomllib
 
-    from spinline.base.files import writable
+    from spinline.base.files import copy_file, copy_tree, writable
     from spinline.scene.file import bundled_scenes
     from spinline.scene.images_file import bundled_images
 
@@ -202,15 +201,18 @@ def scenes(
     if copy not in known:
         raise InputError("--copy", "is not a bundled scene", value=copy, allowed=", ".join(known))
     source = known[copy]
-    shutil.copyfile(source, writable(to / source.name, force=force))
+    writable(to / source.name, force=force)
     content = tomllib.loads(source.read_text(encoding="utf-8"))
     data = content["counts"] if "counts" in content else content["jet"].get("path")
     if data is not None:
         origin, target = source.parent / data, to / data
         if origin.is_dir():
-            shutil.copytree(origin, target, dirs_exist_ok=force)
+            if target.exists() and not force:
+                raise InputError(str(target), "exists", remedy="--force to overwrite its files")
+            copy_tree(origin, target, force=force)
         else:
-            shutil.copyfile(origin, writable(target, force=force))
+            copy_file(origin, target, force=force)
+    copy_file(source, to / source.name, force=force)
     typer.echo(f"wrote {to / source.name}")
 
 
@@ -222,15 +224,14 @@ def schema(
     """JSON Schema of the scene file, for editors."""
     import json
 
-    from spinline.base.files import replacing
+    from spinline.base.files import write_text
     from spinline.scene.file import json_schema
 
     text = json.dumps(json_schema(), indent=2)
     if out is None:
         typer.echo(text)
     else:
-        with replacing(out, force=force) as part:
-            part.write_text(text + "\n", encoding="utf-8")
+        write_text(out, text + "\n", force=force)
 
 
 app.command()(plan)
@@ -288,13 +289,13 @@ def import_jet(
     force: ForceOption = False,
 ) -> None:
     """Turn the output of a Lagrangian simulation into a jet file."""
-    from spinline.base.files import replacing
+    from spinline.base.files import writable
     from spinline.jetprofile.jetspin import write_jet
     from spinline.solve import results
 
     target = out or Path(run_dir.resolve().stem + ".nc")
-    with replacing(target, force=force) as part:
-        write_jet(run_dir, part, source=source, unit=unit)
+    writable(target, force=force)
+    write_jet(run_dir, target, source=source, unit=unit, force=force)
     jet = results.open_dataset(target)
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 

@@ -15,12 +15,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from spinline.base.errors import InputError
-from spinline.base.files import replacing
+from spinline.base.files import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_format", "figure", "headline", "png", "save_figure", "shade"]
+__all__ = ["check_format", "figure", "headline", "png", "save_figure", "save_sheet", "shade"]
 
 BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#555555"
 _FORMATS = {".png", ".pdf", ".svg"}
@@ -107,12 +107,23 @@ def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
         For another ending, or a file that cannot be written.
     """
     file = check_format(path)
-    with replacing(file, force=force) as part:
-        if file.suffix.lower() == ".png":
-            part.write_bytes(png(result))
-        else:
-            figure(result).savefig(part)
-    return file
+    if file.suffix.lower() == ".png":
+        return write_bytes(file, png(result), force=force)
+    return save_sheet(figure(result), file, force=force)
+
+
+def save_sheet(sheet: Figure, path: str | Path, *, force: bool = False, dpi: int = 130) -> Path:
+    """Write any figure, drawn in memory first; the file's ending says the format.
+
+    Raises
+    ------
+    InputError
+        For another ending, or a file that cannot be written.
+    """
+    file = check_format(path)
+    buffer = io.BytesIO()
+    sheet.savefig(buffer, format=file.suffix[1:].lower(), dpi=dpi)
+    return write_bytes(file, buffer.getbuffer(), force=force)
 
 
 def check_format(path: str | Path) -> Path:

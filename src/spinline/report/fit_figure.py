@@ -8,8 +8,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from spinline.base.files import replacing
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, RED, check_format
+from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, RED, save_sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,10 +67,7 @@ def fit_figure(result: xr.Dataset) -> Figure:
 
 def save_fit_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write the figure of a fit (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        fit_figure(result).savefig(part, dpi=130)
-    return file
+    return save_sheet(fit_figure(result), path, force=force)
 
 
 def _calibration(result: xr.Dataset) -> dict[str, float]:

@@ -1,6 +1,5 @@
 """Figures of images: what a preview shows, and a reduction with its error bars."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,9 +7,8 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from spinline.base.files import replacing
 from spinline.images.reduction_dataset import plausible
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, check_format
+from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, save_sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,14 +92,6 @@ def preview_sheet(seen: "Preview") -> Figure:
     right.legend(**_LEGEND)
     sheet.suptitle(experiment.images.title or experiment.images.name, fontsize=10.5)
     return sheet
-
-
-def save_sheet(sheet: Figure, path: str | Path, *, force: bool = False) -> Path:
-    """Write a figure; the file's ending says the format (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        sheet.savefig(part, dpi=130)
-    return file
 
 
 def _one_frame(result: xr.Dataset) -> xr.Dataset:

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from spinline.base.files import replacing
 from spinline.fit.overlay import compare_theory, theory_words
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, check_format
+from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, save_sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,10 +47,7 @@ def overlay_figure(result: xr.Dataset) -> "Figure":
 
 def save_overlay(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write the figure (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        overlay_figure(result).savefig(part, dpi=130)
-    return file
+    return save_sheet(overlay_figure(result), path, force=force)
 
 
 def _shade(axis: "Axes", x: Any, result: xr.Dataset, name: str, colour: str) -> None:

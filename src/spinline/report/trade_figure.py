@@ -8,8 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from spinline.base.files import replacing
-from spinline.report.figures import BLUE, GREEN, ORANGE, PURPLE, RED, check_format
+from spinline.report.figures import BLUE, GREEN, ORANGE, PURPLE, RED, save_sheet
 from spinline.study.trade import Measured, Trade
 
 if TYPE_CHECKING:
@@ -79,10 +78,7 @@ def _panel(axis: "Axes", measured: Trade, rungs: list[tuple[int, Measured]], bra
 
 def save_trade_figure(measured: Trade, path: str | Path, *, force: bool = False) -> Path:
     """Write the figure; the file's ending says the format (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        trade_figure(measured).savefig(part, dpi=130, format=file.suffix[1:].lower())
-    return file
+    return save_sheet(trade_figure(measured), path, force=force)
 
 
 def trade_png(measured: Trade, dpi: int = 130) -> bytes:

@@ -14,8 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from spinline.base.errors import InputError
-from spinline.base.files import replacing
-from spinline.report.figures import BLUE, GREY, check_format
+from spinline.report.figures import BLUE, GREY, save_sheet
 from spinline.study.window import AXES
 
 if TYPE_CHECKING:
@@ -81,10 +80,7 @@ def save_window_figure(window: xr.Dataset, path: str | Path, *, force: bool = Fa
     InputError
         For another ending, a window of one point, or a file that cannot be written.
     """
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        window_figure(window).savefig(part, dpi=130)
-    return file
+    return save_sheet(window_figure(window), path, force=force)
 
 
 def _unit(name: str) -> str:
