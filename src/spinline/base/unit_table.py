@@ -9,6 +9,8 @@ import math
 import re
 from fractions import Fraction
 
+from spinline.base.constants import EPS0
+
 __all__ = ["LONGEST", "Factor", "factors", "scale_and_dimension"]
 
 LONGEST = 80  # characters of a unit
@@ -138,8 +140,7 @@ _PREFIXES = {
 _F = Fraction
 _FORCE, _PRESSURE, _ENERGY = _of(kg=1, m=1, s=-2), _of(kg=1, m=-1, s=-2), _of(kg=1, m=2, s=-2)
 _CHARGE, _VOLT = _of(A=1, s=1), _of(kg=1, m=2, s=-3, A=-1)
-_EPS0 = 8.8541878188e-12  # F/m, CODATA 2022
-_STATC = math.sqrt(1e-9 * 4.0 * math.pi * _EPS0)  # C: unit charges 1 cm apart repel with 1 dyn
+_STATC = math.sqrt(1e-9 * 4.0 * math.pi * EPS0)  # C: unit charges 1 cm apart repel with 1 dyn
 _DALTON = 1.66053906892e-27  # kg, CODATA 2022
 
 _UNITS: dict[str, tuple[Fraction | float, Dimension]] = {}

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from spinline.base.constants import AVOGADRO, EPS0
 from spinline.base.errors import InputError
 from spinline.base.unit_table import factors, scale_and_dimension
 
 __all__ = ["QUANTITIES", "Measured", "Quantity", "parse", "parse_unit"]
 
-_AVOGADRO = 6.02214076e23  # 1/mol, exact
-_4_PI_EPS0 = 4 * np.pi * 8.8541878188e-12  # F/m: Gaussian conductivity (1/s) to S/m
+_4_PI_EPS0 = 4 * np.pi * EPS0  # F/m: Gaussian conductivity (1/s) to S/m
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def _converted(unit: str, kind: str) -> tuple[tuple[float, float], str]:
     if kind == "conductivity" and dimension == _PER_SECOND:
         return (scale * _4_PI_EPS0, 0.0), ""
     if kind == "molar mass" and dimension == _MASS:
-        return (scale * _AVOGADRO, 0.0), ""
+        return (scale * AVOGADRO, 0.0), ""
     return ((scale, 0.0), "") if dimension == _dimension(kind) else (nothing, "other")
 
 
@@ -218,7 +218,7 @@ def _by_pint(unit: str, kind: str) -> tuple[tuple[float, float], str]:
         if kind == "conductivity" and dimension == {"[time]": -1}:
             return (_plain(registry, parsed, "1/s") * _4_PI_EPS0, 0.0), ""
         if kind == "molar mass" and dimension == {"[mass]": 1}:
-            return (_plain(registry, parsed, "kg") * _AVOGADRO, 0.0), ""
+            return (_plain(registry, parsed, "kg") * AVOGADRO, 0.0), ""
         if kind == "temperature":
             zero = float(registry.Quantity(0.0, parsed).to("K").magnitude)
             return (float(registry.Quantity(1.0, parsed).to("K").magnitude) - zero, zero), ""

@@ -276,7 +276,9 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
         for key, stack in parts.items():
             with streaming(names[key], force=force) as stream:
                 tifffile.imwrite(
-                    cast(IO[bytes], stream), stack.astype(np.uint16) if stack.max() < 65536 else stack, photometric="minisblack"
+                    cast(IO[bytes], stream),
+                    stack.astype(np.uint16) if stack.max() < 65536 else stack,
+                    photometric="minisblack",
                 )
     write_text(toml, images_text(frames.camera, result, names), force=force)
     return (*dict.fromkeys(names.values()), toml)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["Memory", "Store", "as_grid", "open_sweep"]
 
 _MARK = "spinline_sweep"
-_OWN = re.compile(r"(?:[^/]+/)?zarr\.json|[^/]+/c(?:/\d+)+|[^/]+/(?:c/)?[^/]*\.partial")
+_OWN = re.compile(r"(?:[^/]+/)?zarr\.json|[^/]+/c(?:/\d+)+|(?:[^/]+/)*[^/]*\.partial")
 _STATUS = "0 ok, 1 incomplete, 2 refused, 3 failed, 255 not computed"
 _REASON = "why a row has no numbers, or not all"
 
@@ -55,6 +55,9 @@ class Memory:
     def write(self, index: int, columns: Mapping[str, Column], block: Block) -> None:
         """Keep a chunk."""
         self._parts[index] = (columns, block)
+
+    def close(self) -> None:
+        """Nothing is held."""
 
     def dataset(self) -> "xr.Dataset":
         """All rows."""
@@ -109,6 +112,8 @@ class Store:
             raise InputError(str(path), "holds another sweep (or one of another version)",
                              remedy="choose another name, or --force to start anew")  # fmt: skip
         lock_folder(path)
+        for left in path.rglob("*.partial"):  # of a process that was killed
+            left.unlink(missing_ok=True)
         self._group: Any = zarr.open_group(str(path), mode="r+")
         self.attributes = dict(self._group.attrs)
         self.chunk = int(self.attributes["chunk"])
