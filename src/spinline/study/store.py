@@ -133,8 +133,7 @@ class Store:
                 wide = () if len(dims) == 1 else (self.task.points,)
                 group.create_array(name, shape=(size, *wide), chunks=(min(chunk, size), *wide), dtype=kind,
                                    fill_value=fill, dimension_names=dims, attributes=described,
-                                   compressors=[ZstdCodec(level=0), Crc32cCodec()],
-                                   config={"write_empty_chunks": True})  # fmt: skip
+                                   compressors=[ZstdCodec(level=0), Crc32cCodec()])  # fmt: skip
             told = {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
             group.attrs.update(told | {"checksum": _checksum(place, told)})
 
@@ -156,13 +155,16 @@ class Store:
         return slice(index * self.chunk, min((index + 1) * self.chunk, self.sweep.design.size))
 
     def write(self, index: int, columns: Mapping[str, Column], block: Block) -> None:
-        """Write a chunk, its status last."""
+        """Write a chunk, its status last; all its files, for one that is missing must be seen to be."""
+        import zarr
+
         rows = self._rows(index)
         try:
-            for name in _layout(self.sweep, self.task):
-                if name != "status":
-                    self._group[name][rows] = _piece(name, columns, block)
-            self._group["status"][rows] = block.status
+            with zarr.config.set({"array.write_empty_chunks": True}):
+                for name in _layout(self.sweep, self.task):
+                    if name != "status":
+                        self._group[name][rows] = _piece(name, columns, block)
+                self._group["status"][rows] = block.status
         except OSError as error:
             raise InputError(str(self.path), f"cannot be written ({error.strerror or error})",
                              remedy="make room; the same command goes on from here") from None  # fmt: skip
