@@ -5,7 +5,7 @@ import math
 from numba import njit
 from numpy.typing import NDArray
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 __all__ = ["drape_all"]
 

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, positive, real
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["DensityMap", "add_segments", "density_map"]
 

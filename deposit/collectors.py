@@ -23,8 +23,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["Belt", "Collector", "Drum", "Plate", "collector"]
 

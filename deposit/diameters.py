@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["WEIGHTS", "Comparison", "Lognormal", "compare", "diameter_density", "lognormal", "moments"]
 

@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from spinline.checks import FloatArray, number
+from spinline.base.checks import FloatArray, number
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["Footprint", "footprint"]
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 from spinline.deposit.collectors import Collector
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr

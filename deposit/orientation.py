@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError
 
 __all__ = ["Order", "hermans", "image_orientation", "isotropic_order", "order", "orientation_density", "tensor"]
 

@@ -10,9 +10,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from spinline.checks import FloatArray, positive
+from spinline.base.checks import FloatArray, positive
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["Passages", "Window", "passages"]
 

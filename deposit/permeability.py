@@ -40,8 +40,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import k0e, k1e
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError, SpinlineWarning
 
 __all__ = ["LAWS", "PermeabilityLaw", "permeability", "pressure_drop", "quality_factor", "slip_permeability"]
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 
 __all__ = [
     "CELL_VARIATION",

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from spinline.checks import BoolArray, FloatArray, real
-from spinline.errors import InputError
+from spinline.base.checks import BoolArray, FloatArray, real
+from spinline.base.errors import InputError
 
 __all__ = ["OpenAreas", "ball_fits", "bubble_point", "distance_to_solid", "open_areas", "pore_size"]
 

@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spinline.checks import BoolArray, FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import BoolArray, FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["Segments"]
 

@@ -22,10 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, number, positive, real
 from spinline.deposit.passages import Passages, Window, passages
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["ENVELOPES", "Stack", "beam_slope", "extrapolated", "stack"]
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft
 
-from spinline.checks import BoolArray, FloatArray, number, positive
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.checks import BoolArray, FloatArray, number, positive
+from spinline.base.errors import InputError, SpinlineWarning
 
 __all__ = ["StokesResult", "stokes_permeability"]
 

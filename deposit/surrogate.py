@@ -23,9 +23,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, number, positive, real
 from spinline.deposit.segments import Segments
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["Laydown", "laid_length", "surrogate_fibre"]
 

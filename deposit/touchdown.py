@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, number, real
+from spinline.base.checks import BoolArray, FloatArray, number, real
 from spinline.deposit.collectors import Collector
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["TouchDown", "touch_down"]
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, ellipkm1
 
-from spinline.checks import FloatArray, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 
 __all__ = ["trochoid_length_rate", "trochoid_order"]
 

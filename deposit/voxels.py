@@ -11,9 +11,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from spinline.checks import BoolArray, FloatArray, number, positive, real
+from spinline.base.checks import BoolArray, FloatArray, number, positive, real
 from spinline.deposit.stack import Stack
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["VoxelBox", "stamp", "voxelise"]
 
