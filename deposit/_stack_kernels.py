@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -12,7 +13,7 @@ __all__ = ["drape_all"]
 
 @njit(cache=True, error_model="numpy")
 def drape_all(
-    height: FloatArray, z: FloatArray, x: FloatArray, y: FloatArray, radius: FloatArray, offsets: "NDArray",
+    height: FloatArray, z: FloatArray, x: FloatArray, y: FloatArray, radius: FloatArray, offsets: "NDArray[np.int64]",
     spacing: FloatArray, pixel: float, slope: float, flatten: float, periodic: bool,
 ) -> None:  # fmt: skip
     """Lay all passages on `height` (x, y) in order; their axes go to `z`. Lengths in one unit."""

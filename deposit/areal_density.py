@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from spinline.base.checks import FloatArray, positive, real
-from spinline.deposit.segments import Segments
 from spinline.base.errors import InputError
+from spinline.deposit.segments import Segments
 
 __all__ = ["DensityMap", "add_segments", "density_map"]
 
@@ -70,7 +70,12 @@ def add_segments(
     """Add weights of segments to `content` in place, for maps built chunk by chunk; returns what fell outside."""
     sx, sy = x_edges[1] - x_edges[0], y_edges[1] - y_edges[0]
     value: float = _add(
-        content, (segments.x - x_edges[0]) / sx, (segments.y - y_edges[0]) / sy, segments.dx / sx, segments.dy / sy, weight
+        content,
+        (segments.x - x_edges[0]) / sx,
+        (segments.y - y_edges[0]) / sy,
+        segments.dx / sx,
+        segments.dy / sy,
+        weight,
     )
     return value
 

@@ -155,7 +155,7 @@ class Drum:
 
     @property
     def surface_speed(self) -> float:
-        """omega R_D, m/s."""
+        """Omega R_D, m/s."""
         return self.rotation * self.radius
 
     @property
@@ -197,7 +197,12 @@ class Drum:
 
 
 def collector(
-    kind: str, distance: float, *, speed: float | None = None, rotation: float | None = None, radius: float | None = None
+    kind: str,
+    distance: float,
+    *,
+    speed: float | None = None,
+    rotation: float | None = None,
+    radius: float | None = None,
 ) -> Plate | Belt | Drum:
     """Collector by its word.
 

@@ -1,8 +1,9 @@
 """Diameters of fibres: four weights, the lognormal law, and the comparison with measured ones.
 
 A distribution of diameters means nothing without its weight: per `length` (what medial-axis tools on SEM images give, for
-visible fibres), per `surface` or per `volume`; per fibre is a length weight with all lengths the same. From a length-weighted sample the others follow by weights d and
-d^2. Lognormal with mean M and standard deviation S: ``s^2 = ln(1 + S^2/M^2)``, ``mu = ln M - s^2/2``.
+visible fibres), per `surface` or per `volume`; per fibre is a length weight with all lengths the same. From a length-weighted
+sample the others follow by weights d and d^2. Lognormal with mean M and standard deviation S: ``s^2 = ln(1 + S^2/M^2)``, ``mu
+= ln M - s^2/2``.
 
 Two samples are compared by means, spreads and the largest distance of their distributions, each with a bootstrap interval: an
 interval that holds 0 says that the difference is not shown, not that there is none.
@@ -18,7 +19,7 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 
-__all__ = ["WEIGHTS", "Comparison", "Lognormal", "compare", "diameter_density", "lognormal", "moments"]
+__all__ = ["WEIGHTS", "Comparison", "Lognormal", "compare_diameters", "diameter_density", "lognormal", "moments"]
 
 WEIGHTS: Mapping[str, int] = {"length": 0, "surface": 1, "volume": 2}  # powers of d beside the length
 
@@ -122,7 +123,7 @@ class Comparison:
         return not self.mean_ratio[1] <= 1 <= self.mean_ratio[2]
 
 
-def compare(
+def compare_diameters(
     first: ArrayLike, second: ArrayLike, *, first_length: ArrayLike | None = None,
     second_length: ArrayLike | None = None, resamples: int = 400, seed: int = 0, most: int = 20000,
 ) -> Comparison:  # fmt: skip

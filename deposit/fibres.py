@@ -12,8 +12,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from spinline.deposit.segments import Segments
 from spinline.base.errors import InputError
+from spinline.deposit.segments import Segments
 
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
 
@@ -50,7 +50,7 @@ class FibreWriter:
     """
 
     def __init__(self, path: str | Path, attributes: Mapping[str, Any] | None = None) -> None:
-        import h5netcdf
+        import h5netcdf  # type: ignore[import-untyped]
 
         self.rows = 0
         self._sums = dict.fromkeys(_SUMS, 0.0)

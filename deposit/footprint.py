@@ -10,10 +10,10 @@ import numpy as np
 from scipy import stats
 
 from spinline.base.checks import FloatArray, number
-from spinline.deposit.segments import Segments
 from spinline.base.errors import InputError
+from spinline.deposit.segments import Segments
 
-__all__ = ["Footprint", "footprint"]
+__all__ = ["Footprint", "footprint_of"]
 
 _LEAST_BLOCKS = 8
 
@@ -45,7 +45,7 @@ class Footprint:
     blocks: int
 
 
-def footprint(segments: Segments, *, blocks: int = 20, resamples: int = 400, seed: int = 0) -> Footprint:
+def footprint_of(segments: Segments, *, blocks: int = 20, resamples: int = 400, seed: int = 0) -> Footprint:
     """Footprint of the segments of one jet, in order of landing.
 
     Parameters

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 from spinline.deposit.collectors import Collector
 from spinline.deposit.segments import Segments
-from spinline.base.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,10 +94,14 @@ class LandingRecord:
         joined[1:] = (jets[1:] == jets[:-1]) & (fibres[1:] == fibres[:-1])
         back = np.flatnonzero(joined & np.r_[False, np.diff(time) < 0])
         if back.size:
-            raise InputError("touch_time", f"runs back along a fibre, at row {int(back[0])}", value=float(time[back[0]]))
+            raise InputError(
+                "touch_time", f"runs back along a fibre, at row {int(back[0])}", value=float(time[back[0]])
+            )
 
         def element(name: str, value: ArrayLike, first: float, **bounds: Any) -> FloatArray:
-            raw = np.broadcast_to(np.asarray(value, dtype=np.float64), (n,)) if np.ndim(value) == 0 else np.asarray(value)
+            raw = (
+                np.broadcast_to(np.asarray(value, dtype=np.float64), (n,)) if np.ndim(value) == 0 else np.asarray(value)
+            )
             if raw.shape != (n,):
                 raise InputError(name, "must have a value per landing", value=f"shape {raw.shape}", allowed=f"({n},)")
             out = np.full(n, first)

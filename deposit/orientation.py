@@ -1,7 +1,7 @@
 """How fibres point: order parameter, director, distributions, tensors, and what an image shows.
 
-``S2 = |<e^(2 i theta)>|`` and the director ``arg/2``, length-weighted. A finite isotropic sample of N independent pieces does not
-give 0 but ``pi^(1/2)/(2 N^(1/2))`` on average. In space the tensor ``<t t>``: Hermans' factor about an axis u is
+``S2 = |<e^(2 i theta)>|`` and the director ``arg/2``, length-weighted. A finite isotropic sample of N independent pieces does
+not give 0 but ``pi^(1/2)/(2 N^(1/2))`` on average. In space the tensor ``<t t>``: Hermans' factor about an axis u is
 ``(3 u.<tt>.u - 1)/2``: 1 for fibres along u, 1/4 in an isotropic mat about an axis in its plane, -1/2 about its normal.
 
 An image has no fibres: `image_orientation` takes the structure tensor of its gradients, for like with like.
@@ -16,7 +16,7 @@ from scipy import ndimage
 from spinline.base.checks import FloatArray, number, real
 from spinline.base.errors import InputError
 
-__all__ = ["Order", "hermans", "image_orientation", "isotropic_order", "order", "orientation_density", "tensor"]
+__all__ = ["Order", "hermans", "image_orientation", "isotropic_order", "order_of", "orientation_density", "tensor"]
 
 
 class Order(NamedTuple):
@@ -26,7 +26,7 @@ class Order(NamedTuple):
     director: float
 
 
-def order(angle: ArrayLike, weight: ArrayLike | None = None) -> Order:
+def order_of(angle: ArrayLike, weight: ArrayLike | None = None) -> Order:
     """Order of plane directions.
 
     Parameters
@@ -51,7 +51,9 @@ def isotropic_order(pieces: ArrayLike) -> FloatArray:
     return np.asarray(np.sqrt(np.pi / real("pieces", pieces, least=1.0)) / 2)
 
 
-def orientation_density(angle: ArrayLike, weight: ArrayLike | None = None, bins: int = 36) -> tuple[FloatArray, FloatArray]:
+def orientation_density(
+    angle: ArrayLike, weight: ArrayLike | None = None, bins: int = 36
+) -> tuple[FloatArray, FloatArray]:
     """Probability density of the direction over [-pi/2, pi/2), 1/rad, and the bins' centres."""
     theta, w = _weighted(angle, weight)
     edges = np.linspace(-np.pi / 2, np.pi / 2, int(number("bins", bins, least=2, most=1e6)) + 1)
@@ -115,5 +117,7 @@ def _weighted(angle: ArrayLike, weight: ArrayLike | None) -> tuple[FloatArray, F
     theta = np.ravel(real("angle", angle, unit="rad"))
     w = np.ones(theta.size) if weight is None else np.ravel(real("weight", weight, least=0.0))
     if not theta.size or w.shape != theta.shape or not w.sum() > 0:
-        raise InputError("angle", "needs directions and weights, one each, not all zero", value=f"{theta.size}, {w.size}")
+        raise InputError(
+            "angle", "needs directions and weights, one each, not all zero", value=f"{theta.size}, {w.size}"
+        )
     return theta, w

@@ -4,15 +4,15 @@ A window cuts fibres; what belongs to one fibre and hangs together is one passag
 wraps them (no edges: for generated mats); an open one takes what crosses it and a margin.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from spinline.base.checks import FloatArray, positive
-from spinline.deposit.segments import Segments
+from spinline.base.checks import BoolArray, FloatArray, number, positive
 from spinline.base.errors import InputError
+from spinline.deposit.segments import Segments
 
 __all__ = ["Passages", "Window", "passages"]
 
@@ -76,7 +76,7 @@ class Passages:
     fibre_volume: float
 
 
-def passages(segments: Segments, window: Window, step: float, *, dry: bool = True) -> Passages:
+def passages(segments: Segments, window: Window, step: float, *, margin: float = 0.0, dry: bool = True) -> Passages:
     """Cut fibres at a window and sample them evenly.
 
     Parameters
@@ -86,6 +86,8 @@ def passages(segments: Segments, window: Window, step: float, *, dry: bool = Tru
     window : Window
     step : float
         Arc between samples, m; each passage takes a spacing just below.
+    margin : float
+        Beyond an open window, m, in which fibres are kept as well.
     dry : bool
         Fibres at their dry radius.
 
@@ -101,9 +103,11 @@ def passages(segments: Segments, window: Window, step: float, *, dry: bool = Tru
     ds = positive("step", step, "m")
     radius = segments.dry_radius if dry else segments.radius
     if not window.periodic:
-        reach = float(radius.max(initial=0.0))
-        keep = _near(segments, window, reach)
-        segments, radius = segments.take(keep), radius[keep]
+        inside_volume = float(np.sum(np.pi * radius**2 * segments.chord * _share_inside(segments, window)))
+        reach = float(radius.max(initial=0.0)) + number("margin", margin, least=0.0, unit="m")
+        wide = Window(window.width + 2 * reach, window.height + 2 * reach, window.x - reach, window.y - reach)
+        segments, keep = _clipped(segments, wide)
+        radius = radius[keep]
     chord = segments.chord
     real_ones = chord > 0
     segments, radius, chord = segments.take(real_ones), radius[real_ones], chord[real_ones]
@@ -126,17 +130,18 @@ def passages(segments: Segments, window: Window, step: float, *, dry: bool = Tru
     offsets = np.r_[0, np.cumsum(counts[by_time])]
     out = np.empty((3, offsets[-1]))
     _sample(out, s.x - window.x, s.y - window.y, s.dx, s.dy, radius, chord, first, by_time, counts)
-    inside = chord if window.periodic else chord * _share_inside(s, window)
+    if window.periodic:
+        inside_volume = float(np.sum(np.pi * radius**2 * chord))
     return Passages(
         out[0], out[1], out[2], offsets, (lengths / counts)[by_time], s.fibre[first[:-1]][by_time].astype(np.int64),
-        window, float(np.sum(np.pi * radius**2 * inside)),
+        window, inside_volume,
     )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")
 def _sample(
     out: FloatArray, x: FloatArray, y: FloatArray, dx: FloatArray, dy: FloatArray, radius: FloatArray,
-    chord: FloatArray, first: FloatArray, by_time: FloatArray, counts: FloatArray,
+    chord: FloatArray, first: NDArray[np.int64], by_time: NDArray[np.int64], counts: NDArray[np.int64],
 ) -> None:  # fmt: skip
     """Middle of each of `counts` equal pieces of every passage."""
     n = 0
@@ -156,23 +161,31 @@ def _sample(
             n += 1
 
 
-def _near(s: Segments, window: Window, reach: float) -> FloatArray:
-    """Rows whose box meets the window."""
-    low_x, high_x = np.minimum(s.x, s.x + s.dx), np.maximum(s.x, s.x + s.dx)
-    low_y, high_y = np.minimum(s.y, s.y + s.dy), np.maximum(s.y, s.y + s.dy)
-    return np.asarray(
-        (high_x > window.x - reach) & (low_x < window.x + window.width + reach)
-        & (high_y > window.y - reach) & (low_y < window.y + window.height + reach)
-    )  # fmt: skip
+def _clipped(s: Segments, window: Window) -> tuple[Segments, BoolArray]:
+    """Segments cut at a window's edges, and which rows are left."""
+    enter, leave = _inside(s, window)
+    keep = leave > enter
+    kept, start, share = s.take(keep), enter[keep], (leave - enter)[keep]
+    return replace(
+        kept, x=kept.x + start * kept.dx, y=kept.y + start * kept.dy, dx=share * kept.dx, dy=share * kept.dy,
+        length=share * kept.length,
+    ), keep  # fmt: skip
 
 
 def _share_inside(s: Segments, window: Window) -> FloatArray:
     """Part of each chord that is inside the window."""
+    enter, leave = _inside(s, window)
+    return np.maximum(leave - enter, 0.0)
+
+
+def _inside(s: Segments, window: Window) -> tuple[FloatArray, FloatArray]:
+    """Shares of the chord between which it is inside; outside, leave <= enter."""
     enter, leave = np.zeros(len(s)), np.ones(len(s))
     for start, step, low, size in ((s.x, s.dx, window.x, window.width), (s.y, s.dy, window.y, window.height)):
         safe = np.where(step != 0, step, 1.0)
-        a, b = (low - start) / safe, (low + size - start) / safe
+        with np.errstate(over="ignore"):
+            a, b = (low - start) / safe, (low + size - start) / safe
         inside = (start >= low) & (start <= low + size)
         enter = np.maximum(enter, np.where(step != 0, np.minimum(a, b), np.where(inside, 0.0, 1.0)))
         leave = np.minimum(leave, np.where(step != 0, np.maximum(a, b), np.where(inside, 1.0, 0.0)))
-    return np.maximum(leave - enter, 0.0)
+    return enter, leave

@@ -27,8 +27,8 @@ References
 ----------
 Davies, Proc. Inst. Mech. Eng. 167, 185 (1953); Jackson, James, Can. J. Chem. Eng. 64, 364 (1986); Drummond, Tahir, Int. J.
 Multiphase Flow 10, 515 (1984); Kuwabara, J. Phys. Soc. Jpn 14, 527 (1959); Happel, AIChE J. 5, 174 (1959); Tomadakis,
-Robertson, J. Compos. Mater. 39, 163 (2005); Spielman, Goren, Environ. Sci. Technol. 2, 279 (1968); Pich in Davies (ed.), Aerosol
-Science (1966).
+Robertson, J. Compos. Mater. 39, 163 (2005); Spielman, Goren, Environ. Sci. Technol. 2, 279 (1968); Pich in Davies (ed.),
+Aerosol Science (1966).
 """
 
 import warnings
@@ -43,7 +43,7 @@ from scipy.special import k0e, k1e
 from spinline.base.checks import FloatArray, number, real
 from spinline.base.errors import InputError, SpinlineWarning
 
-__all__ = ["LAWS", "PermeabilityLaw", "permeability", "pressure_drop", "quality_factor", "slip_permeability"]
+__all__ = ["LAWS", "PermeabilityLaw", "permeability_of", "pressure_drop", "quality_factor", "slip_permeability"]
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class PermeabilityLaw:
     use: str
 
 
-def permeability(law: str, solidity: ArrayLike, radius: ArrayLike) -> FloatArray:
+def permeability_of(law: str, solidity: ArrayLike, radius: ArrayLike) -> FloatArray:
     """Permeability k in m2; NaN outside the law's range, with a warning.
 
     Parameters
@@ -76,7 +76,7 @@ def permeability(law: str, solidity: ArrayLike, radius: ArrayLike) -> FloatArray
 
     Examples
     --------
-    >>> round(float(permeability("davies", 0.1, 1.0)), 3)
+    >>> round(float(permeability_of("davies", 0.1, 1.0)), 3)
     1.872
     """
     if law not in LAWS:
@@ -116,9 +116,7 @@ def slip_permeability(solidity: ArrayLike, knudsen: ArrayLike) -> FloatArray:
         warnings.warn("slip flow holds to Kn = 0.25; beyond, the permeability is extrapolated",
                       SpinlineWarning, stacklevel=2)  # fmt: skip
     slip = 1.996 * kn
-    return np.asarray(
-        (_kuwabara_number(phi) + slip * (-np.log(phi) / 2 - 0.25 + phi**2 / 4)) / (4 * phi * (1 + slip))
-    )
+    return np.asarray((_kuwabara_number(phi) + slip * (-np.log(phi) / 2 - 0.25 + phi**2 / 4)) / (4 * phi * (1 + slip)))
 
 
 def pressure_drop(

@@ -30,7 +30,7 @@ __all__ = ["OpenAreas", "ball_fits", "bubble_point", "distance_to_solid", "open_
 _HALF = 0.5  # from the centre of a solid voxel to its face
 
 
-def distance_to_solid(solid: BoolArray, *, periodic: bool = False, reach: int | None = None) -> FloatArray:
+def distance_to_solid(solid: BoolArray, *, periodic: bool = False) -> FloatArray:
     """Distance of each voxel's centre to the solid's surface, in voxels; 0 in the solid, inf where there is no solid.
 
     Parameters
@@ -39,19 +39,19 @@ def distance_to_solid(solid: BoolArray, *, periodic: bool = False, reach: int | 
         Two or three axes.
     periodic : bool
         The first two axes wrap.
-    reach : int, optional
-        How far to look across a wrapped edge. Default: half the box.
     """
     box = _box(solid)
     if not box.any():
         return np.full(box.shape, np.inf)
-    if periodic:
-        pads = [min(n, reach if reach is not None else (n + 1) // 2) for n in box.shape[:2]]
+    plain = np.maximum(_edt(~box) - _HALF, 0.0)
+    if periodic:  # wrapped distances are not longer: what lies farther than the longest of them cannot matter
+        look = int(np.ceil(plain.max())) + 1
+        pads = [min(n, look) for n in box.shape[:2]]
         width = [(pad, pad) for pad in pads] + [(0, 0)] * (box.ndim - 2)
         wide = _edt(~np.pad(box, width, mode="wrap"))
         inner = tuple(slice(pad, pad + n) for pad, n in zip(pads, box.shape[:2], strict=True))
         return np.maximum(wide[inner] - _HALF, 0.0)
-    return np.maximum(_edt(~box) - _HALF, 0.0)
+    return plain
 
 
 def ball_fits(solid: BoolArray, radius: ArrayLike, *, periodic: bool = False) -> FloatArray:

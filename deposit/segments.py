@@ -146,6 +146,6 @@ class Segments:
     def join(cls, parts: "Sequence[Segments]") -> Self:
         """All rows of several, one after another; nothing for no parts."""
         if not parts:
-            empty, none = np.empty(0), np.empty(0, dtype=np.int32)
-            return cls(*([empty] * 8), none, none)
+            e, none = np.empty(0), np.empty(0, dtype=np.int32)
+            return cls(e, e, e, e, e, e, e, e, none, none)
         return cls(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(cls)))

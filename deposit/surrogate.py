@@ -1,11 +1,12 @@
 """Kilometres of fibre from a fitted law of laydown, in place of kilometres of simulated jet.
 
-The fibre's tip moves on the resting footprint by the stochastic model of Goetz, Klar, Marheineke and Wegener, per arc length s::
+The fibre's tip moves on the resting footprint by the stochastic model of Goetz, Klar, Marheineke and Wegener, per arc length
+s::
 
     d xi = tau(alpha) ds        d alpha = -grad B(xi) . tau_perp ds + A dW
 
-whose stationary density is exactly ``exp(-B)``, directions uniform, whatever the noise A. Here ``B = xi' C^-1 xi / 2``: a normal
-footprint of covariance C. A small A gives loops, a large A a crumpled path. A collector that moves is added afterwards
+whose stationary density is exactly ``exp(-B)``, directions uniform, whatever the noise A. Here ``B = xi' C^-1 xi / 2``: a
+normal footprint of covariance C. A small A gives loops, a large A a crumpled path. A collector that moves is added afterwards
 (``X = xi - V t``, t = s/u), which is right while the fibre's laying does not feel it.
 
 Step: kick, half the turn, straight piece, half the turn (weak order 2). 5e6 segments a second on one core.
@@ -24,8 +25,8 @@ from numba import njit
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
-from spinline.deposit.segments import Segments
 from spinline.base.errors import InputError
+from spinline.deposit.segments import Segments
 
 __all__ = ["Laydown", "laid_length", "surrogate_fibre"]
 
@@ -144,13 +145,13 @@ def surrogate_fibre(
         path, log_radius = np.empty((n + 1, 2)), np.empty(n)
         shakes = rng.standard_normal(n)
         _walk(path, log_radius, state, kicks, shakes, inverse, ds, memory)
-        time = start_time + ds / laydown.speed * (done + np.arange(n + 1))
+        time = start_time + ds / laydown.speed * (done + np.arange(n + 1.0))
         path[:, 0] += centre[0] - v * time
         path[:, 1] += centre[1]
         move = np.diff(path, axis=0)
         yield Segments(
             path[:-1, 0], path[:-1, 1], move[:, 0], move[:, 1], time[1:],
-            laydown.radius * np.exp(laydown.radius_spread * log_radius),
+            np.asarray(laydown.radius * np.exp(laydown.radius_spread * log_radius), dtype=np.float64),
             np.full(n, float(laydown.polymer_fraction)), np.full(n, ds),
             np.full(n, jet, dtype=np.int32), np.full(n, jet, dtype=np.int32),
         )  # fmt: skip

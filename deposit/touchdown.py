@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import BoolArray, FloatArray, number, real
-from spinline.deposit.collectors import Collector
 from spinline.base.errors import InputError
+from spinline.deposit.collectors import Collector
 
 __all__ = ["TouchDown", "touch_down"]
 
@@ -89,7 +89,7 @@ def touch_down(
     everyone = slice(None)
     parts = np.linspace(0.0, 1.0, _SAMPLES + 1)
     below = np.stack([collector.gap(at(np.full(len(p0), share), everyone)) <= 0 for share in parts], axis=-1)
-    landed: BoolArray = below.any(axis=-1)
+    landed: BoolArray = np.asarray(below.any(axis=-1))
     first = np.argmax(below, axis=-1)[landed]
     high = parts[first]
     low = parts[np.maximum(first - 1, 0)]
@@ -104,9 +104,7 @@ def touch_down(
     return TouchDown(landed, time, position, velocity)
 
 
-def _hermite(
-    u: FloatArray, step: float, p0: FloatArray, p1: FloatArray, v0: FloatArray, v1: FloatArray
-) -> FloatArray:
+def _hermite(u: FloatArray, step: float, p0: FloatArray, p1: FloatArray, v0: FloatArray, v1: FloatArray) -> FloatArray:
     """Cubic through both states at the share u of the step; written so that u = 1 gives p1 itself."""
     w = 1 - u
     near = w * w * ((1 + 2 * u) * p0 + u * step * v0)

@@ -12,8 +12,8 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from spinline.base.checks import BoolArray, FloatArray, number, positive, real
-from spinline.deposit.stack import Stack
 from spinline.base.errors import InputError
+from spinline.deposit.stack import Stack
 
 __all__ = ["VoxelBox", "stamp", "voxelise"]
 
@@ -91,32 +91,44 @@ def voxelise(stack: Stack, voxel: float, *, thickness: float | None = None, bott
 
 @njit(cache=True, error_model="numpy")
 def _stamp(box: BoolArray, p: FloatArray, q: FloatArray, radius: FloatArray, periodic: BoolArray) -> None:
-    nx, ny, nz = box.shape
     for n in range(len(p)):
-        r = radius[n]
         ux, uy, uz = q[n, 0] - p[n, 0], q[n, 1] - p[n, 1], q[n, 2] - p[n, 2]
-        square = ux * ux + uy * uy + uz * uz
-        x_low, x_high = min(p[n, 0], q[n, 0]) - r, max(p[n, 0], q[n, 0]) + r
-        y_low, y_high = min(p[n, 1], q[n, 1]) - r, max(p[n, 1], q[n, 1]) + r
-        z_low, z_high = min(p[n, 2], q[n, 2]) - r, max(p[n, 2], q[n, 2]) + r
-        for i in range(math.floor(x_low), math.floor(x_high) + 1):
-            ii = i % nx if periodic[0] else i
-            if ii < 0 or ii >= nx:
+        length = math.sqrt(ux * ux + uy * uy + uz * uz)
+        pieces = (
+            int(length / (4 * radius[n] + 4)) + 1
+        )  # a long capsule is the union of short ones: smaller boxes to search
+        for k in range(pieces):
+            a = k / pieces
+            _stamp_one(
+                box, p[n, 0] + a * ux, p[n, 1] + a * uy, p[n, 2] + a * uz, ux / pieces, uy / pieces, uz / pieces,
+                radius[n], periodic,
+            )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _stamp_one(
+    box: BoolArray, px: float, py: float, pz: float, ux: float, uy: float, uz: float, r: float, periodic: BoolArray
+) -> None:
+    nx, ny, nz = box.shape
+    square = ux * ux + uy * uy + uz * uz
+    for i in range(math.floor(px + min(ux, 0.0) - r), math.floor(px + max(ux, 0.0) + r) + 1):
+        ii = i % nx if periodic[0] else i
+        if ii < 0 or ii >= nx:
+            continue
+        x = i + 0.5 - px
+        for j in range(math.floor(py + min(uy, 0.0) - r), math.floor(py + max(uy, 0.0) + r) + 1):
+            jj = j % ny if periodic[1] else j
+            if jj < 0 or jj >= ny:
                 continue
-            x = i + 0.5 - p[n, 0]
-            for j in range(math.floor(y_low), math.floor(y_high) + 1):
-                jj = j % ny if periodic[1] else j
-                if jj < 0 or jj >= ny:
+            y = j + 0.5 - py
+            for k in range(math.floor(pz + min(uz, 0.0) - r), math.floor(pz + max(uz, 0.0) + r) + 1):
+                kk = k % nz if periodic[2] else k
+                if kk < 0 or kk >= nz:
                     continue
-                y = j + 0.5 - p[n, 1]
-                for k in range(math.floor(z_low), math.floor(z_high) + 1):
-                    kk = k % nz if periodic[2] else k
-                    if kk < 0 or kk >= nz:
-                        continue
-                    z = k + 0.5 - p[n, 2]
-                    t = 0.0
-                    if square > 0:
-                        t = min(max((x * ux + y * uy + z * uz) / square, 0.0), 1.0)
-                    gap = (x - t * ux) ** 2 + (y - t * uy) ** 2 + (z - t * uz) ** 2
-                    if gap < r * r:
-                        box[ii, jj, kk] = True
+                z = k + 0.5 - pz
+                t = 0.0
+                if square > 0:
+                    t = min(max((x * ux + y * uy + z * uz) / square, 0.0), 1.0)
+                gap = (x - t * ux) ** 2 + (y - t * uy) ** 2 + (z - t * uz) ** 2
+                if gap < r * r:
+                    box[ii, jj, kk] = True
