@@ -87,11 +87,11 @@ def test_touch_down_of_a_cubic_path_is_exact():
     x0, v0 = 0.19, np.array([2.0, 0.3, -0.1])
     x1 = x0 + v0[0] * t1 + g * t1**2 / 2
     start, end = np.array([[x0, 0, 0]]), np.array([[x1, v0[1] * t1, v0[2] * t1]])
-    out = dep.touch_down(dep.Plate(0.2), 0.0, t1, start, end, v0[None], (v0 + [g * t1, 0, 0])[None])
+    out = dep.touch_down(dep.Plate(0.2), 0.0, t1, start, end, v0[None], (v0 + np.array([g * t1, 0, 0]))[None])
     exact = (-v0[0] + np.sqrt(v0[0] ** 2 + 2 * g * 0.01)) / g
     assert out.time[0] == pytest.approx(exact, rel=1e-13)
     np.testing.assert_allclose(out.position[0], [0.2, v0[1] * exact, v0[2] * exact], rtol=1e-12)
-    np.testing.assert_allclose(out.velocity[0], v0 + [g * exact, 0, 0], rtol=1e-11)
+    np.testing.assert_allclose(out.velocity[0], v0 + np.array([g * exact, 0, 0]), rtol=1e-11)
 
 
 def test_a_bead_turned_round_by_a_gust_lands_within_the_step():
