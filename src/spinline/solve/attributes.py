@@ -54,7 +54,7 @@ def attributes_of(
     plan: Plan,
 ) -> dict[str, Any]:
     """Attributes of a run's Dataset."""
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     left_out = ([] if network else ["elastic slip", "inertia"]) + effects.left_out
     model = scene.network.model
