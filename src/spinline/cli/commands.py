@@ -249,6 +249,7 @@ def fit_jet(
     z_to: Annotated[str | None, typer.Option("--to", help='Look no farther than this, "2 cm".')] = None,
     tolerance: Annotated[float, typer.Option(help="Departure of the radius that is still a power law.")] = 0.02,
     along: Annotated[Along, typer.Option(help="Distance that counts, for a bead jet.")] = Along.arc,
+    unit: Annotated[str | None, typer.Option(help='Length unit of beads whose file has none, "cm".')] = None,
     json: JsonOption = False,
 ) -> None:
     """Fit the power law of Eq. (31) to a radius profile, and say where it holds."""
@@ -257,7 +258,7 @@ def fit_jet(
     from spinline.base.units import parse
     from spinline.jetprofile.fit import fit_power_law
 
-    z, r, std, r0 = _profile(profile, along)
+    z, r, std, r0 = _profile(profile, along, unit)
     if radius is not None:
         r0 = parse(radius, "length", "--radius").value
     nearest = parse(z_from, "length", "--from").value if z_from is not None else 0.0
@@ -342,9 +343,22 @@ def _crossover_line(result: "xr.Dataset") -> str:
     return line
 
 
-def _profile(path: Path, along: Along) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
+def _beads(path: Path) -> bool:
+    """Whether a file holds beads in space, so no table of z and radius."""
+    from spinline.jetprofile.readers import readers
+
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(4096)
+    return any(reader.claims(path, head) for reader in readers() if not reader.name.startswith("table"))
+
+
+def _profile(
+    path: Path, along: Along, unit: str | None
+) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
     """Distance, radius, its standard deviation and r_0 from a CSV file or an imported jet."""
-    if path.suffix != ".nc" and not path.is_dir():
+    if path.suffix != ".nc" and not path.is_dir() and not _beads(path):
         from spinline.jetprofile.columns import read_columns
 
         kinds = {"z": "length", "radius": "length", "radius_std": "length"}
@@ -353,10 +367,10 @@ def _profile(path: Path, along: Along) -> "tuple[FloatArray, FloatArray, FloatAr
     from spinline.base.netcdf import open_dataset
     from spinline.jetprofile.lagrangian import LagrangianJet
 
-    if path.is_dir():
-        from spinline.jetprofile.jetspin import read_jetspin
+    if path.suffix != ".nc":
+        from spinline.jetprofile.readers import read_beads
 
-        jet = LagrangianJet.from_dataset(read_jetspin(path)).at()
+        jet = read_beads(path, unit=unit).at()
     else:
         dataset = open_dataset(path)
         if "radius" in dataset and dataset["radius"].dims == ("z",):  # a result of a straight jet
