@@ -222,7 +222,8 @@ def test_fifty_random_scenes_keep_rtol(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_thousand_scenes_of_the_atlas(monkeypatch):
+@pytest.mark.parametrize("part", range(8))
+def test_a_thousand_scenes_of_the_atlas(monkeypatch, part):
     """Every scene a result within bounds or a named refusal, by the model that the committed summary says."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     atlas = benchmark("atlas")
@@ -230,9 +231,9 @@ def test_a_thousand_scenes_of_the_atlas(monkeypatch):
     summary = json.loads(text)
     assert len(text) <= 1_000_000
     assert summary["failed"] == 0
-    failed, changed = atlas.check(summary, 1000)
+    failed, changed = atlas.check(summary, 125, skip=125 * part)
     assert failed == []
-    assert len(changed) <= 2, changed  # of a budget or a limit that rounding decides
+    assert len(changed) <= 1, changed  # of a budget or a limit that rounding decides
 
 
 def test_the_check_of_the_atlas_can_fail(monkeypatch):

@@ -67,7 +67,9 @@ def cosh_profile():
 def test_an_object_with_the_methods_is_a_jet_and_runs(quiet):
     assert isinstance(Cosh(), Jet)
     scene = load_scene("peo5-water")
-    solved = evaluate(scene.model_copy(update={"jet": scene.jet.model_copy(update={"length": scene.jet.length})}), Cosh())
+    solved = evaluate(
+        scene.model_copy(update={"jet": scene.jet.model_copy(update={"length": scene.jet.length})}), Cosh()
+    )
     z = solved.fields["z"]
     np.testing.assert_allclose(solved.fields["velocity_ratio"], np.cosh(z / 1.2e-3), rtol=1e-14)
     np.testing.assert_allclose(solved.jet.initial_velocity, V0, rtol=1e-9)
@@ -87,7 +89,7 @@ def test_a_jet_is_added_by_its_law_a_section_and_a_line(cosh_profile, model, qui
     result = sl.run(scene_from_dict(data))
     np.testing.assert_allclose(result["velocity_ratio"], np.cosh(result["z"] / 1.2e-3), rtol=1e-14)
     assert result.attrs["model"] == model
-    with pytest.raises(InputError, match="'aa' = '1 mm': is not a known key|jet.aa"):
+    with pytest.raises(InputError, match=r"jet\.aa"):
         scene_from_dict({**data, "jet": {**data["jet"], "aa": "1 mm"}})
     assert full_key("jet.a", "x") == "jet.a"
 
@@ -152,7 +154,7 @@ def test_every_rung_says_what_it_is(name):
 
 def test_straight_and_bead_jets_meet_the_protocol():
     line = PowerLaw(radius=R0, flow_rate=1e-9, k=1.0, beta=0.5)
-    z = np.linspace(0.0, 4e-3, 41)
+    z = np.linspace(0.0, 4e-3, 801)
     middle = 0.5 * (z[1:] + z[:-1])
     beads = LagrangianJet.from_arrays(z, initial_radius=R0, radius=line.radius(middle), velocity=line.velocity(z))
     for jet in (line, beads):

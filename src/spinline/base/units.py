@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from spinline.base.constants import AVOGADRO, EPS0
 from spinline.base.errors import InputError
 
 __all__ = ["QUANTITIES", "Measured", "Quantity", "parse", "parse_unit"]
 
-_AVOGADRO = 6.02214076e23  # 1/mol, exact
-_4_PI_EPS0 = 4 * np.pi * 8.8541878188e-12  # F/m: Gaussian conductivity (1/s) to S/m
+_4_PI_EPS0 = 4 * np.pi * EPS0  # F/m: Gaussian conductivity (1/s) to S/m
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tup
     if kind == "conductivity" and dimension == {"[time]": -1}:
         return _plain(registry, parsed, "1/s") * _4_PI_EPS0, 0.0
     if kind == "molar mass" and dimension == {"[mass]": 1}:
-        return _plain(registry, parsed, "kg") * _AVOGADRO, 0.0
+        return _plain(registry, parsed, "kg") * AVOGADRO, 0.0
     try:
         if kind == "temperature":
             zero = float(registry.Quantity(0.0, parsed).to("K").magnitude)

@@ -49,7 +49,7 @@ class Along(StrEnum):
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from spinline import __version__
+        from spinline.base.version import __version__
 
         typer.echo(f"spinline {__version__}")
         raise typer.Exit

@@ -205,7 +205,7 @@ def _flag_words(flags: Any, fits: list[FrameFit]) -> tuple[str, ...]:
 def _provenance(
     experiment: Experiment, fits: list[FrameFit], facts: dict[str, float], remarks: tuple[str, ...]
 ) -> dict[str, Any]:
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     images, stack = experiment.images, experiment.stack
     return {

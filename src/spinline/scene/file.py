@@ -15,6 +15,7 @@ from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, mode
 from pydantic_core import ErrorDetails
 
 from spinline.base.errors import InputError
+from spinline.base.text import decoded
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
 from spinline.scene.quantities import (
@@ -313,8 +314,8 @@ def read_toml(
     if not path.exists():
         path = bundled.get(str(source), path)
     try:
-        with path.open(encoding="utf-8") as file:
-            text = file.read(_LONGEST + 1)
+        with path.open("rb") as file:
+            text, _ = decoded(file.read(4 * _LONGEST + 1), str(source))
     except (OSError, ValueError) as error:
         near = difflib.get_close_matches(str(source), bundled, n=1)
         hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"

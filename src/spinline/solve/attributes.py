@@ -45,7 +45,7 @@ def attributes_of(
     plan: Plan,
 ) -> dict[str, Any]:
     """Attributes of a run's Dataset."""
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     scene, effects = context.scene, context.effects
     left_out = ("elastic slip", "inertia", *effects.left_out) if network is None else effects.left_out

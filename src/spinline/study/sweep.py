@@ -362,7 +362,7 @@ def _values(sweep: Sweep, i: int) -> dict[str, Any]:
 def _attributes(sweep: Sweep, task: Task) -> dict[str, Any]:
     import json
 
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     design = sweep.design
     return {
