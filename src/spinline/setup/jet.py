@@ -100,9 +100,10 @@ def _table(section: TableJet, scene: Scene, solution: Solution) -> "StraightJet"
 
 
 def _lagrangian(section: LagrangianJetFile, scene: Scene, solution: Solution) -> "LagrangianJet":
-    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.readers import read_beads
 
-    return _moment(section, LagrangianJet.from_csv(_path(section, scene), initial_radius=given(section.radius)))
+    beads = read_beads(_path(section, scene), unit=section.unit, initial_radius=given(section.radius))
+    return _moment(section, beads)
 
 
 def _jetspin(section: JetspinJet, scene: Scene, solution: Solution) -> "LagrangianJet":
