@@ -1,20 +1,22 @@
-"""When a drying solution crystallises: Flory's melting-point depression, and Nakamura's kinetics where their constants are known.
+"""When a drying solution crystallises: Flory's melting-point depression, and Nakamura's kinetics where their constants
+are known.
 
 ::
 
     1/T_m - 1/T_m0 = (R/dH_u) (V_u/V_1) [phi_1 - chi phi_1^2]         phi_1 = 1 - phi
     X = X_max [1 - exp(-(int K dt)^n)],   K = (ln 2)^(1/n)/t_half [1 + k (w^2 - 1)]   while T < T_m(phi)
 
-The first says where crystals can exist, without the supercooling that nuclei need: the earliest place of arrest. The second needs a half time
-of the quiescent melt or solution at the jet's temperature, which few know; k makes drawn chains (stretch w) crystallise sooner. A degree
-of crystallinity is reported from it alone.
+The first says where crystals can exist, without the supercooling that nuclei need: the earliest place of arrest. The
+second needs a half time of the quiescent melt or solution at the jet's temperature, which few know; k makes drawn
+chains (stretch w) crystallise sooner. A degree of crystallinity is reported from it alone.
 
-PEO in water at 25 degC: phi = 0.768 with T_m0 = 342 K, dH_u = 8.66 kJ/mol, chi = 0.45; other constants in print give 0.73 to 0.79.
+PEO in water at 25 degC: phi = 0.768 with T_m0 = 342 K, dH_u = 8.66 kJ/mol, chi = 0.45; other constants in print give
+0.73 to 0.79.
 
 References
 ----------
-Flory, Principles of Polymer Chemistry (1953), Eq. XIII-14; Nakamura, Katayama, Amano, J. Appl. Polym. Sci. 17, 1031 (1973); Ziabicki, Fundamentals of
-Fibre Formation (1976).
+Flory, Principles of Polymer Chemistry (1953), Eq. XIII-14; Nakamura, Katayama, Amano, J. Appl. Polym. Sci. 17, 1031
+(1973); Ziabicki, Fundamentals of Fibre Formation (1976).
 """
 
 from dataclasses import dataclass

@@ -6,15 +6,16 @@
     log10 a = -C_1 (T - T_g)/(C_2 + T - T_g)                        WLF, C_1 = 17.44, C_2 = 51.6 K; a = 1 at T_g
     f(phi, T) = [mu_s(T)/mu_s(T_0)] a[T - T_g(phi)]/a[T - T_g(phi_0)]
 
-f multiplies viscosity and relaxation time of the concentration laws, which hold at one temperature and leave the friction of the segments
-as it is: at the solution's own fraction temperature enters by the solvent's viscosity alone, towards the glass by WLF, twelve to
-fourteen decades of it. Below T_g the line of WLF at T_g goes on (C_1/C_2 = 0.34 decades a kelvin): the glass creeps, it does not flow. Universal
-constants: within a decade or two at a given distance from T_g, within a few kelvin of where the jet arrests.
+f multiplies viscosity and relaxation time of the concentration laws, which hold at one temperature and leave the
+friction of the segments as it is: at the solution's own fraction temperature enters by the solvent's viscosity alone,
+towards the glass by WLF, twelve to fourteen decades of it. Below T_g the line of WLF at T_g goes on (C_1/C_2 = 0.34
+decades a kelvin): the glass creeps, it does not flow. Universal constants: within a decade or two at a given distance
+from T_g, within a few kelvin of where the jet arrests.
 
 References
 ----------
-Fox, Bull. Am. Phys. Soc. 1, 123 (1956); Williams, Landel, Ferry, J. Am. Chem. Soc. 77, 3701 (1955); Ferry, Viscoelastic Properties of Polymers,
-3rd ed. (1980), chapters 11 and 17.
+Fox, Bull. Am. Phys. Soc. 1, 123 (1956); Williams, Landel, Ferry, J. Am. Chem. Soc. 77, 3701 (1955); Ferry,
+Viscoelastic Properties of Polymers, 3rd ed. (1980), chapters 11 and 17.
 """
 
 from dataclasses import dataclass
@@ -92,7 +93,8 @@ class GlassLaw:
         return value
 
     def vitrification_fraction(self, temperature: float, shares: ArrayLike = 1.0) -> float:
-        """Polymer volume fraction that is a glass at a temperature; NaN where the dry polymer is none, 0 where the liquids are.
+        """Polymer volume fraction that is a glass at a temperature; NaN where the dry polymer is none, 0 where the
+        liquids are.
 
         Parameters
         ----------
@@ -121,7 +123,8 @@ class GlassLaw:
         temperature: ArrayLike,
         initial_glass: float,
     ) -> FloatArray:
-        """``log10`` of ``a[T - T_g(phi)]/a[T - T_g(phi_0)]``: what the glass to come adds to viscosity and relaxation time.
+        """``log10`` of ``a[T - T_g(phi)]/a[T - T_g(phi_0)]``: what the glass to come adds to viscosity and relaxation
+        time.
 
         Parameters
         ----------

@@ -1,8 +1,8 @@
 """Flory-Huggins parameters that are known: of polymers with solvents, with water, and of water with solvents.
 
-Near 25 degC. Values in print for one pair differ by 0.05 to 0.1, and depend on the concentration; those with water are from membranes, or
-follow from the water a polymer takes up in saturated air, ``chi = -[ln phi_1 + (1 - phi_1)]/(1 - phi_1)^2``. A pair that is not here is not known:
-nothing is guessed for it.
+Near 25 degC. Values in print for one pair differ by 0.05 to 0.1, and depend on the concentration; those with water are
+from membranes, or follow from the water a polymer takes up in saturated air, ``chi = -[ln phi_1 + (1 - phi_1)]/(1 -
+phi_1)^2``. A pair that is not here is not known: nothing is guessed for it.
 """
 
 from collections.abc import Mapping
@@ -45,7 +45,7 @@ _WATER: Mapping[str, tuple[float, str]] = {
 
 
 def interaction(polymer: str, liquid: str) -> tuple[float, str] | None:
-    """chi of a polymer with a liquid, by the liquid's molar volume, and its source; None where it is not known.
+    """Chi of a polymer with a liquid, by the liquid's molar volume, and its source; None where it is not known.
 
     Examples
     --------
@@ -62,12 +62,12 @@ def interaction(polymer: str, liquid: str) -> tuple[float, str] | None:
 
 
 def water_interaction(solvent: str) -> tuple[float, str] | None:
-    """chi of water with a solvent, by water's molar volume, and its source; None where it is not known."""
+    """Chi of water with a solvent, by water's molar volume, and its source; None where it is not known."""
     return _WATER.get(known_as(solvent, SOLVENTS) or solvent)
 
 
 def chi_from_uptake(mass_of_water: ArrayLike, polymer_density: ArrayLike, water_density: float = 997.0) -> FloatArray:
-    """chi from the water that a polymer holds in saturated air (mass over mass), activity 1."""
+    """Chi from the water that a polymer holds in saturated air (mass over mass), activity 1."""
     w = real("mass_of_water", mass_of_water, above=0.0, most=100.0)
     rho = real("polymer_density", polymer_density, above=0.0, unit="kg/m3")
     ratio = w * rho / water_density

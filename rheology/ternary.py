@@ -5,13 +5,15 @@ Per volume and RT, of liquids i (molar volumes v_i, fractions phi_i) and a polym
     f = sum_i (phi_i/v_i) ln phi_i + (phi_p/v_p) ln phi_p + sum_{i<j} g_ij phi_i phi_j + phi_p sum_i g_ip phi_i
     g_ip = chi_ip/v_i,  g_ij = chi_ij/v_i
 
-Inside the *spinodal* (the Hessian of f is not positive) a solution separates at once: a jet whose path goes there becomes porous unless it solidifies
-first. Between *binodal* and spinodal it needs nuclei, and a jet's milliseconds may pass without any: said, not flagged as porous.
-The binodal is found by the tangent plane: a composition is outside it where no other lies under its tangent.
+Inside the *spinodal* (the Hessian of f is not positive) a solution separates at once: a jet whose path goes there
+becomes porous unless it solidifies first. Between *binodal* and spinodal it needs nuclei, and a jet's milliseconds may
+pass without any: said, not flagged as porous. The binodal is found by the tangent plane: a composition is outside it
+where no other lies under its tangent.
 
 References
 ----------
-Flory, Principles of Polymer Chemistry (1953), chapter XIII; Altena, Smolders, Macromolecules 15, 1491 (1982); Michelsen, Fluid Phase Equilib. 9, 1 (1982).
+Flory, Principles of Polymer Chemistry (1953), chapter XIII; Altena, Smolders, Macromolecules 15, 1491 (1982);
+Michelsen, Fluid Phase Equilib. 9, 1 (1982).
 """
 
 from dataclasses import dataclass
@@ -93,7 +95,9 @@ class Ternary:
         return value
 
     def potentials(self, water: FloatArray, polymer: FloatArray) -> FloatArray:
-        """``mu_i/(v_i RT)`` of water, solvent and polymer, (3, ...), from the pure liquids; each per volume of its own."""
+        """``mu_i/(v_i RT)`` of water, solvent and polymer, (3, ...), from the pure liquids; each per volume of its
+        own.
+        """
         one, p = np.maximum(water, _LEAST), np.maximum(polymer, _LEAST)
         two = np.maximum(1 - water - polymer, _LEAST)
         v1, v2, v3 = self.water_volume, self.solvent_volume, self.polymer_volume
@@ -107,7 +111,8 @@ class Ternary:
         ])  # fmt: skip
 
     def tangent_distance(self, water: float, polymer: float, points: int = 60) -> float:
-        """Least distance of the free energy from the tangent plane at a composition: < 0 where it can lower it by separating.
+        """Least distance of the free energy from the tangent plane at a composition: < 0 where it can lower it by
+        separating.
 
         Searched on a grid of `points` a side, fine at the edges, with one refinement; in units of 1/v_1.
         """
