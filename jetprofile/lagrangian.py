@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ["LagrangianJet"]
 
+_FARTHEST = 1e6  # m
+_RANGES = {"radius": (1e-15, 1e6), "volume": (1e-50, 1e18), "stretch_ratio": (1e-30, 1e30)}  # m, m3, 1
+
 
 @dataclass(frozen=True, eq=False)
 class LagrangianJet:
@@ -313,6 +316,9 @@ def _beads(field: str, values: ArrayLike, shape: tuple[int, ...] | None = None) 
         raise InputError(field, "has another shape than x", value=f"{array.shape} against {shape}")
     if np.isinf(array).any():
         raise InputError(field, "is not finite", value=float("inf"))
+    if (np.abs(array) > _FARTHEST).any():
+        raise InputError(field, "lies beyond any laboratory", value=float(np.nanmax(np.abs(array))),
+                         allowed=f"up to {_FARTHEST:g} m", remedy="check the unit of length")  # fmt: skip
     return array
 
 
@@ -348,7 +354,7 @@ def _stretch(
     values = np.array(given[names[0]], dtype=np.float64)
     if values.shape != length.shape:
         raise InputError(names[0], "must have one value per element", value=f"{values.shape} against {length.shape}")
-    real(names[0], values[usable], above=0.0)
+    real(names[0], values[usable], above=_RANGES[names[0]][0], below=_RANGES[names[0]][1])
     values = np.where(usable, values, np.nan)
     if radius is not None:
         return (r0 / values) ** 2

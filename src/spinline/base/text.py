@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 
 __all__ = ["LONGEST_TEXT", "decoded", "read_text"]
 
@@ -74,9 +75,7 @@ def read_text(path: str | Path, *, most: int = LONGEST_TEXT) -> tuple[str, str]:
     InputError
         If it cannot be read, is no regular file, is longer than `most` bytes, or is no text.
     """
-    file, name = Path(path), str(path)
-    if file.exists() and not file.is_file():
-        raise InputError(name, "is not a file", remedy="give a text file")
+    file, name = readable(path), str(path)
     try:
         size = file.stat().st_size
         if size > most:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from spinline.base.files import replacing
+from spinline.base.files import write_text
 from spinline.report.figures import headline, png
 from spinline.report.page_parts import planned, traded
 from spinline.solve.results import described, scalars
@@ -180,10 +180,7 @@ def save_report(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
     InputError
         If the file cannot be written.
     """
-    text = html(result)
-    with replacing(path, force=force) as part:
-        part.write_text(text, encoding="utf-8")
-    return Path(path)
+    return write_text(path, html(result), force=force)
 
 
 def _dried(result: xr.Dataset, end: int) -> list[str]:

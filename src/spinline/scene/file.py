@@ -160,11 +160,12 @@ class JetspinJet(Section):
 
 
 class LagrangianJetFile(Section):
-    """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator in a CSV file."""
+    """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator, in any format that `read_beads` knows."""
 
     profile: Literal["lagrangian"]
     path: str
     radius: Length | None = None
+    unit: str | None = None
     time: Annotated[Time | Literal["all", "last"], Field(union_mode="left_to_right")] = "last"
 
 

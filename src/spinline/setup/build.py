@@ -113,7 +113,9 @@ def build_jet(scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet"
 
     beads: LagrangianJet
     if isinstance(j, LagrangianJetFile):
-        beads = LagrangianJet.from_csv(path, initial_radius=given(j.radius))
+        from spinline.jetprofile.readers import read_beads
+
+        beads = read_beads(path, unit=j.unit, initial_radius=given(j.radius))
     else:
         beads = LagrangianJet.from_dataset(_jet_dataset(j, path))
     if j.time == "all":
