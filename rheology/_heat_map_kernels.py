@@ -7,9 +7,9 @@ State: u of the cells, T, volume lost.
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.rheology._drying_kernels import (
     _T,
     _TI,
