@@ -193,7 +193,9 @@ def test_formats_do_not_know_one_another() -> None:
 def test_a_package_that_is_not_there_is_named(tmp_path, monkeypatch, suffix, module, package) -> None:
     import sys
 
-    (tmp_path / f"a{suffix}").write_bytes(b"\x89PNG\r\n\x1a\n" if suffix == ".png" else b"###CBF: VERSION 1.5\n" + 99 * b" ")
+    (tmp_path / f"a{suffix}").write_bytes(
+        b"\x89PNG\r\n\x1a\n" if suffix == ".png" else b"###CBF: VERSION 1.5\n" + 99 * b" "
+    )
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=rf"needs the package {package}.*spinline\[formats\]"):
         open_stack(f"a{suffix}", "counts", tmp_path)

@@ -44,7 +44,9 @@ def test_dropped_frames_are_left_out_and_counted(frames_of, value) -> None:
     assert close(result, before)
     assert result.attrs["frames"] == 10
     assert result.attrs["frames_read"] == "10 of 12 frames of a.npz:counts"
-    assert "2 of 12 frames hold one number throughout (dropped frames) and are left out: 3, 7" in result.attrs["warnings"]
+    assert (
+        "2 of 12 frames hold one number throughout (dropped frames) and are left out: 3, 7" in result.attrs["warnings"]
+    )
 
 
 def test_torn_frames_lose_their_rows_alone(frames_of) -> None:
@@ -121,7 +123,12 @@ def test_a_clipped_beam_is_saturation_and_no_mark(frames_of) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "value", "frames"),
-    [(np.uint16, 60_000, 80_000), (np.uint8, 255, 70_000), (np.uint32, 4_000_000_000, 3000), (np.int64, 2**52 // 2000, 2000)],
+    [
+        (np.uint16, 60_000, 80_000),
+        (np.uint8, 255, 70_000),
+        (np.uint32, 4_000_000_000, 3000),
+        (np.int64, 2**52 // 2000, 2000),
+    ],
 )
 def test_sums_do_not_wrap(tmp_path, kind, value, frames) -> None:
     np.save(tmp_path / "line.npy", np.full((frames, 1, 20), value, kind))
@@ -268,7 +275,10 @@ def test_a_frame_half_written_is_left_out(tmp_path) -> None:
 def test_soft_links_are_followed() -> None:
     for key in ("counts", "flat", "dark"):
         assert open_stack(f"links.h5:/entry/data/{key}", key, DATA).columns == 96
-    assert open_stack("links.h5", "counts", DATA).frames == open_stack("links.h5:/entry/data/counts", "counts", DATA).frames
+    assert (
+        open_stack("links.h5", "counts", DATA).frames
+        == open_stack("links.h5:/entry/data/counts", "counts", DATA).frames
+    )
 
 
 def test_external_links_are_followed_and_broken_ones_named(tmp_path) -> None:
@@ -370,9 +380,7 @@ def test_a_copy_of_packed_netcdf_is_unpacked() -> None:
     assert float(np.median(stack.read(0, 1)) * 4) % 1 == 0
 
 
-@pytest.mark.parametrize(
-    ("file", "package"), [("bitshuffle.h5:/counts", "hdf5plugin"), ("zstd.tif", "imagecodecs")]
-)
+@pytest.mark.parametrize(("file", "package"), [("bitshuffle.h5:/counts", "hdf5plugin"), ("zstd.tif", "imagecodecs")])
 def test_compressed_frames_are_read_or_refused_by_the_package(file, package) -> None:
     """With the decoder, and in a process where it is not to be had."""
     try:

@@ -14,9 +14,9 @@ at the price of two passes a term whatever the length. Its sum over the pixels i
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["line_spread", "spread_pixels", "spread_tail"]
 

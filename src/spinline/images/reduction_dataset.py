@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from spinline.base.checks import BoolArray, FloatArray
-from spinline.base.files import replacing
+from spinline.base.files import write_text
 from spinline.images.experiment import Experiment
 from spinline.images.geometry import out_of_plane
 from spinline.images.looks import FRINGES
@@ -175,7 +175,11 @@ def assemble(
         frames = np.array([experiment.stack.chosen[i] for i in range(experiment.stack.frames)])
         sources = [experiment.stack.source(i) for i in range(experiment.stack.frames)]
         coordinates["frame"] = ("frame", frames, {"long_name": "frame of the stack"})
-        coordinates["frame_source"] = ("frame", np.array(sources, dtype=object), {"long_name": "where the frame is from"})
+        coordinates["frame_source"] = (
+            "frame",
+            np.array(sources, dtype=object),
+            {"long_name": "where the frame is from"},
+        )
     result = xr.Dataset(variables, coordinates)
     result.attrs = _provenance(experiment, fits, facts, (*experiment.remarks, *remarks, *_flag_words(flags, fits)))
     return result
@@ -388,6 +392,4 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
             flat = values.reshape(-1, values.shape[-1])
             for j, r in enumerate(result["relative_radius"].values):
                 table[f"{name}(r/R={r:.4g}){label}"] = flat[:, j]
-    with replacing(path, force=force) as part:
-        pd.DataFrame(table).to_csv(part, index=False)
-    return Path(path)
+    return write_text(path, str(pd.DataFrame(table).to_csv(None, index=False)), force=force)

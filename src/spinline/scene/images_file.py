@@ -33,7 +33,7 @@ from spinline.scene.images_keys import (
     Source,
     Tilt,
 )
-from spinline.scene.quantities import Length, Section, Sheet
+from spinline.scene.quantities import Label, Length, Section, Sheet
 
 __all__ = [
     "KEV",
@@ -69,7 +69,7 @@ class Position(Section):
 class Images(Sheet):
     """A checked images file. `text` and `folder` say where it came from."""
 
-    title: str = ""
+    title: Label = ""
     counts: str | None = None
     transmission: str | None = None
     absorbance: str | None = None

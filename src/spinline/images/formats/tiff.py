@@ -108,7 +108,9 @@ class _Tiff:
             page: Any = pages[i]
             kinds.setdefault((page.shape, str(page.dtype)), []).append(i)
         if not kinds:
-            raise InputError(key, "holds no image: it is damaged", value=path.name, remedy="copy it again: it may be cut short")
+            raise InputError(
+                key, "holds no image: it is damaged", value=path.name, remedy="copy it again: it may be cut short"
+            )
         (shape, dtype), mine = max(kinds.items(), key=lambda kind: len(kind[1]) * int(np.prod(kind[0][0])))
         planes = 1
         if len(shape) == 3 and int(getattr(pages[mine[0]], "planarconfig", 1)) == _SEPARATE:
