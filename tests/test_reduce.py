@@ -451,7 +451,7 @@ def test_damaged_files_are_named(frames_of, tmp_path) -> None:
     (tmp_path / "empty.npy").touch()
     (tmp_path / "junk.h5").write_bytes(b"junk")
     for name, words in (
-        ("cut.tif", "ends early"), ("junk.tif", "damaged"), ("empty.npy", "No data"), ("junk.h5", "cannot be read"),
+        ("cut.tif", "ends early"), ("junk.tif", "damaged"), ("empty.npy", "is an empty file"), ("junk.h5", "cannot be read"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=rf"counts = '{name}'.*{words}"):
             reduce_images(images.model_copy(update={"counts": name}))

@@ -103,7 +103,8 @@ class Frame:
 
 def row_steps(rows: int, slope: float) -> NDArray[np.int64]:
     """Whole pixels by which the rows of a leaning jet lie aside of the middle one."""
-    return np.rint(slope * (np.arange(rows) - 0.5 * (rows - 1))).astype(np.int64)
+    steps: NDArray[np.int64] = np.rint(slope * (np.arange(rows) - 0.5 * (rows - 1))).astype(np.int64)
+    return steps
 
 
 def _upright(array: FloatArray, slope: float) -> FloatArray:

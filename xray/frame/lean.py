@@ -89,7 +89,7 @@ def axis_lean(track: Track) -> Lean:
         covariance = np.linalg.pinv(weighted.T @ weighted) * max(chi / freedom, 1.0)
         score = chi + (order + 1) * np.log(kept.sum())
         if best is None or score < best[0] - 6.0:
-            best = score, c, covariance, order
+            best = float(score), np.asarray(c, dtype=np.float64), np.asarray(covariance, dtype=np.float64), order
     assert best is not None
     _, c, covariance, order = best
     basis = np.eye(order + 1)

@@ -191,7 +191,8 @@ def fit_detector(
     converged, sharp = False, False
     for _ in range(_TURNS):
         deviance, matrix, slope = here
-        step = np.linalg.solve(matrix + 1e-12 * np.diag(np.diag(matrix)) + 1e-300 * np.eye(theta.size), slope)
+        ridge = 1e-12 * np.diag(np.diag(matrix)) + 1e-300 * np.eye(theta.size)
+        step = np.asarray(np.linalg.solve(matrix + ridge, slope), dtype=np.float64)
         if float(slope @ step) < _NEAR:
             converged = True
             break
@@ -452,7 +453,7 @@ def _mean_shift(part: _Part, chain: FloatArray, shells: int) -> tuple[FloatArray
     weights = np.zeros(len(part.free))
     weights[: part.model.shells] = shell_weights(part.model.edges)
     solved = _solve(fisher, np.column_stack((own[lit].T @ (shared[lit] / mean[lit, None]), weights)))
-    return -weights @ solved[:, :-1], float(np.sqrt(max(weights @ solved[:, -1], 1e-300)))
+    return -weights @ solved[:, :-1], float(np.sqrt(max(float(weights @ solved[:, -1]), 1e-300)))
 
 
 def row_shifts(

@@ -247,7 +247,7 @@ def _plain(registry: Any, unit: Any, target: str) -> float:
 
 
 def _said_once(text: str) -> str:
-    """ "125 um +/- 3 um" as "125 +/- 3 um"; other text as it is."""
+    """Text such as "125 um +/- 3 um" as "125 +/- 3 um"; other text as it is."""
     match = _TWICE.fullmatch(text)
     if match is None or match["unit"] != match["again"]:
         return text

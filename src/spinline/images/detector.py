@@ -346,7 +346,7 @@ def _hidden(
         return (
             2,
             [
-                f"the beam's shape changed since the flat ({100 * bend[0]:+.2g} % bend, {abs(bend[1]):.0f} standard deviations): "
+                f"the beam's shape changed since the flat ({100 * bend[0]:+.2g} %, {abs(bend[1]):.0f} standard deviations): "
                 f"it is fitted (flat_shape = 2); left out, it shifts the mean fraction by {bend[2]:+.2g}"
             ],
             False,

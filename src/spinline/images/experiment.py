@@ -50,7 +50,17 @@ from spinline.xray.row.model import beam_shape
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
-__all__ = ["Experiment", "bent", "expected_errors", "fit_blocks", "prepare", "require_signal"]
+__all__ = [
+    "Experiment",
+    "bent",
+    "expected_errors",
+    "first_look",
+    "fit_blocks",
+    "judged",
+    "prepare",
+    "require_signal",
+    "sees_jointly",
+]
 
 _LEAN_MATTERS = 1e-4  # of the paths
 _LEANS = 1.0  # degrees from which on a remark says so
@@ -153,6 +163,15 @@ def prepare(
     InputError
         For whatever cannot be reduced.
     """
+    experiment, frame, track, facts = first_look(images, summing)
+    experiment, frame = _with_detector(experiment, frame, track)
+    return judged(experiment, frame, track, facts), frame, track, facts
+
+
+def first_look(
+    images: Images, summing: Callable[[Stack], FrameSum]
+) -> tuple[Experiment, Frame, Track, dict[str, float]]:
+    """A set of images as far as it can be prepared without the detector: photons, pixel, track; as `prepare`."""
     solution = build_solution(images)
     stack = open_counts(images)
     images, remarks = with_metadata(images, stack)
@@ -170,15 +189,25 @@ def prepare(
     wave = medium if medium is not None else given_medium(images, solution, absorber)
     track = find_track(images, medium if images.method == "phase" else wave, frame)
     frame, fields, facts = _cleaned(frame, fields, track, facts)
-    factor, errors = path_factor(images)
+    factor, _ = path_factor(images)
     experiment = Experiment(
         images, stack, fields, solution, pixel, pixel_std, absorber.along(factor), scaled_medium(medium, factor),
         Calibration(), notes, tuple(remarks), scaled_medium(wave, factor), lean=axis_lean(track), used=summed.used,
         detector=SharedDetector(blur=blur),
     )  # fmt: skip
-    experiment, frame = _with_detector(experiment, frame, track)
-    experiment = _looked_at(experiment, frame, track, facts)
-    return _scaled(experiment, frame, track, errors), frame, track, facts
+    return experiment, frame, track, facts
+
+
+def judged(
+    experiment: Experiment, frame: Frame, track: Track, facts: dict[str, float], calibrate: bool = True
+) -> Experiment:
+    """The experiment with its remarks, and its attenuation calibrated or with the errors of what it rests on."""
+    return _scaled(_looked_at(experiment, frame, track, facts), frame, track, calibrate)
+
+
+def sees_jointly(experiment: Experiment) -> bool:
+    """Whether the detector is fitted for all rows together."""
+    return _joint(experiment.images, experiment.medium)
 
 
 def _given_blur(images: Images, medium: "Medium | None", pixel: float, notes: dict[str, str]) -> float:
@@ -296,10 +325,11 @@ def _looked_at(experiment: Experiment, frame: Frame, track: Track, facts: dict[s
     return replace(experiment, remarks=tuple(remarks), notes=notes, fringes=fringes)
 
 
-def _scaled(experiment: Experiment, frame: Frame, track: Track, errors: dict[str, float]) -> Experiment:
+def _scaled(experiment: Experiment, frame: Frame, track: Track, calibrate: bool) -> Experiment:
     """The experiment with its attenuation calibrated, or with the errors of what it rests on."""
     images, solution, absorber = experiment.images, experiment.solution, experiment.absorber
-    if images.calibration_rows is not None:
+    _, errors = path_factor(images)
+    if images.calibration_rows is not None and calibrate:
         return calibrated(experiment, frame, track)
     remarks, notes = list(experiment.remarks), dict(experiment.notes)
     if images.polymer_attenuation is None and images.energy is not None:

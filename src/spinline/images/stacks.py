@@ -222,7 +222,9 @@ class _Files:
         first = self._reader(0)
         self.threads = False
         self.dtype = first.dtype
-        counts, missing, remarks = [], [], list(first.account.remarks)
+        counts: list[int] = []
+        missing: list[int] = []
+        remarks = list(first.account.remarks)
         for i, file in enumerate(files):
             reader = self._reader(i)
             if reader.shape[1:] != first.shape[1:]:

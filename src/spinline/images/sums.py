@@ -212,7 +212,7 @@ def _marked(dtype: np.dtype[Any], so_far: FrameSum) -> BoolArray:
         return np.asarray(never | at_top)
     from scipy.ndimage import binary_dilation
 
-    around = binary_dilation(at_top, np.ones((3, 3))) & ~at_top & seen
+    around = binary_dilation(at_top, np.ones((3, 3), dtype=np.bool_)) & ~at_top & seen
     dim = around.any() and float(np.median(so_far.highest[around])) < 0.5 * top
     return np.asarray(never | at_top) if dim else np.asarray(never)
 
@@ -303,7 +303,7 @@ def _looked_through(
     block: Array, start: int, before: Array | None, noisy: bool
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...], BoolArray]:
     """Frames that are lost, copied and torn, and the rows that are left out for it, shape (frames, rows)."""
-    still = block[:, :, 0] == block[:, :, -1]  # most rows are told by two pixels
+    still = np.asarray(block[:, :, 0] == block[:, :, -1])  # most rows are told by two pixels
     rows = np.zeros(block.shape[:2], dtype=np.bool_)
     at = np.nonzero(still)
     if at[0].size:
@@ -311,20 +311,20 @@ def _looked_through(
         rows[at] = (some == some[:, :1]).all(axis=1)
     if block.dtype.kind == "f":
         rows |= ~np.isfinite(block).any(axis=2)
-    lost = rows.all(axis=1)
+    lost = np.asarray(rows.all(axis=1))
     copies = np.zeros(block.shape[0], dtype=np.bool_)
     if noisy:
         middle = block.shape[1] // 2
-        same = (block[1:, middle] == block[:-1, middle]).all(axis=1)
+        same = np.asarray(block[1:, middle] == block[:-1, middle]).all(axis=1)
         for i in (np.flatnonzero(same) + 1).tolist():
             copies[i] = not lost[i] and bool((block[i] == block[i - 1]).all())
         if before is not None and not lost[0]:
             copies[0] = bool((block[0] == before).all())
-    always = rows[~lost].all(axis=0) if (~lost).any() else np.zeros(rows.shape[1], dtype=np.bool_)
+    always = np.asarray(rows[~lost].all(axis=0)) if (~lost).any() else np.zeros(block.shape[1], dtype=np.bool_)
     torn = (rows & ~always).any(axis=1) & ~copies & ~lost  # a row that is dead in every frame tears none
     rows[copies] = True
-    numbers = (tuple((start + np.flatnonzero(which)).tolist()) for which in (lost, copies, torn))
-    return (*numbers, rows)
+    first, second, third = (tuple((start + np.flatnonzero(which)).tolist()) for which in (lost, copies, torn))
+    return first, second, third, rows
 
 
 def one_frame(stack: Stack, index: int) -> FrameSum:

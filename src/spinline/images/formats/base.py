@@ -69,10 +69,21 @@ class FrameReader(Protocol):
     account : Account
     """
 
-    shape: tuple[int, ...]
-    dtype: np.dtype[Any]
-    threads: bool
-    account: Account
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Frames, rows, columns."""
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Of what `read` returns."""
+
+    @property
+    def threads(self) -> bool:
+        """Several threads may read at once."""
+
+    @property
+    def account(self) -> Account:
+        """What the file holds."""
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`, shape (stop - start, rows, columns)."""

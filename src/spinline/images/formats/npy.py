@@ -35,7 +35,8 @@ class _Whole:
     threads = True
 
     def __init__(self, array: Array, name: str) -> None:
-        self.array, self.dtype, self.shape = array, array.dtype, array.shape
+        self.array, self.dtype = array, array.dtype
+        self.shape: tuple[int, int, int] = (array.shape[0], array.shape[1], array.shape[2])
         self.account = Account(name)
 
     def read(self, start: int, stop: int) -> Array:
