@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["lone_outliers", "photons_frame", "residual_outliers"]
 
 _MOST_PHOTONS = 1e15  # differences of single photons are lost in a float beyond
+_SAME_EXPOSURE = 0.1  # of the beam's level: drift, no other exposure
 _SMOOTH, _FAR = 0.003, 6.0  # beside the jet's own shadow
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 
@@ -73,7 +74,8 @@ def photons_frame(
     signal = fields.gain * exposures * np.where(bad, 1.0, flat)
     lone = lone_outliers(np.where(bad, np.nan, light / np.where(bad, 1.0, flat)), signal)
     bad |= lone
-    extra = fields.excess * fields.flat_noise(images, float(exposures[~bad].mean()), each.shape[0])
+    level = _level(light[~bad] / flat[~bad])
+    extra = fields.excess * fields.flat_noise(images, level * float(exposures[~bad].mean()), each.shape[0])
     variance = (
         fields.gain * fields.dark if fields.dark_variance is None else np.full_like(fields.dark, fields.dark_variance)
     )
@@ -96,10 +98,16 @@ def photons_frame(
     marked = float(summed.marked.sum()) if summed.marked.size else 0.0
     facts = {
         "bad_pixels": float(bad.sum()), "saturated_pixels": float(saturated.sum()), "outlying_pixels": float(lone.sum()),
-        "invalid_pixels": marked, "flat_noise": extra, "photons": float(np.median(fields.gain * exposures[~bad] * flat[~bad])),
+        "invalid_pixels": marked, "level": level, "flat_noise": extra, "photons": float(np.median(fields.gain * exposures[~bad] * flat[~bad])),
         "added_noise": max(-lowest, 0.0), "piled_up_pixels": float(piled), "highest_count": float(summed.highest[seen].max()),
     }  # fmt: skip
     return Frame(counts, signal, dark, ~bad, pixel, blur, scatter=fields.scatter), facts
+
+
+def _level(ratio: FloatArray) -> float:
+    """Exposure of a frame over that of a flat, where it is another one: the air's transmission; else 1."""
+    level = float(np.quantile(ratio, 0.8))
+    return level if level > 0.0 and abs(level - 1.0) > _SAME_EXPOSURE else 1.0
 
 
 def _require_counts(images: Images, summed: FrameSum, seen: BoolArray) -> None:

@@ -13,6 +13,7 @@ together. Then
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ from spinline.xray.row.model import beam_shape
 __all__ = ["Place", "Seam", "prepare_positions", "reduce_positions", "seams"]
 
 _OFF = 4.0  # standard deviations by which two positions' radii disagree that is said
-_LEAST = 3  # rows that two positions share for a seam to be tested
+_LEAST = 3  # rows that two positions share for their radii to be compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +180,7 @@ def _calibrated_alike(places: list[Place], which: int) -> list[Place]:
 def _offsets(places: list[Place]) -> list[str]:
     """Words where two positions that overlap see radii that their offsets do not explain."""
     said = []
-    for a, (one, two) in enumerate(zip(places[:-1], places[1:], strict=True)):
+    for a, (one, two) in enumerate(pairwise(places)):
         z = one.z[one.z >= two.z[0]]
         if z.size < _LEAST:
             if z.size == 0:
@@ -219,7 +220,7 @@ def seams(places: list[Place], fits: list[FrameFit]) -> list[Seam]:
         z = [np.array([p.z[s:e].mean() for s, e in f.rows.tolist()]) for p, f in ((one, fits[a]), (two, fits[a + 1]))]
         inside = np.flatnonzero((z[0] >= z[1][0]) & (z[0] <= z[1][-1]) & np.isfinite(fits[a].mean))
         good = np.isfinite(fits[a + 1].mean)
-        if inside.size < _LEAST or good.sum() < 2:
+        if inside.size < 1 or good.sum() < 2:
             continue
         near = np.clip(np.searchsorted(z[1][good], z[0][inside]), 1, int(good.sum()) - 1)
         share = (z[0][inside] - z[1][good][near - 1]) / (z[1][good][near] - z[1][good][near - 1])

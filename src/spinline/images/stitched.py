@@ -1,19 +1,16 @@
 """What several positions along a jet are written as: one Dataset, the rows of all of them in the order of their places."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
 from spinline.images.positions import Place, Seam
 from spinline.images.reduction_dataset import assemble
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import FrameFit
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 __all__ = ["assemble_positions"]
 
@@ -75,6 +72,9 @@ def assemble_positions(
         row=("row", np.arange(at.size, dtype=np.float64), unit["row"] | {"long_name": "row of all positions, by their place"}),
         position=("row", position, {"long_name": "position that the row is from, or nearest to"}),
     )  # fmt: skip
+    stage = np.array([place.offset_std for place in places])[position]
+    std = np.hypot(result["jet_radius_std"].values, np.abs(np.gradient(result["jet_radius"].values, at)) * stage)
+    result["jet_radius_std"] = ("row", std, dict(result["jet_radius_std"].attrs))
     result = _with_seams(result, found)
     result.attrs |= {
         "images": images.text,
@@ -92,9 +92,10 @@ def _middles(place: Place, fit: FrameFit) -> FloatArray:
     return np.array([place.z[start:stop].mean() for start, stop in fit.rows.tolist()])
 
 
-def _nearest(places: list[Place], z: FloatArray) -> "NDArray[np.int64]":
+def _nearest(places: list[Place], z: FloatArray) -> NDArray[np.int64]:
     middles = np.array([place.z.mean() for place in places])
-    return np.argmin(np.abs(z[:, None] - middles), axis=1).astype(np.int64)
+    nearest: NDArray[np.int64] = np.argmin(np.abs(z[:, None] - middles), axis=1).astype(np.int64)
+    return nearest
 
 
 def _with_seams(result: xr.Dataset, found: list[Seam]) -> xr.Dataset:
