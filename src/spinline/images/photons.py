@@ -98,7 +98,8 @@ def photons_frame(
     marked = float(summed.marked.sum()) if summed.marked.size else 0.0
     facts = {
         "bad_pixels": float(bad.sum()), "saturated_pixels": float(saturated.sum()), "outlying_pixels": float(lone.sum()),
-        "invalid_pixels": marked, "level": level, "flat_noise": extra, "photons": float(np.median(fields.gain * exposures[~bad] * flat[~bad])),
+        "invalid_pixels": marked, "level": level, "flat_noise": extra,
+        "photons": float(np.median(fields.gain * exposures[~bad] * flat[~bad])),
         "added_noise": max(-lowest, 0.0), "piled_up_pixels": float(piled), "highest_count": float(summed.highest[seen].max()),
     }  # fmt: skip
     return Frame(counts, signal, dark, ~bad, pixel, blur, scatter=fields.scatter), facts
