@@ -14,7 +14,9 @@ def fraction_of(z):
     return PHI + 0.02 * z / 0.5e-3
 
 
-def positions(folder, *, count=10, rows=72, pixels=300, photons=2e6, overlap=24, seed=0, blur=0.6, flats=12, frames=2, keys=None):
+def positions(
+    folder, *, count=10, rows=72, pixels=300, photons=2e6, overlap=24, seed=0, blur=0.6, flats=12, frames=2, keys=None
+):
     """Write frames and flats of every position; the images file as dictionaries, and what was put in."""
     rng = np.random.default_rng(seed)
     step = (rows - overlap) * PIXEL
@@ -25,7 +27,9 @@ def positions(folder, *, count=10, rows=72, pixels=300, photons=2e6, overlap=24,
         lab = Lab(
             blur=blur * PIXEL, amplitude=1 + 0.01 * rng.normal(), slope=0.004 * rng.normal(), axis=2e-6 * rng.normal()
         )
-        seen = np.concatenate([transmissions(r, pixels, lab, phi=f) for r, f in zip(radius_of(z), fraction_of(z), strict=True)])
+        seen = np.concatenate(
+            [transmissions(r, pixels, lab, phi=f) for r, f in zip(radius_of(z), fraction_of(z), strict=True)]
+        )
         pattern = 1 + 0.05 * rng.normal(size=(rows, pixels))
         counts = rng.poisson(photons / frames * pattern * seen, (frames, rows, pixels)).astype(np.uint32)
         flat = rng.poisson(photons * pattern, (flats, rows, pixels)).astype(np.uint32)

@@ -34,6 +34,7 @@ SHARED = ("blur", "tail_share", "tail_length", "attenuation", "shape2", "shape3"
 _TURNS = 25
 _NEAR = 1e-4  # squared step, in standard deviations
 _HALVINGS = 6
+_WIDEST = 12.0  # pixels: of a blur that is looked for
 _SHARPEST = 0.15  # pixels: a blur under this is none
 _VAGUE = 0.5  # of a tail's length: known no better, it needs a prior
 _UNITS = {
@@ -290,7 +291,7 @@ def _part(
     except InputError:
         return None
     extras = tuple(name for name in EXTRAS if name in (*names, *nuisances))
-    widest = 4.0 * max(start.blur, block.detector.pixel) if start.blur > 0.0 else None
+    widest = max(3.0 * start.blur, _WIDEST * block.detector.pixel) if start.blur > 0.0 else None
     model = row_model(scaled, start, edges, widest, extras)
     model.scale_exposure(block.good.astype(np.float64))
     k = model.shells
