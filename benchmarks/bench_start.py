@@ -40,9 +40,14 @@ def cpu(command: list[str], folder: Path, **environment: str) -> float:
         "used = resource.getrusage(resource.RUSAGE_CHILDREN); print(done.returncode, used.ru_utime + used.ru_stime)"
     )
     ran = subprocess.run(
-        [sys.executable, "-c", code, *command], cwd=folder, env={**_installed(folder), **environment}, capture_output=True, text=True,
-        check=True, timeout=300,
-    )  # fmt: skip
+        [sys.executable, "-c", code, *command],
+        cwd=folder,
+        env={**_installed(folder), **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=300,
+    )
     status, seconds = ran.stdout.split()
     if status != "0":
         raise SystemExit(f"{command} ended with {status}")

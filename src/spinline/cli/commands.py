@@ -8,7 +8,9 @@ import contextlib
 import os
 import signal
 import sys
+import threading
 import warnings
+from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -311,10 +313,9 @@ def main() -> None:
     warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
-    signal.signal(signal.SIGTERM, _stop)
     code = 0
     try:
-        with command(), telling():
+        with _stopping(), command(), telling():
             code = int(app(standalone_mode=True) or 0)
         sys.stdout.flush()
     except SystemExit as ended:
@@ -363,9 +364,17 @@ def _quietly() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _stop(*_: object) -> None:
-    """SIGTERM ends the program as an exception does: what is half written is removed."""
-    sys.exit(143)
+@contextlib.contextmanager
+def _stopping() -> Iterator[None]:
+    """Within it SIGTERM ends the program as an exception does: what is half written is removed."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
