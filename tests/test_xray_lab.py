@@ -273,3 +273,60 @@ def test_what_was_measured() -> None:
         if "rms_z" in found:
             assert 0.8 < found["rms_z"] < 1.2, name
             assert abs(found["weighted_bias"]) < 0.002, name
+
+
+def test_ten_bundled_positions_are_one_jet() -> None:
+    """The images file alone: every position with its own flat and offset, one detector."""
+    from spinline.images import load_images
+
+    images = load_images("peo5-positions")
+    assert len(images.positions) == 10
+    assert [place.offset.std for place in images.positions] == pytest.approx([5e-6] * 10)
+    first = images.at(0)
+    assert first.calibration_rows == (0, 40)
+    assert first.counts == "peo5-positions.npz:jet_0"
+    assert images.at(3).calibration_rows is None
+    assert images.at(3).tail_share.std == pytest.approx(0.003)
+
+
+@pytest.mark.parametrize("method", ["row", "map"])
+def test_positions_are_stitched(tmp_path, method, quiet) -> None:
+    """Three overlapping images with their own beams and axes: one fraction, one radius, seams that agree."""
+    from position_generator import fraction_of, positions, radius_of
+
+    from spinline.images.reduce import reduce_images
+
+    data = positions(
+        tmp_path, count=3, rows=24, pixels=220, overlap=8, seed=5, keys={"method": method, "block_rows": 4}
+    )
+    result = reduce_images(images_from_dict(data, folder=tmp_path), checkpoint=tmp_path / "part")
+    assert not (tmp_path / "part").exists()
+    z = result["z"].values
+    assert (np.diff(z) >= 0).all()
+    assert set(result["position"].values.tolist()) == {0, 1, 2}
+    score = (result["mean_polymer_fraction"].values - fraction_of(z)) / result["mean_polymer_fraction_std"].values
+    assert np.sqrt(np.mean(score**2)) < 1.8
+    pull = (result["jet_radius"].values - radius_of(z)) / result["jet_radius_std"].values
+    assert np.sqrt(np.mean(pull**2)) < 2.0
+    assert (result["seam_probability"].values > 1e-3).all()
+    assert result.attrs["positions"] == 3
+    assert result.attrs["frames_read"].count("2 of p") == 3
+
+
+def test_positions_that_cannot_be_one_jet_are_refused(tmp_path, quiet) -> None:
+    from position_generator import positions
+
+    from spinline.images.reduce import reduce_images
+
+    data = positions(tmp_path, count=2, rows=24, pixels=220, overlap=8, seed=5)
+    for change, words in (
+        ({"method": "phase"}, "method"),
+        ({"frames": "each"}, "frames"),
+        ({"counts": "p0.npz"}, "positions"),
+        ({"positions": [{**data["positions"][0], "offset": "1"}]}, "offset"),
+    ):
+        with pytest.raises(InputError, match=words):
+            images_from_dict({**data, **change}, folder=tmp_path)
+    data["positions"][1]["counts"] = "gone.npz"
+    with pytest.raises(InputError, match=r"positions\.1\.counts"):
+        reduce_images(images_from_dict(data, folder=tmp_path))

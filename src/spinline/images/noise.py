@@ -140,7 +140,7 @@ def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float
         ring = far == width
         number = int(ring.sum())
         added = float((covariance[ring] - level).sum())
-        if added < _SURE * noise * np.sqrt(2.0 * number) and width > 1:
+        if added < noise * np.sqrt(2.0 * number) and width > 1:
             break
         best += added
         count += number
