@@ -77,9 +77,10 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
     START_TEMPERATURE,
     COLLECTOR_SPEED,
     DRUM_RADIUS,
+    OUTFLOW,  # where a cut jet's elements leave the computation
     LOAD_RAMP,
-) = range(67)
-PARAMETERS = 67
+) = range(68)
+PARAMETERS = 68
 
 # switches
 (

@@ -17,13 +17,15 @@ from spinline.jetprofile.spun._codes import (
     FULL,
     IntArray,
     MX,
+    OUTFLOW,
     RADIUS,
     STALLED,
     VX,
     WORK,
+    X,
 )
 from spinline.jetprofile.spun._collector_kernels import first_touch
-from spinline.jetprofile.spun._land_kernels import remove_landed, touch
+from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._nozzle_kernels import split
 
 __all__ = ["march_explicit"]
@@ -138,7 +140,12 @@ def march_explicit(
             h = grow if not reached else max(h, grow) if step >= 0.5 * h else h
         if who >= 0:
             touch(t, who, n, y, held, marks, p, k)
-            n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]))
+            n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), False)
+            clock[4] = rows
+            fresh = True
+        if p[OUTFLOW] > 0.0 and y[1, X] > p[OUTFLOW]:
+            leave(t, n, y, held, marks, p)
+            n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
             fresh = True
         if t >= entry:

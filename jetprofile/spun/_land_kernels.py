@@ -20,6 +20,7 @@ from spinline.jetprofile.spun._codes import (
     D_X1,
     IntArray,
     LABEL,
+    OUTFLOW,
     VOLUME,
     VX,
     X,
@@ -28,7 +29,7 @@ from spinline.jetprofile.spun._codes import (
 )
 from spinline.jetprofile.spun._collector_kernels import material_frame, place
 
-__all__ = ["remove_landed", "touch"]
+__all__ = ["leave", "remove_landed", "touch"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -53,8 +54,23 @@ def touch(
 
 
 @njit(cache=True, error_model="numpy")
+def leave(t: float, n: int, y: FloatArray, held: IntArray, marks: FloatArray, p: FloatArray) -> None:
+    """Mark the front elements of a cut jet that have passed its outflow as gone."""
+    i = 0
+    while i < n - 2 and y[i + 1, X] > p[OUTFLOW]:
+        for j in (i, i + 1):
+            if held[j] == 0:
+                held[j] = 1
+                marks[j, 0], marks[j, 1], marks[j, 2], marks[j, 3] = t, y[j, X], y[j, Y], y[j, Z]
+                marks[j, 4] = math.sqrt(y[j, VX] ** 2 + y[j, VX + 1] ** 2 + y[j, VX + 2] ** 2)
+        marks[i, 5] = _length(i, y)
+        i += 1
+
+
+@njit(cache=True, error_model="numpy")
 def remove_landed(
-    n: int, origin: float, y: FloatArray, held: IntArray, marks: FloatArray, landed: FloatArray, count: int
+    n: int, origin: float, y: FloatArray, held: IntArray, marks: FloatArray, landed: FloatArray, count: int,
+    open_end: bool,
 ) -> tuple[int, float, int]:
     """Move landed elements from the chain's front to the record; number of elements, label of the front, rows."""
     gone = 0
@@ -71,6 +87,8 @@ def remove_landed(
         count += 1
         gone += 1
     if gone > 0:
+        if open_end:
+            held[gone] = 0
         for i in range(n + 1 - gone):
             held[i] = held[i + gone]
             for c in range(COLUMNS):

@@ -19,6 +19,7 @@ from spinline.checks import FloatArray
 from spinline.errors import InputError
 from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun._explicit_kernels import march_explicit
+from spinline.jetprofile.spun._implicit_kernels import march_implicit
 from spinline.jetprofile.spun.settings import SpunSettings, tables_of
 
 __all__ = ["Chain", "parameters", "start_cylinder"]
@@ -47,7 +48,7 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     p[c.BEND_VISCOSITY] = grid.bend_viscosity or total + law.solvent_viscosity
     p[[c.CONDUCTIVITY, c.POTENTIAL_IN]] = s.conductivity, s.potential
     p[c.CURRENT] = 0.0 if s.current is None else s.current
-    p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS]] = s.collector.speed, s.collector.radius
+    p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS, c.OUTFLOW]] = s.collector.speed, s.collector.radius, s.outflow
     _air_and_drying(s, p, k)
     k[c.LAW] = law.code
     k[c.REPULSION] = {"none": c.NO_REPULSION, "local": c.LOCAL, "exact": c.EXACT, "hybrid": c.HYBRID}[grid.repulsion]
@@ -144,6 +145,11 @@ class Chain:
         self, end: float, p: FloatArray, k: c.IntArray, tables: FloatArray, grid: object
     ) -> tuple[int, float, int, float]:
         g = self.settings.grid
+        if self.settings.implicit:
+            return march_implicit(
+                self.time, end, self.n, self.step, g.fixed_step, g.cfl, self.clock, self.state, self.held, self.marks,
+                self.landed, p, k, tables,
+            )  # fmt: skip
         return march_explicit(
             self.time, end, self.n, self.step, g.fixed_step, g.tolerance, self.reach, self.clock, self.state, self.held,
             self.marks, self.landed, p, k, tables,

@@ -286,6 +286,10 @@ class SpunSettings:
 
     `conductivity` > 0 lets charge move in the jet (implicit balance); then `current` (A) or, where it is None,
     `potential` (V, relative to the field's) is given at the start. `conductivity` = 0 freezes the charge into the material.
+
+    A jet may be cut: at positions `end_axis` (m) its front is pulled by `end_tension` (N; all that acts across the cut:
+    polymer, solvent, surface and charge) and loses `end_share` of the current by conduction; elements that pass `outflow`
+    (m) leave.
     """
 
     density: float
@@ -303,6 +307,7 @@ class SpunSettings:
     end_axis: tuple[float, ...] = ()
     end_tension: tuple[float, ...] = ()
     end_share: tuple[float, ...] = ()
+    outflow: float = 0.0
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -314,6 +319,11 @@ class SpunSettings:
         sizes = {len(self.end_axis), len(self.end_tension), len(self.end_share)}
         if len(sizes) != 1:
             raise InputError("end_axis", "needs as many positions as tensions and shares")
+
+    @property
+    def implicit(self) -> bool:
+        """Whether the march is the implicit one: charge that moves, or a solvent's viscosity."""
+        return self.conductivity > 0.0 or self.law.solvent_viscosity > 0.0
 
 
 def tables_of(settings: SpunSettings) -> FloatArray:
