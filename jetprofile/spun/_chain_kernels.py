@@ -25,6 +25,7 @@ from spinline.jetprofile.spun._codes import (
     BALANCE,
     COLUMNS,
     COMPLIANCE,
+    COUPLING,
     COULOMB,
     DRYING,
     END,
@@ -39,6 +40,7 @@ from spinline.jetprofile.spun._codes import (
     LABEL,
     LAW,
     LENGTH,
+    LOAD_RAMP,
     LOCAL,
     LOG_LENGTH,
     MX,
@@ -72,7 +74,7 @@ from spinline.jetprofile.spun._coulomb_kernels import repulsion
 from spinline.jetprofile.spun._dry_kernels import drying_rates, material
 from spinline.jetprofile.spun._field_kernels import field_forces
 from spinline.jetprofile.spun._law_kernels import inlet_stretch, law_rates, stress_ratio
-from spinline.jetprofile.spun._nozzle_kernels import nozzle
+from spinline.jetprofile.spun._nozzle_kernels import nozzle, smooth
 
 __all__ = ["explicit_rates", "geometry", "inlet_radius"]
 
@@ -110,7 +112,7 @@ def local_tension(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatA
             pull += 3.0 * w[SOLVENT_HERE, i] * w[RATE, i] * w[AREA, i]
         if k[REPULSION] == LOCAL:
             charge = y[i, CHARGE] / w[LENGTH, i]
-            pull -= COULOMB * charge * charge * (math.log(p[LOG_LENGTH] / radius) - 0.5 * k[PRESSURE])
+            pull -= p[COUPLING] * charge * charge * (math.log(p[LOG_LENGTH] / radius) - 0.5 * k[PRESSURE])
         w[TENSION, i] = pull
 
 
@@ -143,6 +145,8 @@ def _forces(
     """Sum of all forces on the nodes but the solvent's (which the implicit stage adds)."""
     for i in range(n + 1):
         f[i, 0] = f[i, 1] = f[i, 2] = 0.0
+    share, _ = smooth(t, p[LOAD_RAMP])
+    p[COUPLING] = COULOMB * share
     local_tension(n, y, p, k, w)
     repulsion(n, y, p, k, w, f)
     for i in range(n):
@@ -157,7 +161,7 @@ def _forces(
         air_forces(n, y, p, k, w, f)
     for i in range(n):
         mass = 0.5 * p[RHO] * (y[i, VOLUME] + (y[i - 1, VOLUME] if i > 0 else 0.0))
-        f[i, 0] += mass * p[GRAVITY]
+        f[i, 0] += share * mass * p[GRAVITY]
     if k[END] == TRACTION:
         pull = end_value(y[0, X], tables, 1)
         for c in range(3):

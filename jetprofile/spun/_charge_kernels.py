@@ -17,7 +17,7 @@ from spinline.jetprofile.spun._codes import (
     BALANCE,
     CHARGE,
     CONDUCTIVITY,
-    COULOMB,
+    COUPLING,
     CURRENT,
     EXACT,
     FEED_CHARGE,
@@ -38,7 +38,7 @@ from spinline.jetprofile.spun._codes import (
 )
 from spinline.jetprofile.spun._coulomb_kernels import beads, feed_field
 from spinline.jetprofile.spun._field_kernels import applied_field
-from spinline.jetprofile.spun._line_kernels import lumped_pair, lumped_self, segment_pair, segment_self
+from spinline.jetprofile.spun._line_kernels import far_rest, point_pair, segment_pair, segment_self
 
 __all__ = ["balance", "potential_matrix"]
 
@@ -103,7 +103,7 @@ def _line_capacity(p: FloatArray, k: IntArray) -> float:
     if k[REPULSION] == NO_REPULSION:
         return 0.0
     length = p[LOG_LENGTH] if p[LOG_LENGTH] > 0.0 else 100.0 * p[RADIUS]
-    return 1.0 / (2.0 * COULOMB * math.log(length / p[RADIUS]))
+    return 1.0 / (2.0 * p[COUPLING] * math.log(length / p[RADIUS]))
 
 
 @njit(cache=True, error_model="numpy")
@@ -116,7 +116,7 @@ def _tridiagonal(
     if k[REPULSION] == LOCAL:
         for i in range(n):
             radius = math.sqrt(w[AREA, i] / math.pi)
-            level[i] = 2.0 * COULOMB * math.log(p[LOG_LENGTH] / radius) / w[LENGTH, i]
+            level[i] = 2.0 * p[COUPLING] * math.log(p[LOG_LENGTH] / radius) / w[LENGTH, i]
     current = np.empty(n + 1)
     current[0] = front
     last = n - 1 if given else n
@@ -186,25 +186,34 @@ def potential_matrix(
     reach = n if exact else k[NEAR]
     length, e = p[FEED_LENGTH], p[FEED_CHARGE]
     foot = p[RADIUS] ** 2
+    m = n + 1
+    x, charge, a2 = np.empty((m, 3)), np.empty(m), np.empty(m)
+    beads(n, y, w, x, charge, a2)
     for i in range(n):
         li, ai = w[LENGTH, i], w[AREA, i] / math.pi
         u, _, _ = segment_self(1.0, li, ai)
         if not exact:
-            less, _, _ = lumped_self(1.0, li, ai)
-            u -= less
-        matrix[i, i] += 2.0 * COULOMB * u
+            less, _, _ = point_pair(0.25, li, 0.5 * (a2[i] + a2[i + 1]))
+            front, _ = far_rest(li, reach, i, ai)
+            back, _ = far_rest(li, reach, n - 1 - i, ai)
+            u += front + back - less
+        matrix[i, i] += 2.0 * p[COUPLING] * u
         gap = 0.0
         for j in range(i + 1, min(n, i + reach + 1)):
-            lj, a2 = w[LENGTH, j], 0.5 * (ai + w[AREA, j] / math.pi)
-            u, _, _, _, _ = segment_pair(1.0, 1.0, li, lj, gap, a2)
+            lj, aj = w[LENGTH, j], w[AREA, j] / math.pi
+            u, _, _, _, _ = segment_pair(1.0, 1.0, li, lj, gap, 0.5 * (ai + aj))
             if not exact:
-                less, _, _, _, _ = lumped_pair(1.0, 1.0, li, lj, gap, a2)
-                u -= less
-            matrix[i, j] += COULOMB * u
-            matrix[j, i] += COULOMB * u
+                for a in range(2):
+                    for b in range(2):
+                        if i + 1 - a != j + b:
+                            apart = gap + a * li + b * lj
+                            less, _, _ = point_pair(0.25, apart, 0.5 * (a2[i + 1 - a] + a2[j + b]))
+                            u -= less
+            matrix[i, j] += p[COUPLING] * u
+            matrix[j, i] += p[COUPLING] * u
             gap += lj
     if not exact:
-        _bead_matrix(n, y, w, matrix)
+        _bead_matrix(n, x, a2, p, matrix)
     if e == 0.0 or length == 0.0:
         return
     gap = 0.0
@@ -215,22 +224,21 @@ def potential_matrix(
         else:
             u = 0.0
             for j in range(i, i + 2):
-                _, _, _, level, _, _ = feed_field(y[j, X], y[j, X + 1], y[j, X + 2], a2, length, 0.0)
+                _, _, _, level, _, _ = feed_field(
+                    y[j, X], y[j, X + 1] - y[n, X + 1], y[j, X + 2] - y[n, X + 2], a2, length, 0.0
+                )
                 u += 0.5 * e * level
-        outer[i] = COULOMB * u
+        outer[i] = p[COUPLING] * u
         gap += li
 
 
 @njit(cache=True, error_model="numpy")
-def _bead_matrix(n: int, y: FloatArray, w: FloatArray, matrix: FloatArray) -> None:
+def _bead_matrix(n: int, x: FloatArray, a2: FloatArray, p: FloatArray, matrix: FloatArray) -> None:
     """Adds the lumped charges' part: half of each element's charge at each of its ends."""
-    m = n + 1
-    x, charge, a2 = np.empty((m, 3)), np.empty(m), np.empty(m)
-    beads(n, y, w, x, charge, a2)
-    for a in range(m):
+    for a in range(n + 1):
         for b in range(a):
             dx, dy, dz = x[a, 0] - x[b, 0], x[a, 1] - x[b, 1], x[a, 2] - x[b, 2]
-            one = 0.25 * COULOMB / math.sqrt(dx * dx + dy * dy + dz * dz + 0.5 * (a2[a] + a2[b]))
+            one = 0.25 * p[COUPLING] / math.sqrt(dx * dx + dy * dy + dz * dz + 0.5 * (a2[a] + a2[b]))
             for i in (a - 1, a):
                 for j in (b - 1, b):
                     if 0 <= i < n and 0 <= j < n:

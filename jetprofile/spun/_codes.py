@@ -79,8 +79,9 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
     DRUM_RADIUS,
     OUTFLOW,  # where a cut jet's elements leave the computation
     LOAD_RAMP,
-) = range(68)
-PARAMETERS = 68
+    COUPLING,  # 1/(4 pi eps0) times the ramp of the loads; set by the kernels
+) = range(69)
+PARAMETERS = 69
 
 # switches
 (

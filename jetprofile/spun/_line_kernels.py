@@ -13,7 +13,7 @@ import math
 
 from numba import njit
 
-__all__ = ["lumped_pair", "lumped_self", "segment_pair", "segment_self"]
+__all__ = ["far_rest", "point_pair", "segment_pair", "segment_self"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -54,26 +54,30 @@ def segment_self(q: float, length: float, a2: float) -> tuple[float, float, floa
 
 
 @njit(cache=True, error_model="numpy")
-def lumped_pair(
-    qi: float, qj: float, li: float, lj: float, g: float, a2: float
-) -> tuple[float, float, float, float, float]:
-    """The same with each segment's charge in two halves at its ends; a shared end does not count."""
-    e = 0.25 * qi * qj
-    u1, u2, u3 = g + li, g + lj, g + li + lj
-    k1, k2, k3 = 1.0 / math.sqrt(u1 * u1 + a2), 1.0 / math.sqrt(u2 * u2 + a2), 1.0 / math.sqrt(u3 * u3 + a2)
-    d1, d2, d3 = k1 * k1 * k1, k2 * k2 * k2, k3 * k3 * k3
-    energy, by_g, by_a = e * (k1 + k2 + k3), -e * (u1 * d1 + u2 * d2 + u3 * d3), -0.5 * e * (d1 + d2 + d3)
-    if g > 0.0:
-        k0 = 1.0 / math.sqrt(g * g + a2)
-        energy += e * k0
-        by_g -= e * g * k0 * k0 * k0
-        by_a -= 0.5 * e * k0 * k0 * k0
-    return energy, -e * (u1 * d1 + u3 * d3), -e * (u2 * d2 + u3 * d3), by_g, by_a
+def point_pair(e: float, u: float, a2: float) -> tuple[float, float, float]:
+    """U, dU/du, dU/d(a^2) of two softened points of product of charges e, u apart."""
+    one = 1.0 / math.sqrt(u * u + a2)
+    cube = one * one * one
+    return e * one, -e * u * cube, -0.5 * e * cube
 
 
 @njit(cache=True, error_model="numpy")
-def lumped_self(q: float, length: float, a2: float) -> tuple[float, float, float]:
-    """A segment's two halves with each other."""
-    e = 0.25 * q * q
-    k = 1.0 / math.sqrt(length * length + a2)
-    return e * k, -e * length * k * k * k, -0.5 * e * k * k * k
+def far_rest(length: float, reach: int, count: int, a2: float) -> tuple[float, float]:
+    """What lumping costs between a segment and those beyond `reach` on one side of it, `count` in all: its half of it.
+
+    U and dU/dL for unit charge. A pair of equal segments u apart differs from its lumped halves by ``-L^2 K''(u)/6`` with
+    ``K = 1/sqrt(u^2 + a^2)``; the sum is taken as the integral from ``(reach + 1/2) L`` on.
+    """
+    if count <= reach:
+        return 0.0, 0.0
+    energy = slope = 0.0
+    for side in range(2):
+        u = (reach + 0.5 if side == 0 else count + 0.5) * length
+        one = 1.0 / (u * u + a2)
+        root = math.sqrt(one)
+        first = -u * one * root
+        second = (2.0 * u * u - a2) * one * one * root
+        sign = 1.0 if side == 0 else -1.0
+        energy += sign * length * first / 12.0
+        slope += sign * (first + u * second) / 12.0
+    return energy, slope
