@@ -32,8 +32,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 from spinline.network._objects import instance
 from spinline.network.tension import Tension
 
@@ -190,7 +190,7 @@ def steady_network(
     --------
     >>> network = steady_network(lambda s: 1 + 0.1 * s, 50.0, coupling=10.0, spring=1.0)
     >>> round(float(network.stretch(20.0)), 6)
-    3.030928
+    3.030615
     """
     if not callable(velocity_ratio):
         raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
