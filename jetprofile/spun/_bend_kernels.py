@@ -10,7 +10,7 @@ import math
 
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._codes import (
     AREA,
     ARR,

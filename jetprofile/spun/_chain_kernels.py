@@ -9,7 +9,7 @@ import math
 
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._codes import IntArray
 from spinline.jetprofile.spun._air_kernels import air_forces
 from spinline.jetprofile.spun._bend_kernels import bending_forces, bending_rates
@@ -239,7 +239,7 @@ def _inflow(n: int, radius: float, y: FloatArray, p: FloatArray, k: FloatArray, 
     if k[BALANCE] == FROZEN:
         dy[i, CHARGE] = p[CHARGE_DENSITY] * flow
     azz = p[AZZ_IN]
-    if k[INLET] == EXTRAPOLATED:
+    if k[INLET] == EXTRAPOLATED and w[G_HERE, i] > 0.0:
         area = math.pi * radius * radius
         azz = inlet_stretch(k[LAW], _inlet_tension(n, y, w) / (area * w[G_HERE, i]), p[ARR_IN], p)
     dy[i, AZZ] += flow / volume * (azz - y[i, AZZ])

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._codes import (
     AREA,
     BALANCE,

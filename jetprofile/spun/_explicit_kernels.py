@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._chain_kernels import explicit_rates
 from spinline.jetprofile.spun._codes import (
     ARR,
@@ -128,7 +128,7 @@ def march_explicit(
                 continue
             clock[6] += 1
             step *= max(0.2, 0.9 * ratio**-0.2) if ratio < 1e300 else 0.2
-            if not step > 1e-14 * max(end, 1e-12):
+            if not step > 1e-8 * clock[0] / p[FLOW]:
                 return STALLED, t, n, h
         clock[5] += 1
         reached = t + step >= stop * (1.0 - 1e-15)

@@ -9,7 +9,7 @@ import math
 
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._codes import (
     AXIS_TABLE,
     B_X,

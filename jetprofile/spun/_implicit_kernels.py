@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._chain_kernels import end_value, explicit_rates, geometry, inlet_radius
 from spinline.jetprofile.spun._charge_kernels import balance
 from spinline.jetprofile.spun._codes import (

@@ -8,7 +8,7 @@ import math
 
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.jetprofile.spun._codes import (
     CONFORMATION,
     CONSISTENCY,

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 __all__ = ["direct_sum", "pair_sum", "tree_sum"]
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from spinline.checks import FloatArray
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
 from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun._explicit_kernels import march_explicit
 from spinline.jetprofile.spun._implicit_kernels import march_implicit

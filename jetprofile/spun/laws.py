@@ -17,8 +17,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Self
 
-from spinline.checks import number, positive
-from spinline.errors import InputError
+from spinline.base.checks import number, positive
+from spinline.base.errors import InputError
 from spinline.jetprofile.spun import _codes as c
 
 __all__ = ["LAWS", "JetLaw"]

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 from spinline.jetprofile.spun.laws import JetLaw
 
 __all__ = ["Air", "Collector", "Drying", "Grid", "Inlet", "Loads", "SpunSettings"]
