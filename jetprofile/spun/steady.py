@@ -154,22 +154,20 @@ def _march(
 ) -> tuple[int, FloatArray, FloatArray]:
     """March from the inlet: fate, positions, states (ln v, A_zz, A_rr).
 
-    +1: v comes near c while it still rises; -1: it stops rising first; 0: neither before the end.
+    +1: v comes near c; -1: it falls far below its start; 0: neither before the end.
     """
 
     def sonic(_: float, y: FloatArray) -> float:
         return _room(model, y) + _NEAR
 
-    def slack(_: float, y: FloatArray) -> float:
-        return -model.parts(y)[2]
+    def stall(_: float, y: FloatArray) -> float:
+        return y[0] - math.log(0.3 * v0)
 
-    sonic.terminal = slack.terminal = True  # type: ignore[attr-defined]
+    sonic.terminal = stall.terminal = True  # type: ignore[attr-defined]
     start = np.array([math.log(v0), azz, arr])
-    if slack(0.0, start) <= 0.0:
-        return -1, np.zeros(1), start[:, None]
     if sonic(0.0, start) >= 0.0:
         return 1, np.zeros(1), start[:, None]
-    found = solve_ivp(model.rates, (0.0, end), start, method=method, rtol=rtol, atol=1e-13, events=(sonic, slack))
+    found = solve_ivp(model.rates, (0.0, end), start, method=method, rtol=rtol, atol=1e-13, events=(sonic, stall))
     fate = 1 if found.t_events[0].size else -1 if found.t_events[1].size else 0
     return fate, found.t, found.y
 
@@ -179,7 +177,7 @@ def _inlet(model: _Model, v0: float, arr: float, far: float, rtol: float) -> flo
     least = max((model.density * v0 * v0 - 2 * arr * model.modulus) / model.modulus, 0.0)
     grid = least + np.geomspace(1e-2, 1e6, 50)
     fates = [_march(model, float(a), v0, arr, far, 1e-7, "LSODA")[0] for a in grid]
-    turns = [i for i in range(len(fates) - 1) if fates[i] == -1 and fates[i + 1] == 1]
+    turns = [i for i in range(len(fates) - 1) if fates[i] != 1 and fates[i + 1] == 1]
     if not turns:
         raise InputError(
             "flow_rate", "gives no jet that passes its wave speed: the far end decides its tension",
@@ -214,6 +212,11 @@ def _through(model: _Model, at: FloatArray, end: float, v0: float, arr: float, r
     stop = float(first.t[-1])
     back = np.linspace(0.0, 1.0, 9)
     width = stop - _place(model, first.sol, stop, -0.25)
+    if first.status != 1 or not width > 0.0:
+        raise InputError(
+            "radius", "lets the jet leave so near its wave speed that the passage lies at the inlet",
+            value=math.sqrt(model.flow / (math.pi * v0)), remedy="solve the moving jet",
+        )  # fmt: skip
     nodes = stop - width * back
     fit = [np.polynomial.Polynomial.fit((nodes - stop) / width, first.sol(nodes)[row], 4) for row in range(3)]
 
