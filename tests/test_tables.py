@@ -231,3 +231,15 @@ def test_a_million_rows(tmp_path):
     columns = read_columns(file, KINDS)
     assert columns["z"].size == 1_000_000
     assert columns["z"][-1] == pytest.approx(0.01)
+
+
+def test_a_profile_written_from_its_far_end(tmp_path):
+    from spinline.jetprofile import Table
+
+    (tmp_path / "a.csv").write_text(written())
+    (tmp_path / "b.csv").write_text("\n".join([written().splitlines()[0], *written().splitlines()[:0:-1]]) + "\n")
+    one, two = (Table.from_csv(tmp_path / name, flow_rate=1e-9) for name in ("a.csv", "b.csv"))
+    assert one == two or one.velocity_ratio(2e-3) == two.velocity_ratio(2e-3)
+    (tmp_path / "c.csv").write_text("z [mm],radius [um]\n1,3\n0.5,2\n2,1\n")
+    with pytest.raises(InputError, match="strictly increase"):
+        Table.from_csv(tmp_path / "c.csv", flow_rate=1e-9)
