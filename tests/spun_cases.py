@@ -52,7 +52,9 @@ def material(chain: Chain, at) -> np.ndarray:
     return CubicSpline(label, y[:, :3])(np.asarray(at))
 
 
-def rotating(settings: SpunSettings, frequency: float, amplitude: float = 1e-5, ramp: float = 2e-3, load_ramp: float = 0.0):
+def rotating(
+    settings: SpunSettings, frequency: float, amplitude: float = 1e-5, ramp: float = 2e-3, load_ramp: float = 0.0
+):
     return replace(
         settings,
         inlet=replace(settings.inlet, amplitude=amplitude, frequency=frequency, ramp=ramp),

@@ -7,9 +7,8 @@ the normal direction only.
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AIR_DENSITY,
     AIR_VISCOSITY,
@@ -22,6 +21,7 @@ from spinline.jetprofile.spun._codes import (
     LIFT,
     TX,
     VX,
+    IntArray,
 )
 
 __all__ = ["air_forces", "slip"]
@@ -37,7 +37,7 @@ def slip(i: int, y: FloatArray, p: FloatArray, w: FloatArray) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def air_forces(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray, f: FloatArray) -> None:
+def air_forces(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, f: FloatArray) -> None:
     """Add drag, and lift where it is wanted."""
     for i in range(n):
         speed = slip(i, y, p, w)

@@ -3,20 +3,20 @@
 ``M = (pi r^4/4) [G m + 3 mu_s dkappa/dt]``: with `VISCOUS`, ``M = (3 mu pi r^4/4) dkappa/dt``; with `ELASTIC`, the moment of
 a Maxwell thread under tension, ``dm/dt = (2 A_zz + A_rr) dkappa/dt + 2 edot m - m/theta``. The curvature of a node is
 the turn of the tangent over half the two lengths beside it; forces are those of the virtual work ``M . d(turn)``, so they
-sum to zero and exert no net torque.
+sum to zero. The rate is that of the *vector* of curvature: a bent thread that only turns is resisted too (a rate
+that turns with the thread would spare it).
 """
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AREA,
     ARR,
     AZZ,
-    BENDING,
     BEND_VISCOSITY,
+    BENDING,
     ELASTIC,
     G_HERE,
     LENGTH,
@@ -26,6 +26,7 @@ from spinline.jetprofile.spun._codes import (
     THETA_HERE,
     TX,
     VX,
+    IntArray,
 )
 
 __all__ = ["bending_forces", "bending_rates"]
@@ -35,11 +36,12 @@ __all__ = ["bending_forces", "bending_rates"]
 def _turning(i: int, c: int, y: FloatArray, w: FloatArray) -> float:
     """Component c of the rate at which the tangent of element i turns."""
     slip = y[i, VX + c] - y[i + 1, VX + c]
-    return slip / w[LENGTH, i] - w[RATE, i] * w[TX + c, i]
+    value: float = slip / w[LENGTH, i] - w[RATE, i] * w[TX + c, i]
+    return value
 
 
 @njit(cache=True, error_model="numpy")
-def _moment(i: int, c: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray) -> float:
+def _moment(i: int, c: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray) -> float:
     """Component c of the moment at node i, as the force that resists a turn, N m."""
     area = 0.5 * (w[AREA, i] + w[AREA, i - 1])
     inertia = area * area / (4.0 * math.pi)
@@ -47,12 +49,14 @@ def _moment(i: int, c: int, y: FloatArray, p: FloatArray, k: FloatArray, w: Floa
     if k[BENDING] == ELASTIC:
         modulus = 0.5 * (w[G_HERE, i] + w[G_HERE, i - 1])
         thin = 0.5 * (w[SOLVENT_HERE, i] + w[SOLVENT_HERE, i - 1])
-        return inertia * (modulus * y[i, MX + c] + 3.0 * thin * bent)
-    return 3.0 * p[BEND_VISCOSITY] * inertia * bent
+        value: float = inertia * (modulus * y[i, MX + c] + 3.0 * thin * bent)
+        return value
+    value = 3.0 * p[BEND_VISCOSITY] * inertia * bent
+    return value
 
 
 @njit(cache=True, error_model="numpy")
-def bending_forces(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray, f: FloatArray) -> None:
+def bending_forces(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, f: FloatArray) -> None:
     """Add the forces of the moments."""
     work = [0.0, 0.0, 0.0]
     for i in range(n):
@@ -69,7 +73,7 @@ def bending_forces(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: Float
 
 
 @njit(cache=True, error_model="numpy")
-def bending_rates(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray, dy: FloatArray) -> None:
+def bending_rates(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, dy: FloatArray) -> None:
     """Rates of the elastic moments (zero for viscous ones)."""
     for c in range(3):
         dy[0, MX + c] = 0.0

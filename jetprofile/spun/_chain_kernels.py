@@ -7,36 +7,34 @@ last element grows: material enters it at the flow rate. Every loop is O(n); the
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
-from spinline.jetprofile.spun._codes import IntArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._air_kernels import air_forces
 from spinline.jetprofile.spun._bend_kernels import bending_forces, bending_rates
 from spinline.jetprofile.spun._codes import (
+    AIR,
+    AREA,
     ARR,
     ARR_IN,
-    AREA,
     AZZ,
     AZZ_IN,
+    BALANCE,
     BENDING,
     CHARGE,
     CHARGE_DENSITY,
-    BALANCE,
     COLUMNS,
     COMPLIANCE,
-    COUPLING,
     COULOMB,
+    COUPLING,
     DRYING,
     END,
     EXPLICIT_SOLVENT,
     EXTRAPOLATED,
     FLOW,
     FROZEN,
-    GRAVITY,
     G_HERE,
+    GRAVITY,
     INLET,
-    AIR,
     LABEL,
     LAW,
     LENGTH,
@@ -53,9 +51,9 @@ from spinline.jetprofile.spun._codes import (
     RHO,
     SOLVENT_HERE,
     SURFACE,
+    TEMP,
     TENSION,
     TENSION_IN,
-    TEMP,
     THETA_HERE,
     TRACTION,
     TX,
@@ -65,6 +63,7 @@ from spinline.jetprofile.spun._codes import (
     VX,
     VY,
     VZ,
+    IntArray,
     X,
     Y,
     Z,
@@ -80,7 +79,7 @@ __all__ = ["explicit_rates", "geometry", "inlet_radius"]
 
 
 @njit(cache=True, error_model="numpy")
-def geometry(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray) -> bool:
+def geometry(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray) -> bool:
     """Length, tangent, area, strain rate, stress of every element; False where one has collapsed or overstretched."""
     for i in range(n):
         dx, dy, dz = y[i, X] - y[i + 1, X], y[i, Y] - y[i + 1, Y], y[i, Z] - y[i + 1, Z]
@@ -103,7 +102,7 @@ def geometry(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray)
 
 
 @njit(cache=True, error_model="numpy")
-def local_tension(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray) -> None:
+def local_tension(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray) -> None:
     """Total tension that acts along each element and depends on that element alone."""
     for i in range(n):
         radius = math.sqrt(w[AREA, i] / math.pi)
@@ -120,11 +119,14 @@ def local_tension(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatA
 def inlet_radius(n: int, y: FloatArray, p: FloatArray, w: FloatArray) -> float:
     """Radius where material enters: given, or yielding to the tension as the jet upstream does."""
     if p[COMPLIANCE] == 0.0:
-        return p[RADIUS]
+        value: float = p[RADIUS]
+        return value
     pull = _inlet_tension(n, y, w)
     if not pull > 0.0:
-        return p[RADIUS]
-    return p[RADIUS] * (pull / p[TENSION_IN]) ** (-p[COMPLIANCE])
+        value = p[RADIUS]
+        return value
+    value = p[RADIUS] * (pull / p[TENSION_IN]) ** (-p[COMPLIANCE])
+    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -132,15 +134,17 @@ def _inlet_tension(n: int, y: FloatArray, w: FloatArray) -> float:
     """Tension of the polymer carried on to the nozzle, linear in the label, bounded to half the last element's."""
     own = w[POLYMER, n - 1]
     if n < 2:
-        return own
+        value: float = own
+        return value
     step = (w[POLYMER, n - 2] - own) * y[n - 1, VOLUME] / (y[n - 1, VOLUME] + y[n - 2, VOLUME])
     most = 0.5 * abs(own)
-    return own - min(max(step, -most), most)
+    value = own - min(max(step, -most), most)
+    return value
 
 
 @njit(cache=True, error_model="numpy")
 def _forces(
-    t: float, n: int, y: FloatArray, p: FloatArray, k: FloatArray, tables: FloatArray, w: FloatArray, f: FloatArray
+    t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray, w: FloatArray, f: FloatArray
 ) -> None:
     """Sum of all forces on the nodes but the solvent's (which the implicit stage adds)."""
     for i in range(n + 1):
@@ -174,12 +178,15 @@ def end_value(x: float, tables: FloatArray, row: int) -> float:
     count = int(tables[0, 0])
     axis = tables[3]
     if x <= axis[0]:
-        return tables[row, 0]
+        value: float = tables[row, 0]
+        return value
     for j in range(1, count):
         if x <= axis[j]:
             part = (x - axis[j - 1]) / (axis[j] - axis[j - 1])
-            return tables[row, j - 1] * (1.0 - part) + tables[row, j] * part
-    return tables[row, count - 1]
+            value = tables[row, j - 1] * (1.0 - part) + tables[row, j] * part
+            return value
+    value = tables[row, count - 1]
+    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -189,7 +196,7 @@ def explicit_rates(
     held: IntArray,
     y: FloatArray,
     p: FloatArray,
-    k: FloatArray,
+    k: IntArray,
     tables: FloatArray,
     w: FloatArray,
     f: FloatArray,
@@ -230,7 +237,7 @@ def explicit_rates(
 
 
 @njit(cache=True, error_model="numpy")
-def _inflow(n: int, radius: float, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray, dy: FloatArray) -> None:
+def _inflow(n: int, radius: float, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, dy: FloatArray) -> None:
     """What the material that enters brings into the growing element."""
     i = n - 1
     flow, volume = p[FLOW], y[i, VOLUME]

@@ -9,9 +9,9 @@ charge, ``D = r^2 K ln(L/r)/(2 eps0)``; an L-stable stage makes long steps the q
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AREA,
     BALANCE,
@@ -23,7 +23,6 @@ from spinline.jetprofile.spun._codes import (
     FEED_CHARGE,
     FEED_LENGTH,
     GIVEN_CURRENT,
-    IntArray,
     LENGTH,
     LOCAL,
     LOG_LENGTH,
@@ -34,6 +33,7 @@ from spinline.jetprofile.spun._codes import (
     REPULSION,
     TX,
     VX,
+    IntArray,
     X,
 )
 from spinline.jetprofile.spun._coulomb_kernels import beads, feed_field
@@ -94,7 +94,8 @@ def balance(
     for i in range(n):
         rate[i] = current[i + 1] - current[i]
         y[i, CHARGE] = known[i] + gh * rate[i]
-    return current[n]
+    value: float = current[n]
+    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -103,7 +104,8 @@ def _line_capacity(p: FloatArray, k: IntArray) -> float:
     if k[REPULSION] == NO_REPULSION:
         return 0.0
     length = p[LOG_LENGTH] if p[LOG_LENGTH] > 0.0 else 100.0 * p[RADIUS]
-    return 1.0 / (2.0 * p[COUPLING] * math.log(length / p[RADIUS]))
+    value: float = 1.0 / (2.0 * p[COUPLING] * math.log(length / p[RADIUS]))
+    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -218,15 +220,20 @@ def potential_matrix(
         return
     gap = 0.0
     for i in range(n - 1, -1, -1):
-        li, a2 = w[LENGTH, i], 0.5 * (w[AREA, i] / math.pi + foot)
-        if exact or n - 1 - i < reach:
-            u, _, _, _, _ = segment_pair(1.0, e * length, li, length, gap, a2)
-        else:
-            u = 0.0
+        li = w[LENGTH, i]
+        near = exact or n - 1 - i < reach
+        u = 0.0
+        if near:
+            u, _, _, _, _ = segment_pair(1.0, e * length, li, length, gap, 0.5 * (w[AREA, i] / math.pi + foot))
+        if not exact:
             for j in range(i, i + 2):
+                soft = 0.5 * (a2[j] + foot)
                 _, _, _, level, _, _ = feed_field(
-                    y[j, X], y[j, X + 1] - y[n, X + 1], y[j, X + 2] - y[n, X + 2], a2, length, 0.0
+                    y[j, X], y[j, X + 1] - y[n, X + 1], y[j, X + 2] - y[n, X + 2], soft, length, 0.0
                 )
+                if near:
+                    _, _, _, flat, _, _ = feed_field(gap + (i + 1 - j) * li, 0.0, 0.0, soft, length, 0.0)
+                    level -= flat
                 u += 0.5 * e * level
         outer[i] = p[COUPLING] * u
         gap += li
@@ -244,5 +251,3 @@ def _bead_matrix(n: int, x: FloatArray, a2: FloatArray, p: FloatArray, matrix: F
                     if 0 <= i < n and 0 <= j < n:
                         matrix[i, j] += one
                         matrix[j, i] += one
-
-

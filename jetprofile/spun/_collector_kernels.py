@@ -6,9 +6,8 @@ moves along +y where the jet meets it.
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     BELT,
     COLLECTOR,
@@ -16,9 +15,9 @@ from spinline.jetprofile.spun._codes import (
     DRUM,
     DRUM_RADIUS,
     GAP,
-    IntArray,
     NO_COLLECTOR,
     VX,
+    IntArray,
     X,
     Y,
 )
@@ -27,15 +26,17 @@ __all__ = ["distance", "first_touch", "material_frame", "place", "surface_veloci
 
 
 @njit(cache=True, error_model="numpy")
-def distance(x: float, y: float, p: FloatArray, k: FloatArray) -> float:
+def distance(x: float, y: float, p: FloatArray, k: IntArray) -> float:
     """Signed distance of a point from the surface; positive in flight."""
     if k[COLLECTOR] == DRUM:
-        return math.hypot(x - p[GAP] - p[DRUM_RADIUS], y) - p[DRUM_RADIUS]
-    return p[GAP] - x
+        value: float = math.hypot(x - p[GAP] - p[DRUM_RADIUS], y) - p[DRUM_RADIUS]
+        return value
+    value = p[GAP] - x
+    return value
 
 
 @njit(cache=True, error_model="numpy")
-def surface_velocity(x: float, y: float, p: FloatArray, k: FloatArray) -> tuple[float, float]:
+def surface_velocity(x: float, y: float, p: FloatArray, k: IntArray) -> tuple[float, float]:
     """Velocity (x, y) of the surface at a point of it."""
     if k[COLLECTOR] == BELT:
         return 0.0, p[COLLECTOR_SPEED]
@@ -46,7 +47,7 @@ def surface_velocity(x: float, y: float, p: FloatArray, k: FloatArray) -> tuple[
 
 
 @njit(cache=True, error_model="numpy")
-def place(i: int, y: FloatArray, p: FloatArray, k: FloatArray) -> None:
+def place(i: int, y: FloatArray, p: FloatArray, k: IntArray) -> None:
     """Put node i on the surface, at rest with it."""
     if k[COLLECTOR] == DRUM:
         dx, dy = y[i, X] - p[GAP] - p[DRUM_RADIUS], y[i, Y]
@@ -59,19 +60,21 @@ def place(i: int, y: FloatArray, p: FloatArray, k: FloatArray) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def material_frame(t: float, x: float, y: float, p: FloatArray, k: FloatArray) -> float:
+def material_frame(t: float, x: float, y: float, p: FloatArray, k: IntArray) -> float:
     """Coordinate along the surface of the material point that is at (x, y) at time t; where it was at t = 0."""
     if k[COLLECTOR] == BELT:
-        return y - p[COLLECTOR_SPEED] * t
+        value: float = y - p[COLLECTOR_SPEED] * t
+        return value
     if k[COLLECTOR] == DRUM:
         angle = math.atan2(y, p[GAP] + p[DRUM_RADIUS] - x)
-        return p[DRUM_RADIUS] * angle - p[COLLECTOR_SPEED] * t
+        value = p[DRUM_RADIUS] * angle - p[COLLECTOR_SPEED] * t
+        return value
     return y
 
 
 @njit(cache=True, error_model="numpy")
 def first_touch(
-    n: int, h: float, old: FloatArray, new: FloatArray, held: IntArray, p: FloatArray, k: FloatArray
+    n: int, h: float, old: FloatArray, new: FloatArray, held: IntArray, p: FloatArray, k: IntArray
 ) -> tuple[int, float]:
     """First node that reaches the surface within a step and when (from its start): cubic through both states."""
     who, when = -1, h

@@ -9,9 +9,9 @@ nozzle and moves with it. With `PRESSURE` the energy's change with the radii (at
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AREA,
     CHARGE,
@@ -29,6 +29,7 @@ from spinline.jetprofile.spun._codes import (
     REPULSION,
     TENSION,
     TREE,
+    IntArray,
     X,
 )
 from spinline.jetprofile.spun._line_kernels import far_rest, point_pair, segment_pair, segment_self
@@ -40,7 +41,7 @@ OPENING = 0.3
 
 
 @njit(cache=True, error_model="numpy")
-def repulsion(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray, f: FloatArray) -> None:
+def repulsion(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, f: FloatArray) -> None:
     """Add the charge's forces on the nodes, and its tensions of the elements."""
     if k[REPULSION] != EXACT and k[REPULSION] != HYBRID:
         return
@@ -62,7 +63,7 @@ def repulsion(n: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray
 
 @njit(cache=True, error_model="numpy")
 def near_pairs(
-    n: int, reach: int, lumped: bool, a2: FloatArray, radial: FloatArray, y: FloatArray, p: FloatArray, k: FloatArray,
+    n: int, reach: int, lumped: bool, a2: FloatArray, radial: FloatArray, y: FloatArray, p: FloatArray, k: IntArray,
     w: FloatArray,
 ) -> None:  # fmt: skip
     """Tensions of all pairs of segments up to `reach` apart: exact, less the lumped where wanted.
@@ -127,7 +128,7 @@ def _lumped_pair(
 
 @njit(cache=True, error_model="numpy")
 def _feed_pairs(
-    n: int, reach: int, lumped: bool, a2: FloatArray, radial: FloatArray, y: FloatArray, p: FloatArray, k: FloatArray,
+    n: int, reach: int, lumped: bool, a2: FloatArray, radial: FloatArray, y: FloatArray, p: FloatArray, k: IntArray,
     w: FloatArray,
 ) -> None:  # fmt: skip
     """Tensions of the segments with the feed line, exact along the arc, less the lumped where wanted."""
@@ -191,7 +192,7 @@ def feed_field(
 
 @njit(cache=True, error_model="numpy")
 def _bead_forces(
-    n: int, x: FloatArray, charge: FloatArray, a2: FloatArray, radial: FloatArray, p: FloatArray, k: FloatArray,
+    n: int, x: FloatArray, charge: FloatArray, a2: FloatArray, radial: FloatArray, p: FloatArray, k: IntArray,
     f: FloatArray,
 ) -> None:  # fmt: skip
     """Forces of all pairs of lumped charges, of the feed line and of the images; radii's share to `radial`."""
@@ -206,9 +207,7 @@ def _bead_forces(
         radial[i] -= 0.25 * charge[i] * inverse[i]  # each pair's a^2 is the mean of its two
         if e != 0.0 and length > 0.0:
             soft = 0.5 * (a2[i] + p[RADIUS] * p[RADIUS])
-            ex, ey, ez, _, by_a, _ = feed_field(
-                x[i, 0], x[i, 1] - x[n, 1], x[i, 2] - x[n, 2], soft, length, 0.0
-            )
+            ex, ey, ez, _, by_a, _ = feed_field(x[i, 0], x[i, 1] - x[n, 1], x[i, 2] - x[n, 2], soft, length, 0.0)
             field[i, 0] += e * ex
             field[i, 1] += e * ey
             field[i, 2] += e * ez
@@ -221,7 +220,7 @@ def _bead_forces(
 
 
 @njit(cache=True, error_model="numpy")
-def _images(x: FloatArray, charge: FloatArray, a2: FloatArray, p: FloatArray, k: FloatArray, field: FloatArray) -> None:
+def _images(x: FloatArray, charge: FloatArray, a2: FloatArray, p: FloatArray, k: IntArray, field: FloatArray) -> None:
     """Field of the mirror charges behind an earthed plate at x = gap, and of the feed line's."""
     m = charge.size
     mirrored, opposite = np.empty((m, 3)), np.empty(m)

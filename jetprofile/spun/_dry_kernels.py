@@ -8,9 +8,8 @@ follow Eq. (45), ``mu = mu_0 10^(B (C^m - C_0^m))`` and ``theta = theta_0 (C/C_0
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     ACTIVATION,
     AIR_CONDUCTIVITY,
@@ -18,10 +17,10 @@ from spinline.jetprofile.spun._codes import (
     AIR_VISCOSITY,
     AIR_X,
     AREA,
-    DRYING,
     DRY_B,
     DRY_M,
     DRY_N,
+    DRYING,
     FRACTION,
     G_HERE,
     HEAT_CAPACITY,
@@ -45,13 +44,14 @@ from spinline.jetprofile.spun._codes import (
     VAPOUR_FAR,
     VOLUME,
     VX,
+    IntArray,
 )
 
 __all__ = ["drying_rates", "material"]
 
 
 @njit(cache=True, error_model="numpy")
-def material(i: int, y: FloatArray, p: FloatArray, k: FloatArray, w: FloatArray) -> None:
+def material(i: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray) -> None:
     """Modulus, relaxation time and solvent viscosity of element i."""
     if k[DRYING] == 0:
         w[G_HERE, i], w[THETA_HERE, i], w[SOLVENT_HERE, i] = p[MODULUS], p[THETA], p[SOLVENT]

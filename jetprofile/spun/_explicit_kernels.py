@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._chain_kernels import explicit_rates
 from spinline.jetprofile.spun._codes import (
     ARR,
@@ -15,13 +15,13 @@ from spinline.jetprofile.spun._codes import (
     DONE,
     FLOW,
     FULL,
-    IntArray,
     MX,
     OUTFLOW,
     RADIUS,
     STALLED,
     VX,
     WORK,
+    IntArray,
     X,
 )
 from spinline.jetprofile.spun._collector_kernels import first_touch
@@ -48,7 +48,8 @@ _E = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 52
 @njit(cache=True, error_model="numpy")
 def _error(n: int, h: float, y: FloatArray, new: FloatArray, d: FloatArray, tol: float, reach: float) -> float:
     """Largest error of a step over what is allowed: position per reach of the jet, velocity per its greatest, conformation
-    relative."""
+    relative.
+    """
     fast = 1e-300
     for i in range(n + 1):
         for c in range(3):
@@ -128,7 +129,7 @@ def march_explicit(
                 continue
             clock[6] += 1
             step *= max(0.2, 0.9 * ratio**-0.2) if ratio < 1e300 else 0.2
-            if not step > 1e-8 * clock[0] / p[FLOW]:
+            if not step > 1e-8 * min(clock[0] / p[FLOW], end):
                 return STALLED, t, n, h
         clock[5] += 1
         reached = t + step >= stop * (1.0 - 1e-15)
@@ -185,5 +186,3 @@ def _try(
             return False
     new[: n + 1] = trial[: n + 1]
     return True
-
-

@@ -7,9 +7,8 @@ the axis, continued off it as an axisymmetric source-free field to first order. 
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AXIS_TABLE,
     B_X,
@@ -18,6 +17,7 @@ from spinline.jetprofile.spun._codes import (
     FIELD_KIND,
     GAP,
     HYPERBOLOID,
+    LOAD_RAMP,
     NO_SIDE,
     ROTATING,
     SIDE_FIELD,
@@ -26,10 +26,10 @@ from spinline.jetprofile.spun._codes import (
     TIP,
     VOLTAGE,
     VX,
+    IntArray,
     X,
     Y,
     Z,
-    LOAD_RAMP,
 )
 from spinline.jetprofile.spun._nozzle_kernels import smooth
 
@@ -74,7 +74,7 @@ def _from_table(x: float, rho: float, tables: FloatArray) -> tuple[float, float]
 
 @njit(cache=True, error_model="numpy")
 def applied_field(
-    t: float, x: float, y: float, z: float, p: FloatArray, k: FloatArray, tables: FloatArray
+    t: float, x: float, y: float, z: float, p: FloatArray, k: IntArray, tables: FloatArray
 ) -> tuple[float, float, float]:
     """Field at a point and a moment, V/m."""
     ex, ey, ez = p[FIELD], 0.0, 0.0
@@ -99,7 +99,7 @@ def applied_field(
 
 @njit(cache=True, error_model="numpy")
 def field_forces(
-    t: float, n: int, y: FloatArray, p: FloatArray, k: FloatArray, tables: FloatArray, f: FloatArray
+    t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray, f: FloatArray
 ) -> None:
     """Electric and magnetic force on every moving node."""
     magnetic = p[B_X] != 0.0 or p[B_X + 1] != 0.0 or p[B_X + 2] != 0.0

@@ -7,9 +7,9 @@ longitudinal wave needs for an element, and end where an element enters or a nod
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._chain_kernels import end_value, explicit_rates, geometry, inlet_radius
 from spinline.jetprofile.spun._charge_kernels import balance
 from spinline.jetprofile.spun._codes import (
@@ -28,7 +28,6 @@ from spinline.jetprofile.spun._codes import (
     FULL,
     G_HERE,
     GIVEN_CURRENT,
-    IntArray,
     LAW,
     LENGTH,
     OUTFLOW,
@@ -44,6 +43,7 @@ from spinline.jetprofile.spun._codes import (
     VOLUME,
     VX,
     WORK,
+    IntArray,
     X,
 )
 from spinline.jetprofile.spun._collector_kernels import first_touch
@@ -69,9 +69,7 @@ def _longest(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, c
 
 
 @njit(cache=True, error_model="numpy")
-def _viscous(
-    n: int, gh: float, y: FloatArray, held: IntArray, p: FloatArray, w: FloatArray, rate: FloatArray
-) -> None:
+def _viscous(n: int, gh: float, y: FloatArray, held: IntArray, p: FloatArray, w: FloatArray, rate: FloatArray) -> None:
     """Velocities under the solvent's viscosity over a stage: block tridiagonal, 3 x 3; writes dv/dt to `rate`."""
     upper, right = np.zeros((n, 3, 3)), np.zeros((n, 3))
     pivot, side = np.zeros((3, 3)), np.zeros(3)
@@ -139,7 +137,8 @@ def _inverse(m: FloatArray) -> FloatArray:
     out[0, 2] = m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1]
     out[1, 2] = m[0, 2] * m[1, 0] - m[0, 0] * m[1, 2]
     out[2, 2] = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
-    return out / det
+    value: FloatArray = out / det
+    return value
 
 
 @njit(cache=True, error_model="numpy")
@@ -245,10 +244,7 @@ def march_implicit(
         step = _longest(n, y, p, k, w, cfl)
         if fixed > 0.0:
             step = min(step, fixed)
-        if step < stop - t:  # equal steps to the stop, so that none is a splinter
-            step = (stop - t) / math.ceil((stop - t) / step)
-        else:
-            step = stop - t
+        step = (stop - t) / max(math.ceil((stop - t) / step), 1)  # equal steps to the stop, so that none is a splinter
         who, tries = -1, 0
         while True:
             tries += 1

@@ -2,9 +2,8 @@
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     CHARGE,
     COLUMNS,
@@ -18,11 +17,11 @@ from spinline.jetprofile.spun._codes import (
     D_VOLUME,
     D_X0,
     D_X1,
-    IntArray,
     LABEL,
     OUTFLOW,
     VOLUME,
     VX,
+    IntArray,
     X,
     Y,
     Z,
@@ -39,7 +38,7 @@ def _length(i: int, y: FloatArray) -> float:
 
 @njit(cache=True, error_model="numpy")
 def touch(
-    t: float, i: int, n: int, y: FloatArray, held: IntArray, marks: FloatArray, p: FloatArray, k: FloatArray
+    t: float, i: int, n: int, y: FloatArray, held: IntArray, marks: FloatArray, p: FloatArray, k: IntArray
 ) -> None:
     """Clamp node i. `marks`: time, x, material y, z, speed of each touch; flight length of the element behind node i."""
     marks[i, 4] = math.sqrt(y[i, VX] ** 2 + y[i, VX + 1] ** 2 + y[i, VX + 2] ** 2)
@@ -69,7 +68,13 @@ def leave(t: float, n: int, y: FloatArray, held: IntArray, marks: FloatArray, p:
 
 @njit(cache=True, error_model="numpy")
 def remove_landed(
-    n: int, origin: float, y: FloatArray, held: IntArray, marks: FloatArray, landed: FloatArray, count: int,
+    n: int,
+    origin: float,
+    y: FloatArray,
+    held: IntArray,
+    marks: FloatArray,
+    landed: FloatArray,
+    count: int,
     open_end: bool,
 ) -> tuple[int, float, int]:
     """Move landed elements from the chain's front to the record; number of elements, label of the front, rows."""

@@ -6,9 +6,8 @@ A_rr; the linear laws (Eq. 14 and its Herschel-Bulkley form) keep ``A_zz = 1 + s
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     CONFORMATION,
     CONSISTENCY,
@@ -42,7 +41,7 @@ def stress_ratio(law: int, azz: float, arr: float, p: FloatArray) -> float:
 def law_rates(
     law: int, rate: float, azz: float, arr: float, modulus: float, theta: float, p: FloatArray
 ) -> tuple[float, float]:
-    """d A_zz/dt, d A_rr/dt at a strain rate."""
+    """D A_zz/dt, d A_rr/dt at a strain rate."""
     if law == CONFORMATION:
         f = _spring(azz, arr, p[EXTENT])
         a = p[MOBILITY]
@@ -76,4 +75,5 @@ def inlet_stretch(law: int, ratio: float, arr: float, p: FloatArray) -> float:
     if law != CONFORMATION or p[EXTENT] == math.inf:
         return arr + ratio
     room = p[EXTENT] - 3.0
-    return (ratio * (p[EXTENT] - 2.0 * arr) + room * arr) / (room + ratio)
+    value: float = (ratio * (p[EXTENT] - 2.0 * arr) + room * arr) / (room + ratio)
+    return value

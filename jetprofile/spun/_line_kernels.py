@@ -11,7 +11,7 @@ at fixed charges.
 
 import math
 
-from numba import njit
+from spinline.base.kernels import njit
 
 __all__ = ["far_rest", "point_pair", "segment_pair", "segment_self"]
 

@@ -8,9 +8,8 @@ nodes; stress and charge are linear in the label with their mean kept, so nothin
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AMPLITUDE,
     ARR,
@@ -70,8 +69,7 @@ def _lagrange(at: float, s0: float, s1: float, s2: float, s3: float) -> tuple[fl
 
 @njit(cache=True, error_model="numpy")
 def split(n: int, step: float, speed: float, y: FloatArray, p: FloatArray) -> None:
-    """Split the growing element; afterwards the chain has n + 1 elements and the nozzle is node n + 1.
-    """
+    """Split the growing element; afterwards the chain has n + 1 elements and the nozzle is node n + 1."""
     grown = y[n - 1, LABEL]
     new = grown - step
     s1 = grown
@@ -93,16 +91,18 @@ def split(n: int, step: float, speed: float, y: FloatArray, p: FloatArray) -> No
         y[n, VX + c] = _velocity(n, c, new, s1, s2, s3, y)
         y[n, MX + c] = 0.5 * y[n - 1, MX + c]
     _share(n, grown, new, step, y)
-    
+
 
 @njit(cache=True, error_model="numpy")
 def _velocity(n: int, c: int, at: float, s1: float, s2: float, s3: float, y: FloatArray) -> float:
     """Velocity component c of the new node, from the nozzle (now node n + 1) and up to three nodes."""
     if n > 2:
         a, b, d, e = _lagrange(at, 0.0, s1, s2, s3)
-        return a * y[n + 1, VX + c] + b * y[n - 1, VX + c] + d * y[n - 2, VX + c] + e * y[n - 3, VX + c]
+        value: float = a * y[n + 1, VX + c] + b * y[n - 1, VX + c] + d * y[n - 2, VX + c] + e * y[n - 3, VX + c]
+        return value
     part = at / s1
-    return (1.0 - part) * y[n + 1, VX + c] + part * y[n - 1, VX + c]
+    value = (1.0 - part) * y[n + 1, VX + c] + part * y[n - 1, VX + c]
+    return value
 
 
 @njit(cache=True, error_model="numpy")

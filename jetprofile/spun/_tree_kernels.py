@@ -7,9 +7,9 @@ A cluster is taken as a monopole and a quadrupole about its centre of charge whe
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["direct_sum", "pair_sum", "tree_sum"]
 
@@ -171,7 +171,7 @@ def _visit(
             stack[top], stack[top + 1] = 2 * k + 1, 2 * k + 2
             top += 2
             continue
-        if leaf and node[k, 4] * node[k, 4] >= opening * opening * d2 or high - low <= 8:
+        if (leaf and node[k, 4] * node[k, 4] >= opening * opening * d2) or high - low <= 8:
             for j in range(low, high):
                 ex, ey, ez = px - x[j, 0], py - x[j, 1], pz - x[j, 2]
                 e2 = ex * ex + ey * ey + ez * ez

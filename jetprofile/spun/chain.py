@@ -193,7 +193,7 @@ def start_cylinder(settings: SpunSettings, capacity: int = 512) -> Chain:
     inlet, step = settings.inlet, settings.grid.element_length
     area = math.pi * inlet.radius**2
     length = inlet.length or 2.5 * step
-    count = max(int(round(length / step - 0.5)), 1)
+    count = max(round(length / step - 0.5), 1)
     pieces = np.full(count + 1, step)
     pieces[-1] = length - count * step
     if pieces[-1] < 0.5 * step * (1 - 1e-9):

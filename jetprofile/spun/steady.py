@@ -14,6 +14,7 @@ from its far end, and is refused here.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -150,7 +151,13 @@ def _room(model: _Model, y: FloatArray) -> float:
 
 
 def _march(
-    model: _Model, azz: float, v0: float, arr: float, end: float, rtol: float, method: str = "DOP853"
+    model: _Model,
+    azz: float,
+    v0: float,
+    arr: float,
+    end: float,
+    rtol: float,
+    method: Literal["DOP853", "LSODA"] = "DOP853",
 ) -> tuple[int, FloatArray, FloatArray]:
     """March from the inlet: fate, positions, states (ln v, A_zz, A_rr).
 
@@ -161,14 +168,16 @@ def _march(
         return _room(model, y) + _NEAR
 
     def stall(_: float, y: FloatArray) -> float:
-        return y[0] - math.log(0.3 * v0)
+        value: float = y[0] - math.log(0.3 * v0)
+        return value
 
     sonic.terminal = stall.terminal = True  # type: ignore[attr-defined]
     start = np.array([math.log(v0), azz, arr])
     if sonic(0.0, start) >= 0.0:
         return 1, np.zeros(1), start[:, None]
     found = solve_ivp(model.rates, (0.0, end), start, method=method, rtol=rtol, atol=1e-13, events=(sonic, stall))
-    fate = 1 if found.t_events[0].size else -1 if found.t_events[1].size else 0
+    events = found.t_events or [np.zeros(0), np.zeros(0)]
+    fate = 1 if events[0].size else -1 if events[1].size else 0
     return fate, found.t, found.y
 
 
@@ -184,7 +193,7 @@ def _inlet(model: _Model, v0: float, arr: float, far: float, rtol: float) -> flo
             value=model.flow, remedy="solve the moving jet, or give the tension at its end",
         )  # fmt: skip
     low, high = float(grid[turns[0]]), float(grid[turns[0] + 1])
-    method = "LSODA"
+    method: Literal["DOP853", "LSODA"] = "LSODA"
     while True:
         mid = 0.5 * (low + high)
         if mid in (low, high):
@@ -209,16 +218,18 @@ def _through(model: _Model, at: FloatArray, end: float, v0: float, arr: float, r
     short.terminal = True  # type: ignore[attr-defined]
     first = solve_ivp(model.rates, (0.0, far), start, method="DOP853", rtol=rtol, atol=1e-13, events=short,
                       dense_output=True)  # fmt: skip
+    path = first.sol
+    assert path is not None
     stop = float(first.t[-1])
     back = np.linspace(0.0, 1.0, 9)
-    width = stop - _place(model, first.sol, stop, -0.25)
+    width = stop - _place(model, path, stop, -0.25)
     if first.status != 1 or not width > 0.0:
         raise InputError(
             "radius", "lets the jet leave so near its wave speed that the passage lies at the inlet",
             value=math.sqrt(model.flow / (math.pi * v0)), remedy="solve the moving jet",
         )  # fmt: skip
     nodes = stop - width * back
-    fit = [np.polynomial.Polynomial.fit((nodes - stop) / width, first.sol(nodes)[row], 4) for row in range(3)]
+    fit = [np.polynomial.Polynomial.fit((nodes - stop) / width, path(nodes)[row], 4) for row in range(3)]
 
     def crossing(x: float) -> FloatArray:
         return np.array([float(p((x - stop) / width)) for p in fit])
@@ -230,7 +241,7 @@ def _through(model: _Model, at: FloatArray, end: float, v0: float, arr: float, r
             raise InputError("flow_rate", "gives a passage of the wave speed too slow to be followed", value=model.flow)
     states = np.empty((3, at.size))
     for i, x in enumerate(at):
-        states[:, i] = first.sol(x) if x <= stop else crossing(float(x))
+        states[:, i] = path(x) if x <= stop else crossing(float(x))
     rest = at > beyond
     if rest.any():
         found = solve_ivp(model.rates, (beyond, end), crossing(beyond), method="DOP853", t_eval=at[rest], rtol=rtol,

@@ -110,5 +110,3 @@ def earnshaw_rate(charge: ArrayLike, mass: ArrayLike, length: ArrayLike) -> Floa
     q, m, gap = real("charge", charge), real("mass", mass, above=0.0), real("length", length, above=0.0)
     value: FloatArray = np.sqrt(2 * COULOMB / m) * np.abs(q) / (gap * np.sqrt(gap))
     return value if value.ndim else np.float64(value)  # type: ignore[return-value]
-
-
