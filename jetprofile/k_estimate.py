@@ -16,7 +16,7 @@ Reznik and Zussman, Phys. Rev. E 81, 026313 (2010).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 
 __all__ = ["estimate_k"]
 

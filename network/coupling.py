@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 
 BOLTZMANN = 1.380649e-23  # J/K, exact: it defines the kelvin (SI, 2019)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, number, real
+from spinline.base.checks import BoolArray, FloatArray, number, real
 from spinline.network.concentration import (
     conservative_radius_ratio,
     fraction_conservative,

@@ -22,7 +22,7 @@ module                   law
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline.base.lazy import lazily
 
 if __name__ != "spinline.rheology":
     raise ImportError("import spinline.rheology, not rheology")

@@ -15,8 +15,8 @@ from typing import Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import BoolArray, FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["BeadJet", "ElementPath", "Given", "SteadyJet", "bead_path", "straight_path"]
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spinline.checks import positive
-from spinline.errors import InputError
+from spinline.base.checks import positive
+from spinline.base.errors import InputError
 from spinline.rheology.solvents import SOLVENTS, known_name, solvent_density, solvent_viscosity
 
 __all__ = [

@@ -16,8 +16,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
-from spinline.checks import number
-from spinline.errors import InputError
+from spinline.base.checks import number
+from spinline.base.errors import InputError
 from spinline.rheology import fractions, solvents
 from spinline.rheology.entanglement import Entanglement, Quality, entanglement
 from spinline.rheology.fractions import mass_fraction, volume_fraction

@@ -29,8 +29,8 @@ from typing import Any
 
 import numpy as np
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = [
     "SOLVENTS",

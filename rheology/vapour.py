@@ -18,8 +18,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 from spinline.rheology._finite import finite_result
 from spinline.rheology.solvents import SOLVENTS, known_name, solvent_molar_mass
 

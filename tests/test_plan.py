@@ -10,16 +10,16 @@ import pytest
 from typer.testing import CliRunner
 
 import spinline as sl
-from spinline.build import build_jet, build_solution
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.units import parse
 from spinline.cli import app
-from spinline.difference import REPORTED, difference, largest
-from spinline.errors import InputError, SpinlineWarning
-from spinline.estimates import elastic_coupling_effect, extensibility_effect, relaxation_effect
 from spinline.plan import MARGIN, plan_scene, resolved
+from spinline.plan.estimates import elastic_coupling_effect, extensibility_effect, relaxation_effect
 from spinline.scene import load_scene
+from spinline.setup.build import build_jet, build_solution
 from spinline.solve import run
-from spinline.trade import trade, variant
-from spinline.units import parse
+from spinline.study.difference import REPORTED, difference, largest
+from spinline.study.trade import trade, variant
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 

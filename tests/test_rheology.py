@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spinline import rheology
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.network import network_at_rest
 from spinline.rheology import POLYMERS, SOLVENTS, Polymer, Solution, fractions, materials, solvents
 from spinline.rheology.entanglement import entanglement_fraction, overlap_fraction

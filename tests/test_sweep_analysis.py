@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import spinline as sl
-from spinline.compare import compare
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import estimate_k
+from spinline.report.window_figure import save_window_figure, window_figure
 from spinline.scene import load_scene
-from spinline.sensitivity import indices, sobol
-from spinline.sweep import run_sweep, sweep_from_dict
-from spinline.sweep_design import Axis, Design
-from spinline.window import operating_window
-from spinline.window_figure import save_window_figure, window_figure
+from spinline.study.compare import compare
+from spinline.study.design import Axis, Design
+from spinline.study.sensitivity import indices, sobol
+from spinline.study.sweep import run_sweep, sweep_from_dict
+from spinline.study.window import operating_window
 
 # Sobol' indices
 
