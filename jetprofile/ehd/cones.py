@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = [
     "HYPERBOLOID_POTENTIAL",

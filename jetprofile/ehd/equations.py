@@ -4,7 +4,8 @@ Lengths by r_0, velocities by v_0, fields by E_s, charges by eps_0 E_s; ``u = ln
 
 =========  =====================================================================================================
 ``u``      ``ln(v / v_0)``
-``T``      axial viscoelastic force over ``pi r_0 mu v_0``: ``R^2 (tau_zz - tau_rr)``
+``W``      ``T + Re El R^2 (sigma^2 + beta_e E^2) / 2``, T the viscoelastic force over ``pi r_0 mu v_0``: with the electric
+           stress in it, its slope holds no slope of the charge, which may be steep
 ``Psi``    potential of the jet minus that of all other charges, over ``E_s r_0``
 ``ln i``   the current over ``pi r_0^2 K E_s``; a constant, carried along as an unknown
 ``ln B``   ``B = f A_zz``, ``ln C``: ``C = f A_rr``, f the finite-extensibility factor (viscoelastic only)
@@ -19,6 +20,7 @@ Lengths by r_0, velocities by v_0, fields by E_s, charges by eps_0 E_s; ``u = ln
     Psi' = E_ext - E
     q'   = (2 / beta_e) [(1 - q) / (Pe V) - F / i]       or, charge relaxing at once,  q = 1 - Pe V F / i
     T'   = Re {V u' - R^2 / Fr - R' / We - El [sigma sigma' R^2 + beta_e E E' R^2 + 2 i^2 q (1 - q) / Pe]}
+    W'   = Re {V u' - R^2 / Fr - R' / We - El [u' R^2 (sigma^2 + beta_e E^2) / 2 + 2 i^2 q (1 - q) / Pe]}
 
 The products f A are the unknowns, since ``f = 1 + (B + 2 C - 3) / L2`` then is positive whatever they are: no trial of an
 iteration can leave the extensible range. Eq. (7) as printed has ``sigma_e`` where the surface charge belongs, and Eq. (8) divides
@@ -34,9 +36,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
-
-__all__ = ["PARAMETERS", "box_residual", "box_system", "place", "slopes"]
+__all__ = ["PARAMETERS", "jacobian", "residual", "slopes"]
 
 # Order of the parameter vector; `share` = rs, `gain` = (1 - rs) / De, `extensibility` = 1 / L2 (0: Oldroyd-B),
 # `mobility` = the Giesekus a, `end_slope` = V' / V at the end
@@ -46,48 +46,20 @@ PARAMETERS = (
 )  # fmt: skip
 
 
-def place(polymer: bool, charge: bool) -> tuple[int, int]:
-    """Number of unknowns, and the index of q (-1: not an unknown)."""
-    size = 4 + 2 * polymer + charge
-    return size, size - 1 if charge else -1
-
-
 @njit(cache=True, error_model="numpy")
-def slopes(y: Any, field: float, p: Any, polymer: bool, charge: bool, local: bool, out: Any) -> tuple[float, float]:
-    """Derivatives of the unknowns by s at one place, written into `out`; returns E and q."""
-    u, tension, psi, current = y[0], y[1], y[2], np.exp(y[3])
-    v, radius = np.exp(u), np.exp(-0.5 * u)
-    log = p[6] + (0.5 * u if local else 0.0)
-    peclet, beta = p[3], p[5]
+def slopes(y: Any, field: float, p: Any, polymer: bool, charge: bool, local: bool, out: Any) -> Any:
+    """Derivatives of the unknowns by s at one place, written into `out`; returns E, q and T."""
+    u, psi, current = y[0], y[2], np.exp(y[3])
+    v, area = np.exp(u), np.exp(-u)
+    radius = np.exp(-0.5 * u)
+    charge_density = psi / (p[6] + (0.5 * u if local else 0.0))
+    q = y[y.size - 1] if charge else 1.0 - p[3] * v * charge_density / current
+    inside, sigma = current * q * v, current * (1.0 - q) * radius / p[3]
+    stress = 0.5 * p[4] * (sigma**2 + p[5] * inside**2)
+    tension = y[1] - p[0] * area * stress
     if polymer:
         b, c = np.exp(y[4]), np.exp(y[5])
         du = (tension * v - p[9] * (b - c)) / (3.0 * p[8] * v)
-    else:
-        b, c = 1.0, 1.0
-        du = tension / 3.0
-    charge_density = psi / log
-    if charge:
-        q = y[y.size - 1]
-        dq = 2.0 / beta * ((1.0 - q) / (peclet * v) - charge_density / current)
-        inside = current * q * v
-        dpsi = field - inside
-        out[y.size - 1] = dq
-    else:
-        q = 1.0 - peclet * v * charge_density / current
-        inside = current * q * v
-        dpsi = field - inside
-        dlog = 0.5 * du if local else 0.0
-        dq = -(peclet / current) * v * (charge_density * (du - dlog / log) + dpsi / log)
-    dradius = -0.5 * radius * du
-    sigma = current * (1.0 - q) * radius / peclet
-    dsigma = current * ((1.0 - q) * dradius - dq * radius) / peclet
-    dinside = current * v * (dq + q * du)
-    pull = (sigma * dsigma + beta * inside * dinside) * radius**2 + 2.0 * current**2 * q * (1.0 - q) / peclet
-    out[0] = du
-    out[1] = p[0] * (v * du - radius**2 * p[2] - dradius / p[1] - p[4] * pull)
-    out[2] = dpsi
-    out[3] = 0.0
-    if polymer:
         f = 1.0 + (b + 2.0 * c - 3.0) * p[10]
         zz, rr = b / f, c / f
         # f times dA/ds
@@ -96,130 +68,132 @@ def slopes(y: Any, field: float, p: Any, polymer: bool, charge: bool, local: boo
         stiffer = (db + 2.0 * dc) * p[10] / (1.0 - 3.0 * p[10])  # f'/f, from f = 1 + (B + 2 C - 3) / L2
         out[4] = db / b + stiffer
         out[5] = dc / c + stiffer
-    return inside, q
+    else:
+        du = tension / 3.0
+    shear = 2.0 * p[4] * current**2 * q * (1.0 - q) / p[3]
+    out[0] = du
+    out[1] = p[0] * (v * du - area * p[2] + 0.5 * radius * du / p[1] - area * du * stress - shear)
+    out[2] = field - inside
+    out[3] = 0.0
+    if charge:
+        out[y.size - 1] = 2.0 / p[5] * ((1.0 - q) / (p[3] * v) - charge_density / current)
+    return inside, q, tension
 
 
 @njit(cache=True, error_model="numpy")
-def _jacobian(y: Any, field: float, p: Any, flags: Any, scale: Any, base: Any, out: Any, work: Any) -> None:
-    """Derivatives of `slopes` by the unknowns, forward differences, into `out`; `base` are the slopes at y."""
-    for k in range(y.size):
-        old = y[k]
-        step = 1e-7 * (abs(old) + scale[k])
-        y[k] = old + step
-        step = y[k] - old
-        slopes(y, field, p, flags[0], flags[1], flags[2], work)
-        y[k] = old
-        for r in range(y.size):
-            out[r, k] = (work[r] - base[r]) / step
+def _local(y: Any, field: float, p: Any, flags: Any, out: Any, z: Any, work: Any) -> None:
+    """Derivatives of `slopes` by the unknowns into `out`: complex steps, exact to rounding. `z`, `work` are scratch."""
+    size = y.size
+    for k in range(size):
+        z[k] = y[k]
+    for k in range(size):
+        z[k] = y[k] + 1e-30j
+        slopes(z, field, p, flags[0], flags[1], flags[2], work)
+        z[k] = y[k]
+        for r in range(size):
+            out[r, k] = work[r].imag * 1e30
 
 
 @njit(cache=True, error_model="numpy")
-def _end_rows(y: Any, p: Any, flags: Any, work: Any) -> tuple[float, float]:
+def _end_rows(y: Any, p: Any, flags: Any, work: Any) -> Any:
     """Conditions at the end: the field is the applied one, and V' = end_slope V."""
-    inside, _ = slopes(y, p[13], p, flags[0], flags[1], flags[2], work)
+    inside, _, _ = slopes(y, p[13], p, flags[0], flags[1], flags[2], work)
     return inside / p[13] - 1.0, work[0] - p[12]
 
 
 @njit(cache=True, error_model="numpy")
-def box_residual(s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left: Any, order: int, out: Any) -> None:
+def residual(s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left: Any, out: Any) -> None:
     """Residual of the difference equations, in the order: start, intervals, end.
 
-    `left` holds (index, value) of the conditions at the start; `nodes` and `middles` the applied field there.
+    `left` holds (index, value) of the conditions at the start; `nodes` and `middles` the applied field there. Each interval is
+    integrated by Simpson's rule with the middle from a cubic (three-stage Lobatto, order 4), or, ``flags[3]``, by implicit Euler in
+    the direction in which each equation is stable: W and Psi (1, 2) backward, the others forward (order 1, never spurious).
     """
     n, m = y.shape
     f0, f1, fm, mid = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
-    row = 0
-    for k in range(left.shape[0]):
-        out[row] = y[0, int(left[k, 0])] - left[k, 1]
-        row += 1
-    if order == 4:
-        slopes(y[0], nodes[0], p, flags[0], flags[1], flags[2], f0)
+    row = left.shape[0]
+    for k in range(row):
+        out[k] = y[0, int(left[k, 0])] - left[k, 1]
+    slopes(y[0], nodes[0], p, flags[0], flags[1], flags[2], f0)
     for j in range(n - 1):
         h = s[j + 1] - s[j]
-        if order == 4:
-            slopes(y[j + 1], nodes[j + 1], p, flags[0], flags[1], flags[2], f1)
+        slopes(y[j + 1], nodes[j + 1], p, flags[0], flags[1], flags[2], f1)
+        if flags[3]:
             for k in range(m):
-                mid[k] = 0.5 * (y[j, k] + y[j + 1, k]) + 0.125 * h * (f0[k] - f1[k])
+                fm[k] = f0[k] if k == 1 or k == 2 else f1[k]
         else:
             for k in range(m):
-                mid[k] = 0.5 * (y[j, k] + y[j + 1, k])
-        slopes(mid, middles[j], p, flags[0], flags[1], flags[2], fm)
-        for k in range(m):
-            mean = (f0[k] + 4.0 * fm[k] + f1[k]) / 6.0 if order == 4 else fm[k]
-            out[row + k] = y[j + 1, k] - y[j, k] - h * mean
-        row += m
-        if order == 4:
+                mid[k] = 0.5 * (y[j, k] + y[j + 1, k]) + 0.125 * h * (f0[k] - f1[k])
+            slopes(mid, middles[j], p, flags[0], flags[1], flags[2], fm)
             for k in range(m):
-                f0[k] = f1[k]
+                fm[k] = (f0[k] + 4.0 * fm[k] + f1[k]) / 6.0
+        for k in range(m):
+            out[row + k] = y[j + 1, k] - y[j, k] - h * fm[k]
+            f0[k] = f1[k]
+        row += m
     out[row], out[row + 1] = _end_rows(y[n - 1], p, flags, fm)
 
 
 @njit(cache=True, error_model="numpy")
-def box_system(
-    s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left: Any, scale: Any, order: int, band: Any, out: Any
-) -> None:
-    """Residual into `out` and its Jacobian into `band` (LAPACK's general band form, with room for the pivots)."""
+def _blocks(h: float, upwind: bool, j0: Any, jm: Any, j1: Any, a: Any, b: Any) -> None:
+    """Derivatives of one interval's residual by its two ends, from the Jacobians at its ends and its middle."""
+    m = j0.shape[0]
+    for r in range(m):
+        for c in range(m):
+            if upwind:
+                back = r == 1 or r == 2
+                a[r, c] = -h * j0[r, c] if back else 0.0
+                b[r, c] = 0.0 if back else -h * j1[r, c]
+            else:
+                x0 = x1 = 0.5 * jm[r, c]
+                for k in range(m):
+                    x0 += 0.125 * h * jm[r, k] * j0[k, c]
+                    x1 -= 0.125 * h * jm[r, k] * j1[k, c]
+                a[r, c] = -h / 6.0 * (j0[r, c] + 4.0 * x0)
+                b[r, c] = -h / 6.0 * (j1[r, c] + 4.0 * x1)
+        a[r, r] -= 1.0
+        b[r, r] += 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def jacobian(s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left: Any, band: Any) -> None:
+    """Jacobian of `residual` into `band`, LAPACK's general band form with room for the pivots."""
     n, m = y.shape
     count = left.shape[0]
     low, high = count + m - 1, 2 * m - 1 - count
-    box_residual(s, y, nodes, middles, p, flags, left, order, out)
     band[:] = 0.0
     top = low + high  # row of the diagonal
     for k in range(count):
         c = int(left[k, 0])
         band[top + k - c, c] = 1.0
-    f0, f1, fm, mid, work = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
-    j0, j1, jm = np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
-    a, b = np.empty((m, m)), np.empty((m, m))
-    if order == 4:
-        slopes(y[0], nodes[0], p, flags[0], flags[1], flags[2], f0)
-        _jacobian(y[0].copy(), nodes[0], p, flags, scale, f0, j0, work)
+    f0, f1, mid = np.empty(m), np.empty(m), np.empty(m)
+    z, work = np.empty(m, np.complex128), np.empty(m, np.complex128)
+    j0, j1, jm, a, b = np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
+    slopes(y[0], nodes[0], p, flags[0], flags[1], flags[2], f0)
+    _local(y[0], nodes[0], p, flags, j0, z, work)
     for j in range(n - 1):
         h = s[j + 1] - s[j]
-        if order == 4:
+        _local(y[j + 1], nodes[j + 1], p, flags, j1, z, work)
+        if not flags[3]:
             slopes(y[j + 1], nodes[j + 1], p, flags[0], flags[1], flags[2], f1)
-            _jacobian(y[j + 1].copy(), nodes[j + 1], p, flags, scale, f1, j1, work)
             for k in range(m):
                 mid[k] = 0.5 * (y[j, k] + y[j + 1, k]) + 0.125 * h * (f0[k] - f1[k])
-        else:
-            for k in range(m):
-                mid[k] = 0.5 * (y[j, k] + y[j + 1, k])
-        slopes(mid, middles[j], p, flags[0], flags[1], flags[2], fm)
-        _jacobian(mid, middles[j], p, flags, scale, fm, jm, work)
-        for r in range(m):
-            for c in range(m):
-                if order == 4:
-                    x0, x1 = 0.5 * jm[r, c], 0.5 * jm[r, c]
-                    for k in range(m):
-                        x0 += 0.125 * h * jm[r, k] * j0[k, c]
-                        x1 -= 0.125 * h * jm[r, k] * j1[k, c]
-                    a[r, c] = -h / 6.0 * (j0[r, c] + 4.0 * x0)
-                    b[r, c] = -h / 6.0 * (j1[r, c] + 4.0 * x1)
-                else:
-                    a[r, c] = b[r, c] = -0.5 * h * jm[r, c]
-            a[r, r] -= 1.0
-            b[r, r] += 1.0
+                f0[k] = f1[k]
+            _local(mid, middles[j], p, flags, jm, z, work)
+        _blocks(h, flags[3], j0, jm, j1, a, b)
         for r in range(m):
             row = count + j * m + r
             for c in range(m):
-                left_column = j * m + c
-                band[top + row - left_column, left_column] = a[r, c]
-                band[top + row - left_column - m, left_column + m] = b[r, c]
-        if order == 4:
-            for r in range(m):
-                f0[r] = f1[r]
-                for c in range(m):
-                    j0[r, c] = j1[r, c]
-    last = y[n - 1].copy()
-    e0, e1 = _end_rows(last, p, flags, work)
+                band[top + row - j * m - c, j * m + c] = a[r, c]
+                band[top + row - (j + 1) * m - c, (j + 1) * m + c] = b[r, c]
+                j0[r, c] = j1[r, c]
+    row = count + (n - 1) * m
     for c in range(m):
-        old = last[c]
-        step = 1e-7 * (abs(old) + scale[c])
-        last[c] = old + step
-        step = last[c] - old
-        d0, d1 = _end_rows(last, p, flags, work)
-        last[c] = old
+        z[c] = y[n - 1, c]
+    for c in range(m):
         column = (n - 1) * m + c
-        for r in range(2):
-            row = count + (n - 1) * m + r
-            band[top + row - column, column] = ((d0 - e0) if r == 0 else (d1 - e1)) / step
+        z[c] = y[n - 1, c] + 1e-30j
+        d0, d1 = _end_rows(z, p, flags, work)
+        z[c] = y[n - 1, c]
+        band[top + row - column, column] = d0.imag * 1e30
+        band[top + row + 1 - column, column] = d1.imag * 1e30

@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.special import ellipe, ellipkm1
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["AppliedField", "HyperboloidField", "NeedleField", "TableField", "UniformField"]
 
