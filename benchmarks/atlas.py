@@ -285,7 +285,7 @@ def campaign(seed, first, scenes, workers, wall=False):
     }  # fmt: skip
 
 
-def check(summary, scenes, workers=1):
+def check(summary, scenes, workers=1, skip=0):
     """Scenes of a summary judged again: those that fail, and those whose letter is another one now.
 
     Parameters
@@ -293,10 +293,13 @@ def check(summary, scenes, workers=1):
     summary : dict
         Of `campaign`.
     scenes : int
-        How many, from its first.
+        How many.
+    skip : int
+        How many of its first are left out.
     """
     failed, changed = [], []
-    for one in outcomes_of(summary["seed"], summary["first"], min(scenes, summary["scenes"]), workers):
+    count = min(scenes, summary["scenes"] - skip)
+    for one in outcomes_of(summary["seed"], summary["first"] + skip, count, workers):
         was = summary["letters"][one["index"] - summary["first"]]
         if one["letter"] == "!":
             failed.append({key: one[key] for key in ("index", "kind", "asked", "words")})

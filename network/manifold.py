@@ -190,7 +190,7 @@ def steady_network(
     --------
     >>> network = steady_network(lambda s: 1 + 0.1 * s, 50.0, coupling=10.0, spring=1.0)
     >>> round(float(network.stretch(20.0)), 6)
-    3.030928
+    3.030615
     """
     if not callable(velocity_ratio):
         raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)

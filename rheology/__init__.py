@@ -6,11 +6,19 @@ module                   law
 `fractions`              by mass, by volume, by number, and back
 `solution`               a solution: fractions, properties, whether it is a network
 `materials`              built-in polymers, glass of a solution (Fox)
+`names`                  other names of polymers and solvents
+`intrinsic`              intrinsic viscosities: Mark and Houwink
+`prior`                  viscosity and relaxation time nobody has measured, with bands
 `solvents`               built-in solvents and their mixtures
 `entanglement`           overlap, entanglement, strands and mesh
 `concentration_laws`     Eq. (45): viscosity, relaxation time and modulus against concentration
 `vapour`                 vapour pressures, diffusion in air, activities, where drying ends
 `volatile`               a solvent on its way into the air; conventions of Eq. (44)
+`thermal`                heats, vapour pressures at any temperature, the air's conductivity
+`transfer`               Sherwood and Nusselt numbers
+`evaporant`              a liquid with its heat, against temperature
+`heat`                   a drying jet that cools and takes up water
+`wet_bulb`               where a wet jet's temperature settles
 `element_path`           what a material element of a straight or bead jet goes through
 `evaporation`            Eqs. (43a), (44): loss of solvent along the jet
 `conformation`           stretch and stress of the polymer: Maxwell, Oldroyd-B, Giesekus, FENE-P
@@ -77,13 +85,32 @@ if TYPE_CHECKING:
     from spinline.rheology.diffusion_laws import ConstantDiffusion, ExponentialDiffusion, FreeVolumeDiffusion
     from spinline.rheology.drying import RadialDrying, dry_radially, drying_peclet
     from spinline.rheology.element_path import ElementPath, bead_path, straight_path
+    from spinline.rheology.evaporant import Evaporant
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
+    from spinline.rheology.heat import HeatedJet, dry_with_heat
+    from spinline.rheology.intrinsic import Intrinsic, intrinsic_viscosity
+    from spinline.rheology.prior import Estimate, estimated_relaxation_time, estimated_viscosity, specific_viscosity
+    from spinline.rheology.transfer import transfer_number
     from spinline.rheology.volatile import Volatile
+    from spinline.rheology.wet_bulb import WetBulb, adiabatic_saturation, wet_bulb
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
     "ConstantDiffusion": "diffusion_laws",
     "ElementConformation": "conformation",
+    "Estimate": "prior",
+    "Evaporant": "evaporant",
+    "HeatedJet": "heat",
+    "WetBulb": "wet_bulb",
+    "adiabatic_saturation": "wet_bulb",
+    "dry_with_heat": "heat",
+    "transfer_number": "transfer",
+    "wet_bulb": "wet_bulb",
+    "Intrinsic": "intrinsic",
+    "estimated_relaxation_time": "prior",
+    "estimated_viscosity": "prior",
+    "intrinsic_viscosity": "intrinsic",
+    "specific_viscosity": "prior",
     "ElementPath": "element_path",
     "Evaporation": "evaporation",
     "ExponentialDiffusion": "diffusion_laws",
@@ -115,10 +142,14 @@ __all__ = [
     "ElementConformation",
     "ElementPath",
     "Entanglement",
+    "Estimate",
+    "Evaporant",
     "Evaporation",
     "ExponentialDiffusion",
     "FreeVolumeDiffusion",
     "Giesekus",
+    "HeatedJet",
+    "Intrinsic",
     "Maxwell",
     "OldroydB",
     "Polymer",
@@ -126,13 +157,19 @@ __all__ = [
     "ScalingExponents",
     "Solution",
     "Volatile",
+    "WetBulb",
+    "adiabatic_saturation",
     "bead_path",
     "cylinder_series",
     "dry_radially",
+    "dry_with_heat",
     "drying_peclet",
     "entanglement_fraction",
     "equilibrium_fraction",
+    "estimated_relaxation_time",
+    "estimated_viscosity",
     "evaporate",
+    "intrinsic_viscosity",
     "martin_viscosity",
     "mass_fraction",
     "mass_fraction_from_molar",
@@ -159,14 +196,17 @@ __all__ = [
     "solvent_molar_mass",
     "solvent_surface_tension",
     "solvent_viscosity",
+    "specific_viscosity",
     "steady_fenep",
     "straight_path",
     "tensile_force",
+    "transfer_number",
     "vapour_diffusivity",
     "vapour_pressure",
     "viscosity",
     "vitrification_fraction",
     "volume_fraction",
+    "wet_bulb",
 ]
 
 __getattr__, __dir__ = lazily(__name__, _NAMES)

@@ -79,7 +79,7 @@ LAWS = [
         rheology.vitrification_fraction,
         {"data": "PS", "solvent_glass_transition": 120.0, "temperature": 298.0, "solvent_density": 900.0},
     ),
-    (rheology.polymer, {"name": "PS"}),
+    (rheology.polymer, {"name": "PEO"}),
     (rheology.polymer_property, {"data": "PS", "name": "density"}),
     (rheology.property_source, {"data": "PS", "name": "density"}),
     (rheology.solvent_density, {"name": "DMF", "temperature": 298.0}),

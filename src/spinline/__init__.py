@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from spinline import moved
 from spinline.base.lazy import lazily
+from spinline.base.version import __version__
 
 if TYPE_CHECKING:
     from spinline import images, jetprofile, network, report, rheology, scene, solve, xray
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from spinline.solve.spine import run
     from spinline.study import compare, sensitivity, sweep, window
 
-__version__ = "0.1.0"
 
 _NAMES = {
     "Images": "scene.images_file",

@@ -46,6 +46,12 @@ SOLVENT_FORMULAS: Mapping[str, str] = {
     "THF": "C4H8O",
     "formic acid": "CH2O2",
     "HFIP": "C3H2F6O",
+    "DMSO": "C2H6OS",
+    "DMAc": "C4H9NO",
+    "acetic acid": "C2H4O2",
+    "TFA": "C2HF3O2",
+    "NMP": "C5H9NO",
+    "toluene": "C7H8",
 }
 
 Composition = str | Mapping[str, float]

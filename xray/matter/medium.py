@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spinline.base.checks import FloatArray, positive, real
+from spinline.base.constants import GAS_CONSTANT
 from spinline.base.errors import InputError
 from spinline.rheology.materials import Polymer
 from spinline.xray.matter.attenuation import Composition, Material, mass_attenuation, material
@@ -21,7 +22,6 @@ from spinline.xray.row.forward import Absorber
 __all__ = ["Medium", "solution_medium"]
 
 _AIR_MOLAR_MASS = 0.028965  # kg/mol
-_GAS_CONSTANT = 8.31446261815324  # J/(mol K)
 _FIELDS = ("weight", "solvent", "contrast", "air", "delta_solvent", "delta_contrast", "delta_air")
 
 
@@ -130,7 +130,7 @@ def solution_medium(
     lines = beam if isinstance(beam, Spectrum) else Spectrum(np.array([beam]), np.ones(1))
     energy = lines.energy_kev
     p, s = material(polymer, temperature=temperature), material(solvent, temperature=temperature)
-    density = positive("pressure", pressure, "Pa") * _AIR_MOLAR_MASS / (_GAS_CONSTANT * temperature)
+    density = positive("pressure", pressure, "Pa") * _AIR_MOLAR_MASS / (GAS_CONSTANT * temperature)
     base = s.attenuation(energy, coherent=coherent)
     delta = refraction_decrement(s, energy)
     return Medium(

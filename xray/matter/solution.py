@@ -6,6 +6,7 @@ The jet displaces air that the flat field was taken through: in PEO/water at 10 
 """
 
 from spinline.base.checks import positive
+from spinline.base.constants import GAS_CONSTANT
 from spinline.rheology.materials import Polymer
 from spinline.xray.matter.attenuation import Composition, Material, mass_attenuation, material
 from spinline.xray.matter.energy import usable_contrast
@@ -15,7 +16,6 @@ __all__ = ["AIR", "solution_absorber"]
 
 AIR = {"N2": 0.7553, "O2": 0.2318, "Ar": 0.0129}  # dry, mass fractions
 _AIR_MOLAR_MASS = 0.028965  # kg/mol
-_GAS_CONSTANT = 8.31446261815324  # J/(mol K)
 
 
 def solution_absorber(
@@ -53,5 +53,5 @@ def solution_absorber(
     """
     contrast = usable_contrast(polymer, solvent, energy_kev, coherent=coherent, temperature=temperature)
     base = float(material(solvent, temperature=temperature).attenuation(energy_kev, coherent=coherent))
-    density = positive("pressure", pressure, "Pa") * _AIR_MOLAR_MASS / (_GAS_CONSTANT * temperature)
+    density = positive("pressure", pressure, "Pa") * _AIR_MOLAR_MASS / (GAS_CONSTANT * temperature)
     return Absorber(base, contrast, density * float(mass_attenuation(AIR, energy_kev, coherent=coherent)))

@@ -4,7 +4,6 @@ Bad input ends with exit code 2 and one message on standard error; warnings go t
 output holds the answer alone.
 """
 
-import shutil
 import sys
 import warnings
 from enum import StrEnum
@@ -49,7 +48,7 @@ class Along(StrEnum):
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from spinline import __version__
+        from spinline.base.version import __version__
 
         typer.echo(f"spinline {__version__}")
         raise typer.Exit
@@ -190,7 +189,7 @@ def scenes(
     """List the bundled scenes and images, or copy one to start from."""
     import tomllib
 
-    from spinline.base.files import writable
+    from spinline.base.files import copy_file, copy_tree, writable
     from spinline.scene.file import bundled_scenes
     from spinline.scene.images_file import bundled_images
 
@@ -202,15 +201,18 @@ def scenes(
     if copy not in known:
         raise InputError("--copy", "is not a bundled scene", value=copy, allowed=", ".join(known))
     source = known[copy]
-    shutil.copyfile(source, writable(to / source.name, force=force))
+    writable(to / source.name, force=force)
     content = tomllib.loads(source.read_text(encoding="utf-8"))
     data = content["counts"] if "counts" in content else content["jet"].get("path")
     if data is not None:
         origin, target = source.parent / data, to / data
         if origin.is_dir():
-            shutil.copytree(origin, target, dirs_exist_ok=force)
+            if target.exists() and not force:
+                raise InputError(str(target), "exists", remedy="--force to overwrite its files")
+            copy_tree(origin, target, force=force)
         else:
-            shutil.copyfile(origin, writable(target, force=force))
+            copy_file(origin, target, force=force)
+    copy_file(source, to / source.name, force=force)
     typer.echo(f"wrote {to / source.name}")
 
 
@@ -222,15 +224,14 @@ def schema(
     """JSON Schema of the scene file, for editors."""
     import json
 
-    from spinline.base.files import replacing
+    from spinline.base.files import write_text
     from spinline.scene.file import json_schema
 
     text = json.dumps(json_schema(), indent=2)
     if out is None:
         typer.echo(text)
     else:
-        with replacing(out, force=force) as part:
-            part.write_text(text + "\n", encoding="utf-8")
+        write_text(out, text + "\n", force=force)
 
 
 app.command()(plan)
@@ -248,6 +249,7 @@ def fit_jet(
     z_to: Annotated[str | None, typer.Option("--to", help='Look no farther than this, "2 cm".')] = None,
     tolerance: Annotated[float, typer.Option(help="Departure of the radius that is still a power law.")] = 0.02,
     along: Annotated[Along, typer.Option(help="Distance that counts, for a bead jet.")] = Along.arc,
+    unit: Annotated[str | None, typer.Option(help='Length unit of beads whose file has none, "cm".')] = None,
     json: JsonOption = False,
 ) -> None:
     """Fit the power law of Eq. (31) to a radius profile, and say where it holds."""
@@ -256,7 +258,7 @@ def fit_jet(
     from spinline.base.units import parse
     from spinline.jetprofile.fit import fit_power_law
 
-    z, r, std, r0 = _profile(profile, along)
+    z, r, std, r0 = _profile(profile, along, unit)
     if radius is not None:
         r0 = parse(radius, "length", "--radius").value
     nearest = parse(z_from, "length", "--from").value if z_from is not None else 0.0
@@ -288,13 +290,13 @@ def import_jet(
     force: ForceOption = False,
 ) -> None:
     """Turn the output of a Lagrangian simulation into a jet file."""
-    from spinline.base.files import replacing
+    from spinline.base.files import writable
     from spinline.jetprofile.jetspin import write_jet
     from spinline.solve import results
 
     target = out or Path(run_dir.resolve().stem + ".nc")
-    with replacing(target, force=force) as part:
-        write_jet(run_dir, part, source=source, unit=unit)
+    writable(target, force=force)
+    write_jet(run_dir, target, source=source, unit=unit, force=force)
     jet = results.open_dataset(target)
     typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
@@ -341,9 +343,22 @@ def _crossover_line(result: "xr.Dataset") -> str:
     return line
 
 
-def _profile(path: Path, along: Along) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
+def _beads(path: Path) -> bool:
+    """Whether a file holds beads in space, so no table of z and radius."""
+    from spinline.jetprofile.readers import readers
+
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(4096)
+    return any(reader.claims(path, head) for reader in readers() if not reader.name.startswith("table"))
+
+
+def _profile(
+    path: Path, along: Along, unit: str | None
+) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
     """Distance, radius, its standard deviation and r_0 from a CSV file or an imported jet."""
-    if path.suffix != ".nc" and not path.is_dir():
+    if path.suffix != ".nc" and not path.is_dir() and not _beads(path):
         from spinline.jetprofile.columns import read_columns
 
         kinds = {"z": "length", "radius": "length", "radius_std": "length"}
@@ -352,10 +367,10 @@ def _profile(path: Path, along: Along) -> "tuple[FloatArray, FloatArray, FloatAr
     from spinline.base.netcdf import open_dataset
     from spinline.jetprofile.lagrangian import LagrangianJet
 
-    if path.is_dir():
-        from spinline.jetprofile.jetspin import read_jetspin
+    if path.suffix != ".nc":
+        from spinline.jetprofile.readers import read_beads
 
-        jet = LagrangianJet.from_dataset(read_jetspin(path)).at()
+        jet = read_beads(path, unit=unit).at()
     else:
         dataset = open_dataset(path)
         if "radius" in dataset and dataset["radius"].dims == ("z",):  # a result of a straight jet

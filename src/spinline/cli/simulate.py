@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from spinline.base.constants import KEV
 from spinline.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def simulate_image(
     for file in (target, target.with_suffix(".toml")):
         writable(file, force=force)
     camera = Camera(
-        energy_kev=parse(energy, "energy", "--energy").value / 1.602176634e-16,
+        energy_kev=parse(energy, "energy", "--energy").value / KEV,
         pixel=length(pixel, "--pixel"),
         photons=photons,
         frames=frames,

@@ -1,20 +1,17 @@
 """Commands on many scenes and many results: ``sweep``, ``window``, ``compare``."""
 
-import contextlib
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from spinline.base.errors import InputError
+from spinline.cli.progress import progress_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from spinline.study.compare import Comparison
-    from spinline.study.sweep import Progress
 
 __all__ = ["register"]
 
@@ -62,7 +59,7 @@ def sweep(
 
     loaded = load_sweep(file, _overrides(model, rtol, set_), sensitivity=sobol)
     target = out or Path(f"{Path(file).stem}.zarr")
-    with _bar() as progress:
+    with progress_of("scenes") as progress:
         try:
             result = run_sweep(loaded, target, workers=workers, scheduler=scheduler, force=force, progress=progress)
         except KeyboardInterrupt:
@@ -126,18 +123,24 @@ def window(
     if not 2 <= steps <= 2000:
         raise InputError("--steps", "is out of range", value=steps, allowed="2 to 2000", remedy="take 41")
     factors = _range(k_factor, "number", "--k-factor", 2)
-    found = operating_window(
-        loaded,
-        voltage=_range(voltage, "potential", "--voltage", steps),
-        gap=_range(gap, "length", "--gap", steps),
-        flow_rate=None if flow_rate is None else _range(flow_rate, "flow rate", "--flow-rate", steps),
-        mass_fraction=None
-        if concentration is None
-        else _range(concentration, "mass fraction", "--concentration", steps),
-        conductivity=None if conductivity is None else parse(conductivity, "conductivity", "--conductivity").value,
-        relative_humidity=None if humidity is None else parse(humidity, "fraction", "--humidity").value,
-        k_factor=(factors[0], factors[-1]),
-    )
+    u, g = _range(voltage, "potential", "--voltage", steps), _range(gap, "length", "--gap", steps)
+    q = None if flow_rate is None else _range(flow_rate, "flow rate", "--flow-rate", steps)
+    w = None if concentration is None else _range(concentration, "mass fraction", "--concentration", steps)
+    sigma = None if conductivity is None else parse(conductivity, "conductivity", "--conductivity").value
+    wet = None if humidity is None else parse(humidity, "fraction", "--humidity").value
+    band = (factors[0], factors[-1])
+    with progress_of("scenes") as progress:
+        found = operating_window(
+            loaded,
+            voltage=u,
+            gap=g,
+            flow_rate=q,
+            mass_fraction=w,
+            conductivity=sigma,
+            relative_humidity=wet,
+            k_factor=band,
+            progress=progress,
+        )
     if picture is not None:
         from spinline.report.window_figure import save_window_figure
 
@@ -231,15 +234,30 @@ def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
 
     from spinline.base.units import parse
 
-    ends = text.split("..")
+    ends = [end.strip() for end in text.split("..")]
     if len(ends) > 2:
         raise InputError(field, "is neither a value nor a range", value=text, remedy='write it as "5 kV .. 25 kV"')
-    numbers = [parse(end.strip(), kind, field).value for end in ends]
+    if len(ends) == 2 and _bare(ends[0]):  # "5 .. 25 kV": the unit is that of the other end
+        ends[0] += " " + ends[1].lstrip("+-0123456789.eE ")
+    numbers = [parse(end, kind, field).value for end in ends]
+    if kind == "mass fraction" and max(numbers) > 1:
+        percent = text if "%" in text else f"{text} wt%"
+        raise InputError(field, "is more than polymer alone", value=text, allowed="0 to 1, or 0 wt% to 100 wt%",
+                         remedy=f'percent by mass are written "{percent}"')  # fmt: skip
     if len(numbers) == 1:
         return numbers
     if not numbers[0] < numbers[1]:
         raise InputError(field, "does not rise", value=text, remedy="swap its ends")
     return [float(x) for x in np.linspace(numbers[0], numbers[1], steps)]
+
+
+def _bare(text: str) -> bool:
+    """Whether a text is a number without a unit."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _reasons(result: "xr.Dataset", most: int = 5) -> list[tuple[str, int]]:
@@ -281,18 +299,3 @@ def _index_table(found: "xr.Dataset") -> None:
                 for k in ("first_order", "total_order")
             )
             typer.echo(f"  {parameter:28s} {text}")
-
-
-@contextlib.contextmanager
-def _bar() -> "Iterator[Progress | None]":
-    """A progress bar on a terminal; nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    with Progress(BarColumn(), MofNCompleteColumn(), "scenes", TimeRemainingColumn(), console=Console(stderr=True),
-                  transient=True) as bar:  # fmt: skip
-        job = bar.add_task("scenes", total=None)
-        yield lambda done, total: bar.update(job, completed=done, total=total)

@@ -231,7 +231,7 @@ def _sampled(fit: "Fit", posterior: "Posterior") -> dict[str, Any]:
 def _attributes(fit: "Fit", posterior: "Posterior | None", source: "FitFile | None") -> dict[str, Any]:
     from scipy.stats import chi2
 
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     problem = fit.problem
     pull = (fit.coordinates - problem.prior_mean) / problem.prior_std

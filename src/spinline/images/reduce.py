@@ -312,7 +312,7 @@ def _kept(store: Checkpoint, name: str, method: str) -> FrameFit:
 
 def _job(images: Images) -> str:
     """Name of the job: the text, the version, and the files' sizes and times."""
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     files = []
     for name in (images.counts, images.flat.file, images.flat_after and images.flat_after.file,

@@ -5,14 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, RED, shade
+from spinline.report.figures import shade
+from spinline.report.style import BLUE, GREEN, GREY, LEGEND, ORANGE, RED, shade_between
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["across", "along"]
-
-_LEGEND: dict[str, Any] = {"fontsize": 8, "framealpha": 0.9, "edgecolor": "none"}
 
 
 def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
@@ -39,8 +38,7 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     if "evaporated_fraction" in result:
         if "evaporated_fraction_band" in result:
             left = 1 - result["evaporated_fraction_band"].values
-            for low, high, alpha in ((0, 4, 0.14), (1, 3, 0.24)):
-                axis.fill_between(place, left[low], left[high], color=GREY, alpha=alpha, linewidth=0)
+            shade_between(axis, place, left, GREY)
         shade(axis, place, result, "mean_polymer_fraction", BLUE)
         axis.plot(place, 1 - result["evaporated_fraction"], color=GREY, linewidth=2, label="volume left")
         axis.plot(place, result["mean_polymer_fraction"], color=BLUE, linestyle="--", label="polymer, of the section")
@@ -51,7 +49,7 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         axis.plot(place, result["stress"], color=RED, label=r"polymer stress $\tau_{zz}$")
         axis.set_yscale("log")
         axis.set_ylabel("stress (Pa)")
-    axis.legend(**_LEGEND)
+    axis.legend(**LEGEND)
 
 
 def along(axis: "Axes", place: Any, result: xr.Dataset) -> None:
@@ -70,5 +68,5 @@ def along(axis: "Axes", place: Any, result: xr.Dataset) -> None:
         axis.axhline(0.5, color=GREY, linestyle=":", linewidth=1, label="1/2: strands stretch without end")
     if axis.lines:
         axis.set_yscale("log")
-        axis.legend(**_LEGEND)
+        axis.legend(**LEGEND)
     axis.set_ylabel("the solution along the jet")

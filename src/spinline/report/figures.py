@@ -9,48 +9,59 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from spinline.base.errors import InputError
-from spinline.base.files import replacing
+from spinline.report.style import (
+    BLUE,
+    DPI,
+    GREEN,
+    GREY,
+    LEGEND,
+    ORANGE,
+    PURPLE,
+    QUICK,
+    RED,
+    SheetAxes,
+    check_format,
+    grid,
+    save_sheet,
+    shade_between,
+    sheet_of,
+    titled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["check_format", "figure", "headline", "png", "save_figure", "shade"]
 
-BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#555555"
-_FORMATS = {".png", ".pdf", ".svg"}
-_DPI = 130
-_QUICK = {"compress_level": 3}  # of PNG: half the time, a tenth more bytes
-_LEGEND: dict[str, Any] = {"fontsize": 8, "framealpha": 0.9, "edgecolor": "none"}
 
-
-def figure(result: xr.Dataset) -> Figure:
+def figure(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
     """Figure of a result; of its last time, if it has several.
 
     Parameters
     ----------
     result : xarray.Dataset
         From `spinline.run`.
+    axes : array of matplotlib axes, optional
+        Where to draw: 4, or 6 where the jet dries or relaxes, in reading order; a new sheet if left out.
 
     Returns
     -------
     matplotlib.figure.Figure
+        The one that holds the axes.
     """
     if "time" in result.dims:
         result = result.isel(time=-1)
     rows = 3 if "evaporated_fraction" in result or "deborah_number" in result else 2
     height = 6.6 if rows == 2 else 9.4
-    sheet = Figure(figsize=(9.0, height))
-    # fixed margins: laying out by trial draws takes as long as the rest of a run
-    below, above = 0.46 / height, 1 - 0.56 / height
-    sheet.subplots_adjust(left=0.075, right=0.985, bottom=below, top=above, wspace=0.2, hspace=0.05)
-    FigureCanvasAgg(sheet)
-    axes = sheet.subplots(rows, 2, sharex=True)
+    own = axes is None
+    sheet, axes = sheet_of(axes, rows, 2, (9.0, height), sharex=True)
+    if own:  # fixed margins: laying out by trial draws takes as long as the rest of a run
+        below, above = 0.46 / height, 1 - 0.56 / height
+        sheet.subplots_adjust(left=0.075, right=0.985, bottom=below, top=above, wspace=0.2, hspace=0.05)
     beads = "element" in result.dims
     if beads:
         result = result.isel(element=np.flatnonzero(np.isfinite(result["stretch_ratio"].values)))
@@ -70,13 +81,12 @@ def figure(result: xr.Dataset) -> Figure:
         axes[0, 0].set_xlim(place[0], place[-1])
     for axis in axes.flat:
         _mark(axis, result, "white" if any(isinstance(drawn, QuadMesh) for drawn in axis.collections) else "black")
-        axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axis.set_axisbelow(True)
+        grid(axis)
     for axis in axes[-1]:
         axis.set_xlabel("arc length from the nozzle (mm)" if beads else "distance from the nozzle z (mm)")
     said = f"; bands and bars: 68, 95 % of {result.attrs['uncertain_inputs']}" if "bands" in result.attrs else ""
     title = f"{result.attrs['title']}\n{headline(result)}{said}"
-    sheet.suptitle(title, fontsize=10.5 if len(said) < 40 else 8.5, y=0.985)
+    titled(sheet, own, title, fontsize=10.5 if len(said) < 40 else 8.5, y=0.985)
     return sheet
 
 
@@ -91,10 +101,10 @@ def headline(result: xr.Dataset) -> str:
     )
 
 
-def png(result: xr.Dataset, dpi: int = _DPI) -> bytes:
+def png(result: xr.Dataset, dpi: int = DPI) -> bytes:
     """The figure as PNG bytes."""
     buffer = io.BytesIO()
-    figure(result).savefig(buffer, format="png", dpi=dpi, pil_kwargs=_QUICK)
+    figure(result).savefig(buffer, format="png", dpi=dpi, pil_kwargs=QUICK)
     return buffer.getvalue()
 
 
@@ -106,23 +116,8 @@ def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
     InputError
         For another ending, or a file that cannot be written.
     """
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        if file.suffix.lower() == ".png":
-            part.write_bytes(png(result))
-        else:
-            figure(result).savefig(part)
-    return file
-
-
-def check_format(path: str | Path) -> Path:
-    """Return the path if its ending is a picture format, refuse it otherwise."""
-    file = Path(path)
-    if file.suffix.lower() not in _FORMATS:
-        raise InputError(
-            str(path), "has no known picture format", value=file.suffix, allowed=", ".join(sorted(_FORMATS))
-        )
-    return file
+    check_format(path)
+    return save_sheet(figure(result), path, force=force)
 
 
 def shade(
@@ -134,8 +129,7 @@ def shade(
     rows = factor * result[f"{name}_band"].values
     if positive:
         rows = np.where(rows > 0, rows, np.nan)
-    for low, high, alpha in ((0, 4, 0.14), (1, 3, 0.24)):
-        axis.fill_between(place, rows[low], rows[high], color=colour, alpha=alpha, linewidth=0)
+    shade_between(axis, place, rows, colour)
 
 
 def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
@@ -149,7 +143,7 @@ def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.set_yscale("log")
     axis.yaxis.set_minor_formatter(NullFormatter())
     axis.set_ylabel("radius (µm)")
-    axis.legend(**_LEGEND)
+    axis.legend(**LEGEND)
 
 
 def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
@@ -160,7 +154,7 @@ def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.plot(place, result["radial_contraction"], color=RED, linestyle="--", label=r"contraction $\xi_\perp/\xi_0$")
     axis.set_ylim(-0.05, 1.05)
     axis.set_ylabel("strands")
-    axis.legend(**_LEGEND, loc="center right")
+    axis.legend(**LEGEND, loc="center right")
 
 
 def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
@@ -182,7 +176,7 @@ def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     )
     axis.set_yscale("log")
     axis.set_ylabel("stretch ratio")
-    axis.legend(**_LEGEND, loc="lower right")
+    axis.legend(**LEGEND, loc="lower right")
 
 
 def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
@@ -198,7 +192,7 @@ def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.set_ylim(top=1.4)
     axis.set_ylabel("polymer volume fraction")
     dry = float(result["mean_polymer_fraction"].values[-1]) > 0.3  # then the curves end in the corner above
-    axis.legend(**_LEGEND, loc="lower right" if dry else "upper left")
+    axis.legend(**LEGEND, loc="lower right" if dry else "upper left")
 
 
 def _span(axis: "Axes", ends: Any, colour: str) -> None:

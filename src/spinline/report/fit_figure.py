@@ -8,8 +8,19 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from spinline.base.files import replacing
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, RED, check_format
+from spinline.report.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    SheetAxes,
+    check_format,
+    grid,
+    save_sheet,
+    sheet_of,
+    titled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,53 +36,70 @@ _MARKS: dict[str, tuple[str, str, str]] = {
 }
 
 
-def fit_figure(result: xr.Dataset) -> Figure:
+def fit_figure(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
     """Figure of a fit.
 
     Parameters
     ----------
     result : xarray.Dataset
         From `spinline.fit.output.fit_dataset`.
+    axes : array of matplotlib axes, optional
+        Where to draw: radius, fraction, strands, residuals of the radius, residuals of the fractions, parameters; a new
+        sheet if left out.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    sheet = Figure(figsize=(16.0, 6.8))
-    FigureCanvasAgg(sheet)
-    grid = sheet.add_gridspec(2, 4, width_ratios=(1, 1, 0.95, 0.82), height_ratios=(2.3, 1), left=0.045, right=0.985,
-                              bottom=0.08, top=0.88, wspace=0.24, hspace=0.08)  # fmt: skip
-    radius, fraction = sheet.add_subplot(grid[0, 0]), sheet.add_subplot(grid[0, 1])
-    left, right = sheet.add_subplot(grid[1, 0], sharex=radius), sheet.add_subplot(grid[1, 1], sharex=fraction)
-    strands = sheet.add_subplot(grid[:, 2])
+    own = axes is None
+    sheet, panels = sheet_of(_panels() if own else axes, 1, 6, (16.0, 6.8))
+    radius, fraction, strands, left, right, priors = panels[0]
     _radius(radius, result)
     _fraction(fraction, result)
     _strands(strands, result)
     _residuals(left, result, ("radius",))
     _residuals(right, result, ("mean", "core", "chord", "shell"))
-    _against_prior(sheet.add_subplot(grid[:, 3]), result)
+    _against_prior(priors, result)
     for axis in (radius, fraction):
         axis.tick_params(labelbottom=False)
     for axis in (left, right, strands):
         axis.set_xlabel("distance from the nozzle z (mm)")
     for axis in (radius, fraction, left, right, strands):
-        axis.grid(visible=True, color="0.9", linewidth=0.6)
-        axis.set_axisbelow(True)
+        grid(axis)
     for axis in (radius, fraction, strands):
         _crossover(axis, result)
     count = int(result.attrs["values"])
     fitted = f"$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; data drawn with the best calibration"
     said = "bands: 68, 95 % of the posterior, at the residuals with the noise of a new measurement"
-    sheet.suptitle(f"{result.attrs['title']}\n{fitted}; {said}", fontsize=10.5, y=0.985)
+    titled(sheet, own, f"{result.attrs['title']}\n{fitted}; {said}", fontsize=10.5, y=0.985)
     return sheet
+
+
+def _panels() -> "list[Axes]":
+    """The six panels of a sheet of its own."""
+    sheet = Figure(figsize=(16.0, 6.8))
+    FigureCanvasAgg(sheet)
+    cells = sheet.add_gridspec(
+        2,
+        4,
+        width_ratios=(1, 1, 0.95, 0.82),
+        height_ratios=(2.3, 1),
+        left=0.045,
+        right=0.985,
+        bottom=0.08,
+        top=0.88,
+        wspace=0.24,
+        hspace=0.08,
+    )
+    radius, fraction, strands = (sheet.add_subplot(cells[place]) for place in ((0, 0), (0, 1), (slice(None), 2)))
+    left, right = sheet.add_subplot(cells[1, 0], sharex=radius), sheet.add_subplot(cells[1, 1], sharex=fraction)
+    return [radius, fraction, strands, left, right, sheet.add_subplot(cells[:, 3])]
 
 
 def save_fit_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write the figure of a fit (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        fit_figure(result).savefig(part, dpi=130)
-    return file
+    check_format(path)
+    return save_sheet(fit_figure(result), path, force=force)
 
 
 def _calibration(result: xr.Dataset) -> dict[str, float]:

@@ -1,16 +1,26 @@
 """Figures of images: what a preview shows, and a reduction with its error bars."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from spinline.base.files import replacing
 from spinline.images.reduction_dataset import plausible
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, check_format
+from spinline.report.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    LEGEND,
+    ORANGE,
+    PURPLE,
+    RED,
+    SheetAxes,
+    grid,
+    save_sheet,
+    sheet_of,
+    titled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,51 +29,53 @@ if TYPE_CHECKING:
 
 __all__ = ["preview_sheet", "reduction_sheet", "save_sheet"]
 
-_LEGEND: dict[str, Any] = {"fontsize": 8, "framealpha": 0.9, "edgecolor": "none"}
 _STYLES = ((BLUE, "-", "o"), (ORANGE, "--", "s"), (GREEN, "-.", "^"))
 
 
-def reduction_sheet(result: xr.Dataset) -> Figure:
+def reduction_sheet(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
     """Figure of a reduction: the map, the mean with its error, the radius, and profiles.
 
     Parameters
     ----------
     result : xarray.Dataset
         From `reduce`; of several frames, their weighted mean.
+    axes : four matplotlib axes, optional
+        Where to draw; a new sheet if left out.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
     one = _shown(_one_frame(result), result)
-    sheet = Figure(figsize=(9.6, 7.0), layout="constrained")
-    FigureCanvasAgg(sheet)
-    axes = sheet.subplots(2, 2)
+    own = axes is None
+    sheet, axes = sheet_of(axes, 2, 2, (9.6, 7.0), layout="constrained")
     along = 1e3 * one["z"].values
     _map(sheet, axes[0, 0], one, along)
     _mean(axes[0, 1], one, along)
     _radius(axes[1, 0], one, along)
     _profiles(axes[1, 1], one, along)
     for axis in axes.flat[1:]:
-        axis.grid(visible=True, color="0.9", linewidth=0.6)
-        axis.set_axisbelow(True)
+        grid(axis)
     method = result.attrs["method"]
     hidden = int((~plausible(result)).sum())
     note = f"; {hidden} whose fraction cannot be are not shown" if hidden else ""
-    sheet.suptitle(
-        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows{note}", fontsize=10.5
+    titled(
+        sheet,
+        own,
+        f"{result.attrs['title']}\nmethod {method!r}, blocks of {result.attrs['block_rows']} rows{note}",
+        fontsize=10.5,
     )
     return sheet
 
 
-def preview_sheet(seen: "Preview") -> Figure:
+def preview_sheet(seen: "Preview", axes: SheetAxes = None) -> Figure:
     """Figure of a preview: the frame with the jet's edges and axis, one row, and the error to expect."""
     frame, track, experiment = seen.frame, seen.track, seen.experiment
     rows, columns = frame.counts.shape
     ratio = np.where(frame.good, (frame.counts - frame.dark) / np.where(frame.good, frame.flat, 1.0), np.nan)
-    sheet = Figure(figsize=(9.6, 5.0), layout="constrained")
-    FigureCanvasAgg(sheet)
-    left, middle, right = sheet.subplots(1, 3)
+    own = axes is None
+    sheet, panels = sheet_of(axes, 1, 3, (9.6, 5.0), layout="constrained")
+    left, middle, right = panels[0]
     step = max(1, rows // 1000), max(1, columns // 1000)
     low, high = np.nanpercentile(ratio, [0.5, 99.5])
     image = left.imshow(
@@ -91,17 +103,9 @@ def preview_sheet(seen: "Preview") -> Figure:
     right.axhline(phi, color=GREY, linestyle="--", label=f"solution's fraction {phi:.3g}")
     right.axhline(0.01, color=PURPLE, linestyle=":", label="0.01")
     right.set(xlabel="row", ylabel="standard deviation of the mean fraction", yscale="log", title="error to expect")
-    right.legend(**_LEGEND)
-    sheet.suptitle(experiment.images.title or experiment.images.name, fontsize=10.5)
+    right.legend(**LEGEND)
+    titled(sheet, own, experiment.images.title or experiment.images.name, fontsize=10.5)
     return sheet
-
-
-def save_sheet(sheet: Figure, path: str | Path, *, force: bool = False) -> Path:
-    """Write a figure; the file's ending says the format (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        sheet.savefig(part, dpi=130)
-    return file
 
 
 def _one_frame(result: xr.Dataset) -> xr.Dataset:
@@ -151,7 +155,7 @@ def _mean(axis: "Axes", one: xr.Dataset, along: Any) -> None:
         along, phi - limit, phi + limit, color=GREY, alpha=0.25, linewidth=0, label="Cramér–Rao, all else known"
     )
     axis.set(xlabel="z (mm)", ylabel="polymer fraction")
-    axis.legend(**_LEGEND)
+    axis.legend(**LEGEND)
 
 
 def _radius(axis: "Axes", one: xr.Dataset, along: Any) -> None:
@@ -187,4 +191,4 @@ def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
         )  # fmt: skip
     kind = "|x|/R" if one.attrs["method"] == "chord" else "r/R"
     axis.set(xlabel=kind, ylabel="polymer fraction", xlim=(0, 1))
-    axis.legend(**_LEGEND)
+    axis.legend(**LEGEND)

@@ -6,9 +6,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from spinline.base.files import replacing
 from spinline.fit.overlay import compare_theory, theory_words
-from spinline.report.figures import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, check_format
+from spinline.report.style import (
+    BANDS,
+    BLUE,
+    GREEN,
+    GREY,
+    LEGEND,
+    ORANGE,
+    PURPLE,
+    RED,
+    SheetAxes,
+    check_format,
+    grid,
+    save_sheet,
+    shade_between,
+    sheet_of,
+    titled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,48 +32,44 @@ if TYPE_CHECKING:
 __all__ = ["compare_theory", "overlay_figure", "save_overlay", "theory_words"]
 
 
-def overlay_figure(result: xr.Dataset) -> "Figure":
+def overlay_figure(result: xr.Dataset, axes: SheetAxes = None) -> "Figure":
     """Figs. 36 and 37 with measurement and theory.
 
     Parameters
     ----------
     result : xarray.Dataset
         From `compare_theory`.
+    axes : two matplotlib axes, optional
+        Where to draw; a new sheet if left out.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    sheet = Figure(figsize=(10.5, 4.6), layout="constrained")
-    FigureCanvasAgg(sheet)
-    left, right = sheet.subplots(1, 2)
+    own = axes is None
+    sheet, panels = sheet_of(axes, 1, 2, (10.5, 4.6), layout="constrained")
+    left, right = panels[0]
     _figure36(left, result)
     _figure37(right, result)
     for axis in (left, right):
-        axis.grid(visible=True, color="0.9", linewidth=0.6)
-        axis.set_axisbelow(True)
+        grid(axis)
     of = result.attrs["bands"]
     said = "" if of.startswith("none") else f"\nbands: {of}"
-    sheet.suptitle(f"{result.attrs['title']}; log-likelihood {result.attrs['log_likelihood']:.5g}{said}", fontsize=10.5)
+    titled(
+        sheet, own, f"{result.attrs['title']}; log-likelihood {result.attrs['log_likelihood']:.5g}{said}", fontsize=10.5
+    )
     return sheet
 
 
 def save_overlay(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     """Write the figure (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        overlay_figure(result).savefig(part, dpi=130)
-    return file
+    check_format(path)
+    return save_sheet(overlay_figure(result), path, force=force)
 
 
 def _shade(axis: "Axes", x: Any, result: xr.Dataset, name: str, colour: str) -> None:
     if name in result:
-        rows = result[name].values
-        for low, high, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
-            axis.fill_between(x, rows[low], rows[high], color=colour, alpha=alpha, linewidth=0)
+        shade_between(axis, x, result[name].values, colour)
 
 
 def _figure36(axis: "Axes", result: xr.Dataset) -> None:
@@ -69,7 +80,7 @@ def _figure36(axis: "Axes", result: xr.Dataset) -> None:
     _shade(axis, result["curve_radius_ratio"].values, result, "curve_core_band", BLUE)
     if "crossover_radius_ratio_band" in result:
         ends = result["crossover_radius_ratio_band"].values
-        for left, right, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
+        for left, right, alpha in BANDS:
             axis.axvspan(ends[left], ends[right], color=PURPLE, alpha=alpha, linewidth=0)
     axis.plot(
         result["curve_radius_ratio"],
@@ -103,7 +114,7 @@ def _figure36(axis: "Axes", result: xr.Dataset) -> None:
     axis.set_ylim(top=1.15 * max(top, float(result["curve_core"].max())))
     axis.set_ylabel("polymer fraction of the core, as measured")
     axis.set_title("Fig. 36", fontsize=9.5)
-    axis.legend(fontsize=8, framealpha=0.9, edgecolor="none")
+    axis.legend(**LEGEND)
 
 
 def _figure37(axis: "Axes", result: xr.Dataset) -> None:
@@ -117,7 +128,7 @@ def _figure37(axis: "Axes", result: xr.Dataset) -> None:
                       linewidth=0.8, label=f"z = {1e3 * float(one['place_z']):.2g} mm")  # fmt: skip
         if "relative_change_band" in one:
             rows = one["relative_change_band"].values
-            for low, high, alpha in ((0, 4, 0.16), (1, 3, 0.28)):
+            for low, high, alpha in BANDS:
                 axis.stairs(
                     rows[high], size * edges, baseline=rows[low], fill=True, color=colour, alpha=alpha, linewidth=0
                 )
@@ -126,4 +137,4 @@ def _figure37(axis: "Axes", result: xr.Dataset) -> None:
     axis.set_xlabel("distance from the axis $r/r_0$")
     axis.set_ylabel("relative change of the polymer fraction")
     axis.set_title("Fig. 37; lines: theory over the same rings", fontsize=9.5)
-    axis.legend(fontsize=8, framealpha=0.9, edgecolor="none")
+    axis.legend(**LEGEND)

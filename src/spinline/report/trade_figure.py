@@ -4,12 +4,24 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from spinline.base.files import replacing
-from spinline.report.figures import BLUE, GREEN, ORANGE, PURPLE, RED, check_format
+from spinline.network_models.registry import RUNGS
+from spinline.report.style import (
+    BLUE,
+    DPI,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    RED,
+    SheetAxes,
+    check_format,
+    grid,
+    save_sheet,
+    sheet_of,
+)
 from spinline.study.trade import Measured, Trade
 
 if TYPE_CHECKING:
@@ -17,30 +29,23 @@ if TYPE_CHECKING:
 
 __all__ = ["save_trade_figure", "trade_figure", "trade_png"]
 
-_MARKS = {
-    "affine": ("o", BLUE),
-    "manifold": ("s", ORANGE),
-    "chain": ("^", RED),
-    "conformation": ("D", GREEN),
-    "walk": ("v", PURPLE),
-}
+_LOOKS = (("o", BLUE), ("s", ORANGE), ("D", GREEN), ("^", RED), ("v", PURPLE), ("P", GREY), ("X", BLUE), ("*", ORANGE))
 _LEAST = 1e-15  # an error of nothing is drawn at a tenth of the smallest other
 
 
-def trade_figure(measured: Trade) -> Figure:
+def trade_figure(measured: Trade, axes: SheetAxes = None) -> Figure:
     """One panel a branch: the largest error of the reported quantities against processor time.
 
     Points carry the numbers of the legend; the grey steps join those that nothing cheaper beats (Pareto's front). A rung that
-    gives the reference itself has no error to draw and stands at the foot, hollow.
+    gives the reference itself has no error to draw and stands at the foot, hollow. `axes`: one a branch, or a new sheet.
     """
     branches = sorted({branch for rung in measured.rungs for branch in rung.errors}) or ["no reference"]
-    sheet = Figure(figsize=(4.6 * len(branches) + 2.4, 4.4), layout="constrained")
-    FigureCanvasAgg(sheet)
+    sheet, panels = sheet_of(axes, 1, len(branches), (4.6 * len(branches) + 2.4, 4.4), layout="constrained")
     run = [rung for rung in measured.rungs if not rung.refused]
-    for axis, branch in zip(sheet.subplots(1, len(branches), squeeze=False)[0], branches, strict=True):
+    for axis, branch in zip(panels[0], branches, strict=True):
         _panel(axis, measured, [(i, rung) for i, rung in enumerate(run, 1) if branch in rung.errors], branch)
     keys = [
-        Line2D([], [], linestyle="", marker=_MARKS[rung.model][0], color=_MARKS[rung.model][1], markersize=7,
+        Line2D([], [], linestyle="", marker=_look(rung.model)[0], color=_look(rung.model)[1], markersize=7,
                label=f"{i}  {rung.model}, {rung.setting}")
         for i, rung in enumerate(run, 1)
     ]  # fmt: skip
@@ -48,12 +53,17 @@ def trade_figure(measured: Trade) -> Figure:
     return sheet
 
 
+def _look(model: str) -> tuple[str, str]:
+    """Marker and colour of a rung: by its place in the ladder."""
+    return _LOOKS[list(RUNGS).index(model) % len(_LOOKS)]
+
+
 def _panel(axis: "Axes", measured: Trade, rungs: list[tuple[int, Measured]], branch: str) -> None:
     errors = [rung.errors[branch] for _, rung in rungs]
     floor = 0.1 * min([measured.rtol, *(error for error in errors if error > _LEAST)])
     points = sorted((rung.seconds, error, i, rung) for (i, rung), error in zip(rungs, errors, strict=True))
     for n, (seconds, error, i, rung) in enumerate(points):
-        mark, colour = _MARKS[rung.model]
+        mark, colour = _look(rung.model)
         none = error <= _LEAST
         place = (1e3 * seconds, floor if none else error)
         axis.plot(*place, mark, color=colour, markersize=7, markerfacecolor="white" if none else colour)
@@ -74,18 +84,16 @@ def _panel(axis: "Axes", measured: Trade, rungs: list[tuple[int, Measured]], bra
     what = f"largest error against the {branch} reference" if points else "no reference on this scene"
     axis.set(xscale="log", yscale="log", xlabel="processor time (ms)", ylabel=what)
     axis.margins(x=0.2, y=0.12)
-    axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+    grid(axis)
 
 
 def save_trade_figure(measured: Trade, path: str | Path, *, force: bool = False) -> Path:
     """Write the figure; the file's ending says the format (.png, .pdf, .svg)."""
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        trade_figure(measured).savefig(part, dpi=130, format=file.suffix[1:].lower())
-    return file
+    check_format(path)
+    return save_sheet(trade_figure(measured), path, force=force)
 
 
-def trade_png(measured: Trade, dpi: int = 130) -> bytes:
+def trade_png(measured: Trade, dpi: int = DPI) -> bytes:
     """The figure as PNG bytes."""
     buffer = io.BytesIO()
     trade_figure(measured).savefig(buffer, format="png", dpi=dpi)

@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from spinline.base.errors import InputError
-from spinline.base.files import replacing
-from spinline.report.figures import BLUE, GREY, check_format
+from spinline.report.style import BLUE, GREY, LEGEND, SheetAxes, check_format, grid, save_sheet, sheet_of, titled
 from spinline.study.window import AXES
 
 if TYPE_CHECKING:
@@ -36,13 +34,15 @@ _LABELS = {
 _PANELS = ("crossover_position", "crossover_radius", "orientation", "dryness")
 
 
-def window_figure(window: xr.Dataset) -> Figure:
+def window_figure(window: xr.Dataset, axes: SheetAxes = None) -> Figure:
     """Figure of a window.
 
     Parameters
     ----------
     window : xarray.Dataset
         From `operating_window`.
+    axes : four matplotlib axes, optional
+        Where to draw; a new sheet if left out.
 
     Returns
     -------
@@ -54,9 +54,8 @@ def window_figure(window: xr.Dataset) -> Figure:
     shown = varied[:2]
     held = {name: window.sizes[name] // 2 for name in AXES if name not in shown}
     cut = window.isel(held)
-    sheet = Figure(figsize=(9.6, 7.2), layout="constrained")
-    FigureCanvasAgg(sheet)
-    axes = sheet.subplots(2, 2)
+    own = axes is None
+    sheet, axes = sheet_of(axes, 2, 2, (9.6, 7.2), layout="constrained")
     for axis, name in zip(axes.flat, _PANELS, strict=True):
         if len(shown) == 1:
             _curve(axis, cut, name, shown[0])
@@ -69,7 +68,7 @@ def window_figure(window: xr.Dataset) -> Figure:
     low, _, high = window["k_factor"].values
     lines = f"k as estimated (line), {low:g} k (dotted), {high:g} k (dashed)"
     meaning = lines if len(shown) == 1 else f"full stretch at the end of the jet for {lines}"
-    sheet.suptitle(f"{window.attrs['title']}; {fixed}\n{meaning}", fontsize=9.5)
+    titled(sheet, own, f"{window.attrs['title']}; {fixed}\n{meaning}", fontsize=9.5)
     return sheet
 
 
@@ -81,10 +80,8 @@ def save_window_figure(window: xr.Dataset, path: str | Path, *, force: bool = Fa
     InputError
         For another ending, a window of one point, or a file that cannot be written.
     """
-    file = check_format(path)
-    with replacing(file, force=force) as part:
-        window_figure(window).savefig(part, dpi=130)
-    return file
+    check_format(path)
+    return save_sheet(window_figure(window), path, force=force)
 
 
 def _unit(name: str) -> str:
@@ -109,11 +106,11 @@ def _curve(axis: "Axes", cut: xr.Dataset, name: str, along: str) -> None:
     axis.plot(x, y[2], color=GREY, linestyle="--", linewidth=1)
     axis.set_xlabel(_LABELS[along][0])
     axis.set_ylabel(_LABELS[name][0])
-    axis.grid(visible=True, color="0.9", linewidth=0.6)
+    grid(axis)
     if not np.isfinite(y).any():
         _nothing(axis)
     else:
-        axis.legend(fontsize=8, framealpha=0.9, edgecolor="none")
+        axis.legend(**LEGEND)
 
 
 def _map(sheet: Figure, axis: "Axes", cut: xr.Dataset, name: str, shown: list[str]) -> None:

@@ -9,12 +9,13 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar, Union, get_args
 
 from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
 from spinline.base.errors import InputError
+from spinline.base.text import decoded
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
 from spinline.scene.quantities import (
@@ -159,17 +160,35 @@ class JetspinJet(Section):
 
 
 class LagrangianJetFile(Section):
-    """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator in a CSV file."""
+    """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator, in any format that `read_beads` knows."""
 
     profile: Literal["lagrangian"]
     path: str
     radius: Length | None = None
+    unit: str | None = None
     time: Annotated[Time | Literal["all", "last"], Field(union_mode="left_to_right")] = "last"
 
 
 JetSection = Annotated[
     PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
 ]
+JET_SECTIONS: dict[str, type[Section]] = {
+    "power-law": PowerLawJet,
+    "hyperbolic": HyperbolicJet,
+    "table": TableJet,
+    "jetspin": JetspinJet,
+    "lagrangian": LagrangianJetFile,
+}
+
+
+# rungs of the ladder by name, and whether their network slips against the solution: `spinline.network_models` has the rest
+MODELS: dict[str, bool] = {
+    "affine": False,
+    "manifold": True,
+    "conformation": False,
+    "chain": True,
+    "walk": False,
+}
 
 
 class NetworkSection(Section):
@@ -195,7 +214,7 @@ class NetworkSection(Section):
         """
         if self.closure != "auto":
             return self.closure
-        return "stretch" if self.model in ("manifold", "chain") and self.force_law != "linear" else "force"
+        return "stretch" if MODELS.get(self.model, False) and self.force_law != "linear" else "force"
 
 
 class AccuracySection(Section):
@@ -224,6 +243,22 @@ class Scene(Sheet):
     effects: EffectsSection = EffectsSection()
     network: NetworkSection = NetworkSection()
     accuracy: AccuracySection = AccuracySection()
+
+
+def add_jet_section(section: type[Section]) -> None:
+    """Let ``[jet]`` have another profile; `section` names it in ``profile: Literal["name"]``."""
+    (name,) = get_args(section.model_fields["profile"].annotation)
+    JET_SECTIONS[name] = section
+    Scene.model_fields["jet"].annotation = Union[tuple(JET_SECTIONS.values())]  # type: ignore[assignment]  # noqa: UP007
+    Scene.model_rebuild(force=True)
+
+
+def add_model(name: str, slips: bool) -> None:
+    """Let ``network.model`` be another rung."""
+    MODELS[name] = slips
+    NetworkSection.model_fields["model"].annotation = Literal["auto", *MODELS]  # type: ignore[assignment]
+    NetworkSection.model_rebuild(force=True)
+    Scene.model_rebuild(force=True)
 
 
 def scene_from_dict(
@@ -280,8 +315,8 @@ def read_toml(
     if not path.exists():
         path = bundled.get(str(source), path)
     try:
-        with path.open(encoding="utf-8") as file:
-            text = file.read(_LONGEST + 1)
+        with path.open("rb") as file:
+            text, _ = decoded(file.read(4 * _LONGEST + 1), str(source))
     except (OSError, ValueError) as error:
         near = difflib.get_close_matches(str(source), bundled, n=1)
         hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
@@ -351,9 +386,7 @@ def _foremost(details: list[ErrorDetails]) -> list[ErrorDetails]:
 
 
 _TYPE_ERRORS = frozenset({"string_type", "literal_error", "model_type", "dict_type", "float_type", "bool_type"})
-_BRANCHES = frozenset(
-    {"power-law", "hyperbolic", "table", "jetspin", "lagrangian", "name", "mixture", "properties"}
-)  # of the unions: no keys of the user's
+_FORMS = frozenset({"name", "mixture", "properties"})  # branches of unions, as profiles are: no keys of the user's
 
 
 def _key(detail: ErrorDetails) -> str:
@@ -361,7 +394,8 @@ def _key(detail: ErrorDetails) -> str:
     kept = [
         step
         for i, step in enumerate(steps)
-        if not (step in _BRANCHES and i == (2 if steps[0] == "solution" else 1)) and "[" not in step
+        if not ((step in _FORMS or step in JET_SECTIONS) and i == (2 if steps[0] == "solution" else 1))
+        and "[" not in step
     ]
     context = detail.get("ctx") or {}
     return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
@@ -386,7 +420,7 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         section = value if isinstance(value, Mapping) else {}
         problem = "is not known" if "profile" in section else "is missing"
-        profiles = '"power-law", "hyperbolic", "table", "jetspin", "lagrangian"'
+        profiles = ", ".join(f'"{name}"' for name in JET_SECTIONS)
         return InputError(
             f"{key}.profile",
             problem,
@@ -411,11 +445,7 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "solution": SolutionSection,
         "solution.polymer": PolymerData,
         "solution.solvent": SolventData,
-        "jet power-law": PowerLawJet,
-        "jet hyperbolic": HyperbolicJet,
-        "jet table": TableJet,
-        "jet jetspin": JetspinJet,
-        "jet lagrangian": LagrangianJetFile,
+        **{f"jet {name}": section for name, section in JET_SECTIONS.items()},
         "ambient": AmbientSection,
         "rheology": RheologySection,
         "effects": EffectsSection,

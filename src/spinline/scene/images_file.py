@@ -18,6 +18,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from spinline.base.constants import KEV
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import refusal
 from spinline.scene.file import SolutionSection, checked, read_toml
@@ -25,7 +26,6 @@ from spinline.scene.quantities import Length, Read, Sheet
 
 __all__ = ["KEV", "Images", "Source", "bundled_images", "images_from_dict", "images_schema", "load_images"]
 
-KEV = 1.602176634e-16  # J
 
 Energy = Annotated[Measured, Read("energy", 1.0 * KEV, 200.0 * KEV, closed=True, words="1 to 200 keV")]
 MassAttenuation = Annotated[Measured, Read("mass attenuation", 0.0, 1e6)]

@@ -110,16 +110,19 @@ def run_sweep(
         if path is None
         else Store(path, sweep, task, chunk, attributes, force=force)
     )
-    chunks = sink.pending()
     size = sweep.design.size
-    done = size - sum(_extent(sweep, sink.chunk, i)[1] for i in chunks)
-    if progress:
-        progress(done, size)
-    for index, columns, block in _computed(sweep, task, sink.chunk, chunks, cost, workers, scheduler):
-        sink.write(index, columns, block)
-        done += len(block.status)
+    try:
+        chunks = sink.pending()
+        done = size - sum(_extent(sweep, sink.chunk, i)[1] for i in chunks)
         if progress:
             progress(done, size)
+        for index, columns, block in _computed(sweep, task, sink.chunk, chunks, cost, workers, scheduler):
+            sink.write(index, columns, block)
+            done += len(block.status)
+            if progress:
+                progress(done, size)
+    finally:
+        sink.close()
     return sink.dataset()
 
 
@@ -362,7 +365,7 @@ def _values(sweep: Sweep, i: int) -> dict[str, Any]:
 def _attributes(sweep: Sweep, task: Task) -> dict[str, Any]:
     import json
 
-    from spinline import __version__
+    from spinline.base.version import __version__
 
     design = sweep.design
     return {

@@ -82,7 +82,7 @@ class Sweep:
 
     def fingerprint(self) -> str:
         """Says whether two sweeps are the same: scene, files it reads, design, profiles, version."""
-        from spinline import __version__
+        from spinline.base.version import __version__
 
         parts = [
             __version__,

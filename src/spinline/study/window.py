@@ -25,7 +25,7 @@ from spinline.scene.file import PowerLawJet, Scene
 from spinline.setup.build import build_solution
 from spinline.setup.material import build_material
 from spinline.study.design import Axis, Design
-from spinline.study.sweep import run_sweep
+from spinline.study.sweep import Progress, run_sweep
 from spinline.study.sweep_file import Sweep, scene_tables
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ def operating_window(
     relative_humidity: float | None = None,
     k_factor: tuple[float, float] = (0.5, 2.0),
     workers: int | None = None,
+    progress: Progress | None = None,
 ) -> "xr.Dataset":
     """Map of what a process does to the network.
 
@@ -82,7 +83,7 @@ def operating_window(
         In [0, 1); the scene's if left out. Air is free of other vapours.
     k_factor : tuple of float
         Ends of the band, (0, 1] and [1, inf).
-    workers : int, optional
+    workers, progress : optional
         As for `run_sweep`.
 
     Returns
@@ -134,7 +135,10 @@ def operating_window(
     )
     q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
     rows = _rows(
-        scene, {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu}, workers
+        scene,
+        {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu},
+        workers,
+        progress,
     )
     phi = np.reshape(rows["volume_fraction"].values, k.shape)
     dry, air = _dryness(scene, solution, jet, k, q, phi, relative_humidity)
@@ -197,11 +201,13 @@ def _viscosity(scene: Scene, solution: Solution, mass: FloatArray) -> tuple[Floa
     return material.viscosity(phi), material.words
 
 
-def _rows(scene: Scene, columns: Mapping[str, FloatArray], workers: int | None) -> "xr.Dataset":
+def _rows(
+    scene: Scene, columns: Mapping[str, FloatArray], workers: int | None, progress: Progress | None
+) -> "xr.Dataset":
     """The points as a sweep of a table."""
     design = Design("table", [Axis(key, np.ascontiguousarray(values).ravel()) for key, values in columns.items()])
     sweep = Sweep(title="", text="", base=scene_tables(scene.text), folder=scene.folder, design=design)
-    return run_sweep(sweep, workers=workers)
+    return run_sweep(sweep, workers=workers, progress=progress)
 
 
 def _dryness(
