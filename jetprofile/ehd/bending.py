@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
-from spinline.jetprofile.ehd.constants import EPS0
+from spinline.base.constants import EPS0
 
 __all__ = [
     "LARGEST_WAVENUMBER",

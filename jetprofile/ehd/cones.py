@@ -19,7 +19,7 @@ from math import acos, pi
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
+from scipy.special import ellipe, ellipkm1
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
@@ -57,10 +57,10 @@ def legendre_half(x: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """
     at = real("x", x, above=-1.0, below=1.0)
     m = 0.5 * (1.0 - at)
-    k, e = ellipk(m), ellipe(m)
+    k, e = ellipkm1(0.5 * (1.0 + at)), ellipe(m)
     value: FloatArray = (2 / pi) * (2 * e - k)
     # dK/dm = (E - (1 - m) K) / (2 m (1 - m)), dE/dm = (E - K) / (2 m); dm/dx = -1/2
-    slope: FloatArray = -(1 / pi) * ((e - k) / m - (e - (1 - m) * k) / (2 * m * (1 - m)))
+    slope: FloatArray = -(1 / pi) * ((e - k) / m - (e - 0.5 * (1.0 + at) * k) / (m * (1.0 + at)))
     return value, slope
 
 

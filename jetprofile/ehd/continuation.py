@@ -16,6 +16,7 @@ from spinline.jetprofile.ehd.boundary_value import Discrete, Linear, OutOfWork, 
 __all__ = ["Path", "follow"]
 
 _SHORTEST = 1e-4
+_CLOSE = 0.05  # step in which a fold is located
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,9 @@ def _follow(
         new, new_t, used = found
         recent = [*recent[-2:], (recent[-1][0] + length, new_t)]
         if np.isnan(fold) and len(recent) == 3 and recent[2][1] < recent[1][1] >= recent[0][1]:
+            if length > _CLOSE:  # look again, nearer
+                length, recent = 0.3 * length, recent[:2]
+                continue
             fold = _vertex(recent)
             if not beyond_folds:
                 return Path(Discrete(s, y), False, t, fold, step)

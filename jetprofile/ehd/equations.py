@@ -34,7 +34,7 @@ Hohman et al., Phys. Fluids 13, 2201 (2001); Feng, Phys. Fluids 14, 3912 (2002),
 from typing import Any
 
 import numpy as np
-from numba import njit
+from spinline.base.kernels import njit
 
 __all__ = ["PARAMETERS", "jacobian", "residual", "slopes"]
 

@@ -16,7 +16,7 @@ import numpy as np
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.jetprofile.ehd.boundary_value import Problem, Work
-from spinline.jetprofile.ehd.constants import EPS0, GRAVITY
+from spinline.base.constants import EPS0
 from spinline.jetprofile.ehd.fields import AppliedField, HyperboloidField, NeedleField, UniformField
 
 __all__ = ["FIELDS", "LAWS", "NeedleSettings"]
@@ -94,7 +94,7 @@ class NeedleSettings:
     log: Literal["local", "constant"] = "local"
     end: float | None = None
     current: float | None = None
-    gravity: float = GRAVITY
+    gravity: float = 9.81
     end_factor: float = 1.0
 
     def __post_init__(self) -> None:

@@ -106,7 +106,9 @@ class StraightEhdJet(StraightJet):
             raise _refusal(settings, found)
         self.error, self.residual = found.error, max(found.error.values())
         self.current = float(settings.current_scale * np.exp(y[0, 3]))
-        self.needle_potential = float(y[0, 2] * settings.field_scale * settings.radius)
+        self.needle_potential = 0.0
+        if settings.current is not None:
+            self.needle_potential = float(y[0, 2] * settings.field_scale * settings.radius)
         nodes, weights = _GAUSS
         half = 0.5 * np.diff(s)[:, np.newaxis]
         at = s[:-1, np.newaxis] + half * (1 + nodes)
@@ -116,6 +118,11 @@ class StraightEhdJet(StraightJet):
         return {"settings": self.settings}
 
     # the jet, in reduced terms
+
+    def _reduced(self, z: ArrayLike) -> FloatArray:
+        at = real("z", z, least=0.0, most=self.end * (1 + 1e-12), unit="m", remedy="the straight part ends there")
+        value: FloatArray = np.minimum(at / self.initial_radius, self._s[-1])
+        return value
 
     def _ratio(self, s: FloatArray) -> FloatArray:
         value: FloatArray = np.exp(self._curve(s)[..., 0])
@@ -189,6 +196,13 @@ class StraightEhdJet(StraightJet):
         b, c = np.exp(y[:, 4]), np.exp(y[:, 5])
         f = 1 + (b + 2 * c - 3) * self.solved.problem.parameters[10]
         return (b / f).reshape(shape), (c / f).reshape(shape)
+
+    def fields(self, z: ArrayLike) -> dict[str, FloatArray]:
+        """Further variables along it, by their names in a result."""
+        return {
+            "tension": self.tension(z), "tensile_stress": self.tensile_stress(z), "line_charge": self.line_charge(z),
+            "conduction_share": self.conduction_share(z),
+        }  # fmt: skip
 
     @cached_property
     def bending(self) -> BendingOnset:

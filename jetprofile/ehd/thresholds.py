@@ -21,7 +21,7 @@ import numpy as np
 
 from spinline.base.checks import positive, real
 from spinline.jetprofile.ehd.cones import HYPERBOLOID_POTENTIAL, TAYLOR_ANGLE
-from spinline.jetprofile.ehd.constants import EPS0
+from spinline.base.constants import EPS0
 from spinline.jetprofile.ehd.fields import NeedleField
 
 __all__ = ["critical_hyperboloid_voltage", "threshold_voltage"]
