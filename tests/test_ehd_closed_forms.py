@@ -1,5 +1,7 @@
 """Cones, thresholds, fields, bending, capillary waves and numbers of the electrified jet against mpmath and printed values."""
 
+import itertools
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -62,12 +64,12 @@ def test_dielectric_cone() -> None:
 
 def test_hyperboloid() -> None:
     xi = mp.findroot(lambda x: x * mp.log((1 + x) / (1 - x)) - 2, 0.83)
-    assert cones.HYPERBOLOID_XI == float(mp.re(xi))
+    assert float(mp.re(xi)) == cones.HYPERBOLOID_XI
     assert float(np.degrees(cones.hyperboloid_half_angle())) == pytest.approx(33.5341648725476519, rel=1e-15)
     gaussian = cones.HYPERBOLOID_POTENTIAL * np.sqrt(4 * np.pi)
     assert gaussian == pytest.approx(4.69872850315, rel=1e-12)
-    assert cones.HYPERBOLOID_POTENTIAL == pytest.approx(1.32548683870, rel=1e-11)
-    assert cones.HYPERBOLOID_TIP_RADIUS == pytest.approx(0.439228839891, rel=1e-12)
+    assert pytest.approx(1.32548683870, rel=1e-11) == cones.HYPERBOLOID_POTENTIAL
+    assert pytest.approx(0.439228839891, rel=1e-12) == cones.HYPERBOLOID_TIP_RADIUS
     share = np.linspace(0.01, 2, 4001)  # the greatest potential of all tip radii
     at = 1 / np.sqrt(1 + share)
     potential = np.sqrt(1 - at**2) * np.log((1 + at) / (1 - at))
@@ -95,7 +97,7 @@ def test_hyperboloid_field() -> None:
     for value, printed in zip(values, (1.19011e7, 1.1714e7, 7.0337e5), strict=True):
         assert value == pytest.approx(printed, rel=5e-5)
     parts = [0, 1e-5, 1e-4, 1e-3, 1e-2, 0.1]
-    total = sum(quad(lambda z: float(field.axial(z)), a, b)[0] for a, b in zip(parts, parts[1:], strict=False))
+    total = sum(quad(lambda z: float(field.axial(z)), a, b)[0] for a, b in itertools.pairwise(parts))
     assert total == pytest.approx(6e3, rel=1e-12)
     tip = 2 * 6e3 / (125e-6 * np.log(4 * 0.1 / 125e-6))
     assert values[0] == pytest.approx(tip, rel=1e-3)
@@ -121,7 +123,7 @@ def test_capped_cylinder_over_the_hyperboloid() -> None:
         field = NeedleField(6e3, 0.1, radius)
         assert float(field.axial(0.0)) * radius / 6e3 == pytest.approx(share, abs=6e-4)
     parts = [0, 1e-5, 1e-4, 1e-3, 1e-2, 0.1]
-    total = sum(quad(lambda z: float(field.axial(z)), a, b)[0] for a, b in zip(parts, parts[1:], strict=False))
+    total = sum(quad(lambda z: float(field.axial(z)), a, b)[0] for a, b in itertools.pairwise(parts))
     assert total == pytest.approx(6e3, rel=1e-6)
 
 
@@ -146,9 +148,7 @@ def test_earnshaw() -> None:
 
 
 def test_bending_dispersion_with_printed_values() -> None:
-    drive = float(
-        bending.bending_drive(1e-4, 1e-7, 0.0, density=1000.0, surface_tension=0.06, logarithm=np.log(10))
-    )
+    drive = float(bending.bending_drive(1e-4, 1e-7, 0.0, density=1000.0, surface_tension=0.06, logarithm=np.log(10)))
     x, growth = bending.fastest_bending(drive, radius=1e-4, viscosity=10.0, density=1000.0)
     assert x == pytest.approx(0.28467306, rel=1e-7)
     assert growth == pytest.approx(4925.45966, rel=1e-8)
@@ -162,7 +162,7 @@ def test_bending_dispersion_with_printed_values() -> None:
         assert abs(left) < 1e-9 * g**2
     critical = float(bending.critical_line_charge(1e-4, 0.0, surface_tension=0.06, logarithm=np.log(10)))
     assert critical == pytest.approx(3.01801931e-8, rel=1e-8)
-    assert bending.LINE_CHARGE_LENGTH == pytest.approx(2 * np.exp(0.5 - np.euler_gamma), abs=5e-4)
+    assert pytest.approx(2 * np.exp(0.5 - np.euler_gamma), abs=5e-4) == bending.LINE_CHARGE_LENGTH
 
 
 def test_tension_stops_bending() -> None:

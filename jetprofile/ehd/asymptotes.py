@@ -1,16 +1,17 @@
 """The three laws that an electrified jet tends to, in closed form, each a jet of its own.
 
-=================  ===================================================================  ========================================
-`InertialJet`      ``rho v^2 / 2 = rho v_0^2 / 2 + rho g z + (I / Q) int E_ext dz``       far away; beta = 1/4 in a uniform field
-`ViscousJet`       ``V = (1 + k s)^2``, ``k = (i A B / 6)^(1/2)``                         viscosity holds it back; **beta = 1**
-`ElasticJet`       ``V = V1 + s / De``, ``V1 = F0 / (pi r_0^2 G)``                        ``theta edot > 1/2``: polymer solutions; beta = 1/2
-=================  ===================================================================  ========================================
+==============  ===============================================================  ============================================
+`InertialJet`   ``rho v^2 / 2 = rho v_0^2 / 2 + rho g z + (I/Q) int E_ext dz``  far away; beta = 1/4 in a uniform field
+`ViscousJet`    ``V = (1 + k s)^2``, ``k = (i A B / 6)^(1/2)``                   viscosity holds it back: **beta = 1**
+`ElasticJet`    ``V = V1 + s / De``, ``V1 = F0 / (pi r_0^2 G)``                  ``theta edot > 1/2``, solutions: beta = 1/2
+==============  ===============================================================  ============================================
 
 The elastic law holds where the polymer carries the load: the strain rate is then about 1 / theta whatever voltage,
-conductivity and radius are, and what a fit from a distance on calls beta rises slowly towards 1/2. With a tension that changes along
-the jet, `elastic_velocity_ratio`: ``V(z) = (F / F0) [V1 + int F0 dz / (theta v_0 F)]``.
+conductivity and radius are, and what a fit from a distance on calls beta rises slowly towards 1/2. With a tension that
+changes along the jet, `elastic_velocity_ratio`: ``V(z) = (F / F0) [V1 + int F0 dz / (theta v_0 F)]``.
 
-`viscous_prefactor` is the k of Reznik and Zussman with the prefactor that they leave open, from the full equations: 0.435 to 0.574.
+`viscous_prefactor` is the k of Reznik and Zussman with the prefactor that they leave open, from the full equations: 0.435
+to 0.574.
 """
 
 from functools import cached_property
@@ -20,9 +21,9 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 from spinline.jetprofile import hyperbolic
-from spinline.base.constants import EPS0
 from spinline.jetprofile.ehd.fields import AppliedField
 from spinline.jetprofile.straight import StraightJet
 
@@ -46,7 +47,13 @@ def initial_jump(tension: ArrayLike, radius: ArrayLike, modulus: ArrayLike) -> F
 
 
 def elastic_velocity_ratio(
-    z: FloatArray, tension: FloatArray, *, radius: float, modulus: float, relaxation_time: float, initial_velocity: float
+    z: FloatArray,
+    tension: FloatArray,
+    *,
+    radius: float,
+    modulus: float,
+    relaxation_time: float,
+    initial_velocity: float,
 ) -> FloatArray:
     """V along a jet whose tension F(z) (N) is known: inertia, solvent and radial stress left out.
 
@@ -65,8 +72,9 @@ def viscous_prefactor(
     electric_field: ArrayLike,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Lower and upper k of the viscous law in a uniform field: ``c_k A^(5/12) B^(1/4)``, it belongs to beta = 1."""
-    pull = EPS0 * np.asarray(electric_field) ** 2 * radius / (np.asarray(viscosity) * initial_velocity)
-    conduction = np.asarray(conductivity) * radius / (EPS0 * np.asarray(initial_velocity))
+    velocity = np.asarray(initial_velocity)
+    pull = EPS0 * np.asarray(electric_field) ** 2 * np.asarray(radius) / (np.asarray(viscosity) * velocity)
+    conduction = np.asarray(conductivity) * np.asarray(radius) / (EPS0 * velocity)
     k = pull ** (5 / 12) * conduction**0.25
     return VISCOUS_PREFACTOR[0] * k, VISCOUS_PREFACTOR[1] * k
 

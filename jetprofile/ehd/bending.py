@@ -4,15 +4,16 @@ Eq. (11) of the review lacks the tension P of its own Eq. (12b), and its e_0 is 
 
     g^2 + (3/4) (mu x^4 / rho r^2) g - C x^2 = 0,   C = [lambda^2 ln(Lc / r) / (4 pi eps_0) - pi gamma r - P] / (pi rho r^4)
 
-C > 0 is unstable at every x: there is no cut-off. The logarithm's length is that of a line charge, ``Lc = 1.851 / k = 0.295``
-wavelengths (`logarithm`). Along a jet material waves are stretched, ``x ~ V^(-3/2)``; `bending_onset` follows each,
-counting its growth where it is shorter than its distance from the needle and ``x < 0.5``, and says where the first has grown
-a hundredfold (ten- and thousandfold: the spread). mu is the zero-shear viscosity: elastic stiffness against bending is not
-modelled.
+C > 0 is unstable at every x: there is no cut-off. The logarithm's length is that of a line charge, ``Lc = 1.851 / k``, 0.295
+wavelengths (`logarithm`). Along a jet material waves are stretched, ``x ~ V^(-3/2)``; `bending_onset` follows
+each, counting its growth where it is shorter than its distance from the needle and ``x < 0.5``, and says where the first
+has grown a hundredfold (ten- and thousandfold: the spread). mu is the zero-shear viscosity: elastic stiffness against
+bending is not modelled.
 
 References
 ----------
-Reneker, Yarin, Fong and Koombhongse, J. Appl. Phys. 87, 4531 (2000); Yarin, Koombhongse and Reneker, J. Appl. Phys. 89, 3018 (2001).
+Reneker, Yarin, Fong and Koombhongse, J. Appl. Phys. 87, 4531 (2000); Yarin, Koombhongse and Reneker, J. Appl. Phys. 89,
+3018 (2001).
 """
 
 from dataclasses import dataclass
@@ -21,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
-from spinline.base.errors import InputError
 from spinline.base.constants import EPS0
+from spinline.base.errors import InputError
 
 __all__ = [
     "LARGEST_WAVENUMBER",
@@ -43,7 +44,9 @@ _GROWN = (10.0, 100.0, 1000.0)
 
 
 def earnshaw_growth(charge: ArrayLike, mass: ArrayLike, distance: ArrayLike) -> FloatArray:
-    """Growth rate in 1/s of the middle one of three equal charges on a line, Eq. (10): ``sqrt(2 q^2 / (4 pi eps_0 m l^3))``.
+    """Growth rate in 1/s of the middle one of three equal charges on a line, Eq. (10).
+
+    ``sqrt(2 q^2 / (4 pi eps_0 m l^3))``.
 
     Parameters
     ----------
@@ -105,8 +108,8 @@ def bending_growth(
 def fastest_bending(drive: float, *, radius: float, viscosity: float, density: float) -> tuple[float, float]:
     """Dimensionless wavenumber and growth rate (1/s) of the fastest bending wave, the logarithm held constant.
 
-    ``x* = (C / 2 a^2)^(1/6)``, ``g* = C / (2 a x*^2)``, ``a = 3 mu / (8 rho r^2)`` doubled: see the module. Without viscosity growth
-    rises with x without bound and there is no fastest wave.
+    ``x* = (C / 2 a^2)^(1/6)``, ``g* = C / (2 a x*^2)``, ``a = 3 mu / (4 rho r^2)``. Without
+    viscosity growth rises with x without bound and there is no fastest wave.
 
     Raises
     ------

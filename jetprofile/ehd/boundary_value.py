@@ -1,7 +1,7 @@
 """Newton's method for the difference equations of `equations`, on a mesh that follows the solution.
 
-The linear systems are banded (LAPACK). A step is shortened until the next correction shrinks (natural monotonicity). The sign
-of the determinant is kept: it changes where a branch of solutions folds.
+The linear systems are banded (LAPACK). A step is shortened until the next correction shrinks (natural monotonicity). The
+sign of the determinant is kept: it changes where a branch of solutions folds.
 """
 
 from collections.abc import Callable
@@ -15,9 +15,23 @@ from scipy.linalg import get_lapack_funcs
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.jetprofile.ehd.equations import jacobian, residual, slopes
 
-__all__ = ["Discrete", "Linear", "OutOfWork", "Problem", "Work", "halved", "interpolate", "newton", "remesh", "scales", "spline"]
+__all__ = [
+    "Discrete",
+    "Linear",
+    "OutOfWork",
+    "Problem",
+    "Work",
+    "halved",
+    "interpolate",
+    "newton",
+    "remesh",
+    "scales",
+    "spline",
+]
 
-_FACTOR, _SOLVE = get_lapack_funcs(("gbtrf", "gbtrs"), dtype=np.float64)
+_FACTOR: Any
+_SOLVE: Any
+_FACTOR, _SOLVE = get_lapack_funcs(("gbtrf", "gbtrs"), dtype=np.float64)  # type: ignore[misc]
 
 
 class OutOfWork(Exception):

@@ -7,8 +7,9 @@ Neutral and viscous, lengths by r and rates by ``sqrt(gamma / (rho r^3))``, ``Oh
 (without the -x^4 of the curvature along the thread: the long-wave form whose fastest mode is in print). The review's
 ``omega_c^max`` is this wavenumber, not the growth rate; its ``S sqrt(Ca)`` stands for Oh.
 
-`axisymmetric_growth` linearises the jet's own equations (Eqs. 5-8) about a uniform thread of surface charge S in a field E0: mass,
-charge, momentum and the field, the logarithm replaced by ``K0(x) / (x K1(x))``. S and E0 by ``sqrt(gamma / (eps_0 r))``.
+`axisymmetric_growth` linearises the jet's own equations (Eqs. 5-8) about a uniform thread of surface charge S in a field
+E0: mass, charge, momentum and the field, the logarithm replaced by ``K0(x) / (x K1(x))``. S and E0 by ``sqrt(gamma /
+(eps_0 r))``.
 """
 
 import numpy as np
@@ -41,9 +42,7 @@ def fastest_capillary(oh: ArrayLike) -> tuple[FloatArray, FloatArray]:
     return x, growth
 
 
-def capillary_growth(
-    radius: ArrayLike, *, viscosity: float, density: float, surface_tension: float
-) -> FloatArray:
+def capillary_growth(radius: ArrayLike, *, viscosity: float, density: float, surface_tension: float) -> FloatArray:
     """Growth rate in 1/s of the fastest capillary wave of a thread of this radius (m)."""
     r = np.asarray(radius, dtype=float)
     _, growth = fastest_capillary(ohnesorge(viscosity, density, surface_tension, r))
@@ -52,8 +51,8 @@ def capillary_growth(
 
 
 def axisymmetric_growth(
-    x: float, *, oh: float, charge: float = 0.0, field: float = 0.0, conductivity: float = np.inf, permittivity: float = 1.0,
-    log: str = "local",
+    x: float, *, oh: float, charge: float = 0.0, field: float = 0.0, conductivity: float = np.inf,
+    permittivity: float = 1.0, log: str = "local",
 ) -> complex:  # fmt: skip
     """Growth rate (the fastest of three) of an axisymmetric wave of a charged leaky thread.
 
@@ -70,8 +69,8 @@ def axisymmetric_growth(
     permittivity : float
         Relative, >= 1.
     log : {"local", "constant"}
-        "local": the potential is taken at the moving surface, Hohman's Eq. (8), and a conductor follows Basset's law for long waves;
-        "constant" leaves that term out (Feng): a conductor is then unstable only for ``x^2 < 1 - S^2``.
+        "local": the potential is taken at the moving surface, Hohman's Eq. (8), and a conductor follows Basset's law for
+        long waves; "constant" leaves that term out (Feng): a conductor is then unstable only for ``x^2 < 1 - S^2``.
 
     Returns
     -------

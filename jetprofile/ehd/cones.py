@@ -1,6 +1,7 @@
 """Cones that a static drop leans to: Taylor's, the dielectric one, and the hyperboloid of critical potential.
 
-* Conductor, Eqs. (3)-(4): the surface is an equipotential where ``P_1/2(cos t) = 0``; the half-angle is ``pi - t`` = 49.29 deg.
+* Conductor, Eqs. (3)-(4): the surface is an equipotential where ``P_1/2(cos t) = 0``; the half-angle is ``pi - t`` =
+  49.29 deg.
 * Dielectric of relative permittivity eps: ``eps = -P(c) P'(-c) / [P'(c) P(-c)]`` with ``P = P_1/2`` and c the cosine of the
   half-angle. It is at least 17.599, reached at 30 deg: below, no cone; above, two angles.
 * Hyperboloid of revolution over a plate: balance of field and capillarity at the tip gives a critical potential
@@ -80,7 +81,9 @@ def cone_permittivity(half_angle: ArrayLike) -> FloatArray:
 
     Defined below Taylor's angle, where the field inside points along the cone.
     """
-    angle = real("half_angle", half_angle, above=0.0, below=TAYLOR_ANGLE, unit="rad", remedy="cones lean below 49.29 deg")
+    angle = real(
+        "half_angle", half_angle, above=0.0, below=TAYLOR_ANGLE, unit="rad", remedy="cones lean below 49.29 deg"
+    )
     c = np.cos(angle)
     inside, inside_slope = legendre_half(c)
     outside, outside_slope = legendre_half(-c)

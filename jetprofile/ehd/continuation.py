@@ -1,8 +1,8 @@
 """Solutions followed from one set of parameters to another, around folds where there are any (pseudo-arclength).
 
-The path is a function ``t -> Problem``, t from 0 to 1. Each step predicts along the secant, corrects with the bordered system
-and moves the mesh. Where t turns back there is a fold: no solution beyond it on this branch. Steps are bounded by the change of
-the solution, tension included, so that none hops to another branch.
+The path is a function ``t -> Problem``, t from 0 to 1. Each step predicts along the secant, corrects with the bordered
+system and moves the mesh. Where t turns back there is a fold: no solution beyond it on this branch. Steps are bounded by
+the change of the solution, tension included, so that none hops to another branch.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.jetprofile.ehd.boundary_value import Discrete, Linear, OutOfWork, Problem, interpolate, newton, remesh, scales
+from spinline.jetprofile.ehd.boundary_value import (
+    Discrete,
+    Linear,
+    OutOfWork,
+    Problem,
+    interpolate,
+    newton,
+    remesh,
+    scales,
+)
 
 __all__ = ["Path", "follow"]
 
@@ -136,7 +145,13 @@ def _vertex(points: list[tuple[float, float]]) -> float:
 
 
 def _correct(
-    problem_at: Callable[[float], Problem], s: FloatArray, y: FloatArray, t: float, dy: FloatArray, dt: float, reach: float
+    problem_at: Callable[[float], Problem],
+    s: FloatArray,
+    y: FloatArray,
+    t: float,
+    dy: FloatArray,
+    dt: float,
+    reach: float,
 ) -> tuple[FloatArray, float, int] | None:
     """Newton for (y, t) in the plane normal to the unit step (dy, dt), `reach` along it; None where it fails."""
     scale = scales(y)

@@ -12,8 +12,8 @@ Lengths by r_0, velocities by v_0, fields by E_s, charges by eps_0 E_s; ``u = ln
 ``q``      share of the current that is conducted (only where charge relaxation is resolved)
 =========  =====================================================================================================
 
-``E = i q V``, ``sigma = i (1 - q) R / Pe``, ``F = Psi / l`` is the line charge over ``2 pi eps_0 r_0 E_s``, with the slenderness
-``l = ln(L / r_0)`` (constant log) or ``ln(L / r)`` (local log), and::
+``E = i q V``, ``sigma = i (1 - q) R / Pe``, ``F = Psi / l`` is the line charge over ``2 pi eps_0 r_0 E_s``, with the
+slenderness ``l = ln(L / r_0)`` (constant log) or ``ln(L / r)`` (local log), and::
 
     u'   = T / 3                                     Newtonian
     u'   = [T V - (1 - rs) / De (B - C)] / (3 rs V)    with a polymer
@@ -23,17 +23,19 @@ Lengths by r_0, velocities by v_0, fields by E_s, charges by eps_0 E_s; ``u = ln
     W'   = Re {V u' - R^2 / Fr - R' / We - El [u' R^2 (sigma^2 + beta_e E^2) / 2 + 2 i^2 q (1 - q) / Pe]}
 
 The products f A are the unknowns, since ``f = 1 + (B + 2 C - 3) / L2`` then is positive whatever they are: no trial of an
-iteration can leave the extensible range. Eq. (7) as printed has ``sigma_e`` where the surface charge belongs, and Eq. (8) divides
-the surface charge by the jet's permittivity in place of the air's.
+iteration can leave the extensible range. Eq. (7) as printed has ``sigma_e`` where the surface charge belongs, and Eq. (8)
+divides the surface charge by the jet's permittivity in place of the air's.
 
 References
 ----------
-Hohman et al., Phys. Fluids 13, 2201 (2001); Feng, Phys. Fluids 14, 3912 (2002), J. Non-Newtonian Fluid Mech. 116, 55 (2003).
+Hohman et al., Phys. Fluids 13, 2201 (2001); Feng, Phys. Fluids 14, 3912 (2002), J. Non-Newtonian Fluid Mech. 116, 55
+(2003).
 """
 
 from typing import Any
 
 import numpy as np
+
 from spinline.base.kernels import njit
 
 __all__ = ["PARAMETERS", "jacobian", "residual", "slopes"]
@@ -105,9 +107,10 @@ def _end_rows(y: Any, p: Any, flags: Any, work: Any) -> Any:
 def residual(s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left: Any, out: Any) -> None:
     """Residual of the difference equations, in the order: start, intervals, end.
 
-    `left` holds (index, value) of the conditions at the start; `nodes` and `middles` the applied field there. Each interval is
-    integrated by Simpson's rule with the middle from a cubic (three-stage Lobatto, order 4), or, ``flags[3]``, by implicit Euler in
-    the direction in which each equation is stable: W and Psi (1, 2) backward, the others forward (order 1, never spurious).
+    `left` holds (index, value) of the conditions at the start; `nodes` and `middles` the applied field there. Each
+    interval is integrated by Simpson's rule with the middle from a cubic (three-stage Lobatto, order 4), or,
+    ``flags[3]``, by implicit Euler in the direction in which each equation is stable: W and Psi (1, 2) backward, the
+    others forward (order 1, never spurious).
     """
     n, m = y.shape
     f0, f1, fm, mid = np.empty(m), np.empty(m), np.empty(m), np.empty(m)

@@ -1,15 +1,15 @@
 """Leaky-dielectric bead of Carroll and Joo: the part of its charge that the field acts on, and its path.
 
-Of the current I the surface carries ``c_eff = 1 - pi r^2 K E / I``; the rest is conducted and pulls nothing. A bead of that charge on
-an Oldroyd-B dumbbell, its upper end held at the nozzle (the two-body model of the review, Eqs. 13-15 with c_eff q for q and a
-solvent stress), draws the radius profile as it moves::
+Of the current I the surface carries ``c_eff = 1 - pi r^2 K E / I``; the rest is conducted and pulls nothing. A bead of that
+charge on an Oldroyd-B dumbbell, its upper end held at the nozzle (the two-body model of the review, Eqs. 13-15 with c_eff q
+for q and a solvent stress), draws the radius profile as it moves::
 
     m z'' = -pi r^2 (s_p + mu_s z'/z) + c_eff q E + (c_eff q)^2 / (4 pi eps_0 z^2) + m g,   r^2 z = r_0^2 z_0
     s_p' = G z'/z - s_p / theta
 
-Fig. 21 (4000 ppm polyisobutylene Boger fluid) gives r_0, alpha, G, K, mu_0, mu_s/mu and I, not Q, E, h, rho, eps or the speed: it cannot be
-reproduced from the review. Its G = 328 dyn/cm2 is mu_0/theta; the polymer's share is 173.5. Its c_eff is negative at r_0 = 0.05 cm for
-any E above 2.546 statV/cm (0.763 kV/cm): more current would be conducted than flows.
+Fig. 21 (4000 ppm polyisobutylene Boger fluid) gives r_0, alpha, G, K, mu_0, mu_s/mu and I, not Q, E, h, rho, eps or the
+speed: it cannot be reproduced from the review. Its G = 328 dyn/cm2 is mu_0/theta; the polymer's share is 173.5. Its c_eff is
+negative at r_0 = 0.05 cm for any E above 2.546 statV/cm (0.763 kV/cm): more current would be conducted than flows.
 
 References
 ----------
@@ -17,6 +17,7 @@ Carroll and Joo, J. Appl. Phys. 109, 094315 (2011); review Eq. (17) and Fig. 21.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -86,12 +87,23 @@ class LeakyBeads:
     gravity: float = 9.81
 
     def __post_init__(self) -> None:
-        names = ("radius", "flow_rate", "current", "electric_field", "viscosity", "relaxation_time", "density", "length")
+        names = (
+            "radius",
+            "flow_rate",
+            "current",
+            "electric_field",
+            "viscosity",
+            "relaxation_time",
+            "density",
+            "length",
+        )
         for name in names:
             positive(name, getattr(self, name))
         real("conductivity", self.conductivity, least=0.0, unit="S/m")
         real("solvent_share", self.solvent_share, least=0.0, below=1.0)
-        share = float(effective_charge(self.radius, self.electric_field, conductivity=self.conductivity, current=self.current))
+        share = float(
+            effective_charge(self.radius, self.electric_field, conductivity=self.conductivity, current=self.current)
+        )
         if share < 0:
             most = self.current / (np.pi * self.radius**2 * self.conductivity)
             raise InputError(
@@ -129,8 +141,9 @@ class LeakyBeads:
         there.terminal = True  # type: ignore[attr-defined]
         speed = self.flow_rate / (np.pi * self.radius**2)
         longest = 1e3 * end / speed
-        done = solve_ivp(
-            rate, (0, longest), [self.length, speed, 0.0], method="LSODA", events=there, rtol=1e-9, atol=1e-12, dense_output=True
+        done: Any = solve_ivp(
+            rate, (0, longest), [self.length, speed, 0.0], method="LSODA", events=there, rtol=1e-9, atol=1e-12,
+            dense_output=True,
         )  # fmt: skip
         if not done.t_events[0].size:
             raise InputError("end", "is not reached by the bead: the pull is too weak", value=end)

@@ -1,10 +1,11 @@
 """Dimensionless numbers of the review's Sections II and V.B.2, in SI, with what is misprinted there put right.
 
-* Eq. in II: the charge relaxation time in Gaussian units is ``eps / (4 pi sigma_e)``: 0.35 to 3.5 ms for eps = 40 and 1e-6 to 1e-7 S/m,
-  not 4 to 45 ms.
-* The electric Bond number ``Bo = r E^2 / alpha`` (Gaussian) is not the ratio of the pressures it is read as: that is ``Bo / (16 pi)``.
-* V.B.2: ``omega_c^max`` is a wavenumber (`capillary.fastest_capillary`). "De ~ 680" follows with ``G theta = mu_e`` and a density of
-  0.85 g/cm3; with the fluid's own ``G theta / mu_s`` it is 10.7.
+* Eq. in II: the charge relaxation time in Gaussian units is ``eps / (4 pi sigma_e)``: 0.35 to 3.5 ms for eps = 40 and
+  1e-6 to 1e-7 S/m, not 4 to 45 ms.
+* The electric Bond number ``Bo = r E^2 / alpha`` (Gaussian) is not the ratio of the pressures it is read as: that is ``Bo
+  / (16 pi)``.
+* V.B.2: ``omega_c^max`` is a wavenumber (`capillary.fastest_capillary`). "De ~ 680" follows with ``G theta = mu_e`` and a
+  density of 0.85 g/cm3; with the fluid's own ``G theta / mu_s`` it is 10.7.
 """
 
 import numpy as np
@@ -58,7 +59,7 @@ def electric_over_capillary_pressure(
     >>> round(float(electric_bond(1e-3, 3e5, 0.05)), 2), round(float(electric_over_capillary_pressure(1e-3, 3e5, 0.05)), 5)
     (0.2, 0.00398)
     """
-    value: FloatArray = EPS0 * np.asarray(electric_field) ** 2 * radius / (4 * np.asarray(surface_tension))
+    value: FloatArray = EPS0 * np.asarray(electric_field) ** 2 * np.asarray(radius) / (4 * np.asarray(surface_tension))
     return value
 
 
@@ -66,7 +67,7 @@ def elongational_capillary(
     elongational_viscosity: ArrayLike, velocity: ArrayLike, surface_tension: ArrayLike
 ) -> FloatArray:
     """``Ca = mu_e v / gamma``: above 1 the thread jets, below it drips."""
-    value: FloatArray = np.asarray(elongational_viscosity) * velocity / np.asarray(surface_tension)
+    value: FloatArray = np.asarray(elongational_viscosity) * np.asarray(velocity) / np.asarray(surface_tension)
     return value
 
 

@@ -14,9 +14,9 @@ from typing import Any, Literal
 import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 from spinline.jetprofile.ehd.boundary_value import Problem, Work
-from spinline.base.constants import EPS0
 from spinline.jetprofile.ehd.fields import AppliedField, HyperboloidField, NeedleField, UniformField
 
 __all__ = ["FIELDS", "LAWS", "NeedleSettings"]
@@ -118,7 +118,9 @@ class NeedleSettings:
             if self.law == "fene-p":
                 if self.extensibility is None:
                     raise InputError("extensibility", "is missing: FENE-P needs it", remedy="phi^-2 for a network")
-                number("extensibility", self.extensibility, above=3.0, most=1e12, remedy="more than the coil at rest, 3")
+                number(
+                    "extensibility", self.extensibility, above=3.0, most=1e12, remedy="more than the coil at rest, 3"
+                )
         if self.current is not None:
             number("current", self.current, least=1e-18, most=1e3, unit="A")
         if self.end is not None:
@@ -173,12 +175,12 @@ class NeedleSettings:
 
     @property
     def current_scale(self) -> float:
-        """pi r_0^2 K E_s in A."""
+        """Unit of current, pi r_0^2 K E_s, in A."""
         return float(np.pi * self.radius**2 * self.conductivity * self.field_scale)
 
     @property
     def force_scale(self) -> float:
-        """pi r_0 mu v_0 in N."""
+        """Unit of force, pi r_0 mu v_0, in N."""
         return float(np.pi * self.radius * self.viscosity * self.initial_velocity)
 
     @cached_property

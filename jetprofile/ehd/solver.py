@@ -10,6 +10,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +26,10 @@ from spinline.jetprofile.ehd.boundary_value import (
     remesh,
 )
 from spinline.jetprofile.ehd.continuation import Path, follow
+from spinline.jetprofile.ehd.equations import slopes
 from spinline.jetprofile.ehd.settings import NeedleSettings
 
-__all__ = ["Solved", "between", "raise_pull", "solve"]
+__all__ = ["Solved", "between", "raise_pull", "solve", "thins"]
 
 _COARSE = 161
 _UPWIND = 321
@@ -35,6 +37,7 @@ _FINEST = 5121
 _LEAST_PULL = 0.01
 _RELAXED = 1e-5  # share of the conducted current by which charge relaxation may be off before it is resolved
 _SLACK = 0.5  # Deborah number at which the pull is raised where a longer relaxation time folds the path
+_FLAT = 1e-7  # slope of ln V below which a thread that thickens does so by rounding
 _WORK = 1_000_000
 _EMPTY = (np.zeros(0), np.zeros((0, 4)), False)
 
@@ -48,7 +51,7 @@ class Solved:
     problem, discrete
         What was solved, and its finest solution; where there is none, the last one on the way (perhaps empty).
     error : dict
-        Estimated errors from the last halving of the mesh, all relative: radius (worst), current, tension (worst, of its maximum).
+        Estimated errors from the last halving of the mesh, relative: radius (worst), current, tension (of its maximum).
     why : str
         Empty, or why there is no solution: "fold" (the branch ends), "lost" (the path ended), "mesh" (the mesh moves it).
     pull : float
@@ -80,27 +83,39 @@ class _Search:
         return self.settings.problem(charge=charge, predicted=predicted, slack=slack, work=self.work)
 
     def primary(self) -> tuple[Discrete | None, bool]:
-        """Coarse solution, and whether charge relaxation is in it."""
-        given = self.settings.current is not None
-        for predicted, charge in ((True, False), (True, True), (False, True))[: 3 if given else 2]:
-            found = self.ascend(charge, predicted)
-            if found is not None and not charge:
-                found, charge = self.with_relaxation(found)
-            if found is not None and predicted and given:
-                path = self.impose_current(charge, found)
-                found = path.solution if path.arrived else None
-                self.folded |= not np.isnan(path.fold)
-            if found is not None:
-                return found, charge
-        return None, True
+        """Coarse solution, and whether charge relaxation is in it; one that does not thin only where no way leads to another.
 
-    def ascend(self, charge: bool, predicted: bool) -> Discrete | None:
-        """The top of the path of rising pull, by the order-4 equations or, where they are lost, started by the upwind ones."""
-        found, folded = self.climb(charge, predicted, 1.0)
+        A path may come out on a branch that retracts half way: the next way is then tried.
+        """
+        given = self.settings.current is not None
+        ways = [(True, False, False), (True, True, False), (True, False, True), (True, True, True)]
+        other: tuple[Discrete | None, bool] = (None, True)
+        try:
+            for predicted, charge, upwind in [*ways, (False, True, False)] if given else ways:
+                found = self.ascend(charge, predicted, upwind)
+                if found is not None and not charge:
+                    found, charge = self.with_relaxation(found)
+                if found is not None and predicted and given:
+                    path = self.impose_current(charge, found)
+                    found = path.solution if path.arrived else None
+                    self.folded |= not np.isnan(path.fold)
+                if found is None:
+                    continue
+                if thins(self.problem(charge=charge, predicted=False), found):
+                    return found, charge
+                other = other if other[0] is not None else (found, charge)
+        except OutOfWork:
+            if other[0] is None:
+                raise
+        return other
+
+    def ascend(self, charge: bool, predicted: bool, upwind: bool) -> Discrete | None:
+        """The top of the path of rising pull, by the order-4 equations or, those lost, by the upwind ones."""
+        found, folded = self.climb(charge, predicted, 1.0, upwind)
         de = self.settings.deborah
         if found is None and folded and self.settings.polymer and de > _SLACK:
             slack = _SLACK / de
-            loose, _ = self.climb(charge, predicted, slack)
+            loose, _ = self.climb(charge, predicted, slack, upwind)
             if loose is not None:
                 path = follow(lambda t: self.problem(charge=charge, predicted=predicted, slack=slack ** (1 - t)), loose)
                 found = path.solution if path.arrived else None
@@ -108,10 +123,10 @@ class _Search:
                 self.time_share = np.nan if path.arrived else float(slack ** (1 - path.fold))
         return found
 
-    def climb(self, charge: bool, predicted: bool, slack: float) -> tuple[Discrete | None, bool]:
+    def climb(self, charge: bool, predicted: bool, slack: float, only: bool) -> tuple[Discrete | None, bool]:
         """Raise the pull; the solution and whether the path folded."""
-        for nodes, upwind in ((_COARSE, False), (_UPWIND, True)):
-            options = {"charge": charge, "predicted": predicted, "slack": slack}
+        for nodes, upwind in ((_COARSE, False), (_UPWIND, True))[only:]:
+            options: Any = {"charge": charge, "predicted": predicted, "slack": slack}
             path, least = raise_pull(self.settings, work=self.work, nodes=nodes, upwind=upwind, **options)
             reached = float(least ** (1 - min(path.t, 1.0)))
             if reached > self.pull and path.solution.y.size:
@@ -184,6 +199,17 @@ class _Search:
                 fine, nodes = (result.discrete if np.isfinite(result.error["radius"]) else found), 2 * nodes
             if 2 * nodes > _FINEST:
                 return result
+
+
+def thins(problem: Problem, found: Discrete) -> bool:
+    """Whether a solution thins and is under tension everywhere, to rounding."""
+    rate, tension = np.empty(found.s.size), np.empty(found.s.size)
+    fields, out = problem.field(found.s), np.empty(problem.size)
+    polymer, charge, local, _ = problem.flags
+    for j in range(found.s.size):
+        _, _, tension[j] = slopes(found.y[j], fields[j], problem.parameters, polymer, charge, local, out)
+        rate[j] = out[0]
+    return bool(tension.min() > 0 and rate.min() > -_FLAT * max(1.0, float(rate.max())))
 
 
 def _errors(coarse: Discrete, fine: Discrete) -> dict[str, float]:
@@ -293,7 +319,7 @@ def _from_neighbour(settings: NeedleSettings, near: Solved) -> Discrete | None:
 
 
 def _conducted(problem: Problem, found: Discrete) -> FloatArray:
-    """q where charge relaxes at once, or nearly so: the first term of the lag where the problem resolves it."""
+    """Conducted share q where charge relaxes at once, or nearly so: the first term of the lag where the problem resolves it."""
     p, y = problem.parameters, found.y
     v = np.exp(y[:, 0])
     log = p[6] + (0.5 * y[:, 0] if problem.local else 0.0)

@@ -14,13 +14,12 @@ from spinline.jetprofile.ehd.boundary_value import spline
 from spinline.jetprofile.ehd.capillary import capillary_growth
 from spinline.jetprofile.ehd.equations import slopes
 from spinline.jetprofile.ehd.settings import NeedleSettings
-from spinline.jetprofile.ehd.solver import Solved, solve
+from spinline.jetprofile.ehd.solver import Solved, solve, thins
 from spinline.jetprofile.ehd.verdicts import Verdict, judge
 from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["NoSteadyJet", "StraightEhdJet"]
 
-_FLAT = 1e-7  # slope of ln V (per r_0) below which a jet that thickens does so by rounding
 _GAUSS = np.polynomial.legendre.leggauss(16)
 
 
@@ -58,8 +57,8 @@ class StraightEhdJet(StraightJet):
     current : float
         I in A.
     needle_potential : float
-        Potential in V that the jet has at the needle beyond the needle's own: 0 with a predicted current; with a given one, what
-        the setup lacks (or has too much).
+        Potential in V that the jet has at the needle beyond the needle's own: 0 with a predicted current; with a given
+        one, what the setup lacks (or has too much).
     error : dict
         Estimated relative errors of radius, current, tension.
     residual : float
@@ -101,8 +100,7 @@ class StraightEhdJet(StraightJet):
         self._curve, self._rate = spline(found.problem, found.discrete)
         s, y = found.discrete.s, found.discrete.y
         self._s = s
-        tension = _along(found)[2]
-        if tension[0] <= 0 or tension.min() <= 0 or self._rate[:, 0].min() < -_FLAT:
+        if not thins(found.problem, found.discrete):
             raise _refusal(settings, found)
         self.error, self.residual = found.error, max(found.error.values())
         self.current = float(settings.current_scale * np.exp(y[0, 3]))
@@ -212,7 +210,7 @@ class StraightEhdJet(StraightJet):
         z = s * self.initial_radius
         end, self.end = self.end, self.settings.end_position
         try:
-            columns = {
+            columns: Any = {
                 "radius": self.radius(z), "velocity": self.velocity(z), "line_charge": self.line_charge(z),
                 "tension": self.tension(z),
             }  # fmt: skip
@@ -277,7 +275,8 @@ def _verdicts(x: NeedleSettings, found: Solved) -> tuple[Verdict, ...]:
         z=z, velocity_ratio=ratio, tension=x.force_scale * pull, conducted=share, capillary_growth=growth,
         relaxation_time=x.relaxation_time if found.problem.polymer else 0.0, viscous_strain_rate=float(viscous),
         modulus=x.modulus, radius=x.radius, initial_velocity=x.initial_velocity, surface_tension=x.surface_tension,
-        reynolds=n["reynolds"], relaxation_length=0.5 * p[5] * p[3] * ratio * x.radius, full_stretch=float(stretch), fold=fold,
+        reynolds=n["reynolds"], relaxation_length=0.5 * p[5] * p[3] * ratio * x.radius, full_stretch=float(stretch),
+        fold=fold,
     )  # fmt: skip
 
 
@@ -287,8 +286,13 @@ def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
     if found.discrete.y.size:
         pull = _along(found)[2]
         if pull[0] <= 0:
-            text = f"the tension at the needle is {x.force_scale * pull[0]:.3g} N: the jet swells, it does not thin{share}"
+            text = (
+                f"the tension at the needle is {x.force_scale * pull[0]:.3g} N: the jet swells, it does not thin{share}"
+            )
             return NoSteadyJet("swells", text, found.pull, "more conductivity, or a higher voltage")
+        if not found.why:
+            text = "the only steady thread found thins and thickens again: no thinning jet at these settings"
+            return NoSteadyJet("swells", text, found.pull, "a shorter jet.end, or a higher voltage")
     if found.why == "fold" and np.isfinite(found.time_share):
         time = found.time_share * x.relaxation_time
         text = f"no steady jet beyond a relaxation time of {time:.4g} s at these settings"

@@ -5,12 +5,12 @@ Estimates of the same threshold differ threefold. `threshold_voltage` gives them
 ============================  ========================================================================================
 ``hyperboloid``               field against capillarity at the tip of a hyperboloid: ``xi_0 Lam sqrt(gamma r_c / eps_0)``
 ``taylor_cone``               the same times ``sqrt(cos 49.29 deg)``
-``taylor_1969``               Taylor's ``V^2 = 4 (H / l)^2 [ln(2 l / r) - 3/2] 0.117 pi r gamma`` (kV, cm, dyn/cm), l the needle's length
+``taylor_1969``               ``V^2 = 4 (H/l)^2 [ln(2 l / r) - 3/2] 0.117 pi r gamma`` (kV, cm, dyn/cm), l the needle's length
 ``capped_cylinder``           tip balance with the field of a cylinder with a hemispherical end
 ============================  ========================================================================================
 
-`critical_hyperboloid_voltage` is another question: the greatest potential of a drop free to choose its tip radius over a plate at
-distance d_0 (Eq. 1); its tip radius is then 0.44 d_0, so it is not a needle's threshold.
+`critical_hyperboloid_voltage` is another question: the greatest potential of a drop free to choose its tip radius over a
+plate at distance d_0 (Eq. 1); its tip radius is then 0.44 d_0, so it is not a needle's threshold.
 
 References
 ----------
@@ -20,8 +20,8 @@ Taylor, Proc. R. Soc. A 313, 453 (1969); Yarin, Koombhongse and Reneker, J. Appl
 import numpy as np
 
 from spinline.base.checks import positive, real
-from spinline.jetprofile.ehd.cones import HYPERBOLOID_POTENTIAL, TAYLOR_ANGLE
 from spinline.base.constants import EPS0
+from spinline.jetprofile.ehd.cones import HYPERBOLOID_POTENTIAL, TAYLOR_ANGLE
 from spinline.jetprofile.ehd.fields import NeedleField
 
 __all__ = ["critical_hyperboloid_voltage", "threshold_voltage"]
@@ -49,7 +49,8 @@ def threshold_voltage(
     surface_tension, radius, gap : float
         gamma (N/m), r_c (m), H (m), all > 0.
     needle_length : float, optional
-        Length l of the needle in m; Taylor's formula takes it (default: the gap), the capped cylinder too (default: 25.4 mm).
+        Length l of the needle in m; Taylor's formula takes it (default: the gap), the capped cylinder too (default: 25.4
+        mm).
 
     Returns
     -------

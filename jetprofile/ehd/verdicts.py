@@ -65,7 +65,9 @@ def judge(
     start = float(tension[0])
     if relaxation_time > 0:
         jump = start / (np.pi * radius**2 * modulus)
-        words = _pick(jump, full_stretch, "full stretch lies in the cone, outside this theory", "stretched along the jet")
+        words = _pick(
+            jump, full_stretch, "full stretch lies in the cone, outside this theory", "stretched along the jet"
+        )
         found.append(Verdict("cone", jump, full_stretch, jump <= full_stretch, words))
     held = start / (np.pi * surface_tension * radius)
     words = _pick(held, 0.1, "pulled free of capillarity", "held by capillarity: it drips")
@@ -77,7 +79,9 @@ def judge(
     words = _pick(lag, 1.0, "charge relaxes more slowly than the jet thins: a dielectric", "a leaky conductor")
     found.append(Verdict("relaxation", lag, 1.0, True, words))
     share = float(conducted[-1])
-    words = _pick(share, 0.1, "the current depends on the end: widen it, or give the current", "the charge has left the bulk")
+    words = _pick(
+        share, 0.1, "the current depends on the end: widen it, or give the current", "the charge has left the bulk"
+    )
     found.append(Verdict("conducted", share, 0.1, share <= 0.1, words))
     inertia = reynolds * float(velocity_ratio.max())
     words = _pick(inertia, 1.0, "inertia bounds the speed", "viscous or elastic throughout")
