@@ -119,14 +119,24 @@ def lateral_variables(context: "Context", fields: dict[str, FloatArray]) -> dict
         raise InputError("network.lateral", f"needs alpha_v, which is {coupling.words}", remedy="give network.coupling")
     pace = scene.network.spring.value / coupling.alpha * jet.initial_velocity / jet.initial_radius
     contraction = fields["radial_contraction"]
-    across = lateral_network(
-        pace * fields["residence_time"],
-        fields["velocity_ratio"],
-        contraction / contraction[0],
-        context.solution.volume_fraction,
-        network_velocity_ratio=fields["network_velocity_ratio"],
-        rtol=max(1e-5, min(1e-3, 0.1 * scene.accuracy.rtol)),
-    )
+    try:
+        across = lateral_network(
+            pace * fields["residence_time"],
+            fields["velocity_ratio"],
+            contraction / contraction[0],
+            context.solution.volume_fraction,
+            network_velocity_ratio=fields["network_velocity_ratio"],
+            rtol=max(1e-5, min(1e-3, 0.1 * scene.accuracy.rtol)),
+        )
+    except InputError as error:  # in the words of the scene
+        remedy = "raise accuracy.points or accuracy.rtol, or" if error.field == "rtol" else "raise network.coupling, or"
+        raise InputError(
+            "network.lateral",
+            f"{error.field} {error.problem}",
+            value=error.value,
+            allowed=error.allowed,
+            remedy=f"{remedy} leave network.lateral out",
+        ) from None
     return {
         "layer": 0.5 * (across.layer_edges[1:] + across.layer_edges[:-1]),
         "lateral_network_radius": across.radius_ratio * fields["radius"],

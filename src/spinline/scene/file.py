@@ -5,7 +5,6 @@ A scene is TOML. Quantities are text with their unit; unknown keys are refused a
 """
 
 import difflib
-import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -15,7 +14,7 @@ from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, mode
 from pydantic_core import ErrorDetails
 
 from spinline.base.errors import InputError
-from spinline.base.text import decoded
+from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
 from spinline.scene.quantities import (
@@ -25,6 +24,7 @@ from spinline.scene.quantities import (
     Exponent,
     FlowRate,
     KuhnLength,
+    Label,
     Length,
     Lifetime,
     MassFraction,
@@ -40,17 +40,17 @@ from spinline.scene.quantities import (
     VolumeFraction,
 )
 
-__all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
+__all__ = ["LONGEST", "Scene", "bundled_scenes", "given_file", "json_schema", "load_scene", "scene_from_dict"]
 
 
 _Sheet = TypeVar("_Sheet", bound=Sheet)
-_LONGEST = 1_000_000  # characters of a scene
+LONGEST = 1_000_000  # characters of a scene
 
 
 class PolymerData(Section):
     """A polymer that is not built in."""
 
-    name: str = "polymer"
+    name: Label = "polymer"
     density: Density
     repeat_unit_molar_mass: MolarMass | None = None
     backbone_bonds: Annotated[int, Field(ge=1, le=1000)] | None = None
@@ -59,7 +59,7 @@ class PolymerData(Section):
 class SolventData(Section):
     """A solvent that is not built in; molar mass and vapour pressure matter to evaporation only."""
 
-    name: str = "solvent"
+    name: Label = "solvent"
     density: Density
     molar_mass: MolarMass | None = None
     vapour_pressure: VapourPressure | None = None
@@ -235,7 +235,7 @@ class AccuracySection(Section):
 class Scene(Sheet):
     """A checked scene. `text` and `folder` say where it came from."""
 
-    title: str = ""
+    title: Label = ""
     solution: SolutionSection
     jet: JetSection
     ambient: AmbientSection | None = None
@@ -311,30 +311,24 @@ def read_toml(
     source: str | Path, bundled: Mapping[str, Path], overrides: Sequence[str], noun: str = "scene"
 ) -> tuple[dict[str, Any], str, Path]:
     """Content, text and path of a TOML file or of a bundled one of that name, overrides applied."""
-    path = Path(source)
-    if not path.exists():
-        path = bundled.get(str(source), path)
-    try:
-        with path.open("rb") as file:
-            text, _ = decoded(file.read(4 * _LONGEST + 1), str(source))
-    except (OSError, ValueError) as error:
-        near = difflib.get_close_matches(str(source), bundled, n=1)
-        hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError(str(source), f"cannot be read as a {noun} ({reason})", remedy=hint) from None
-    if len(text) > _LONGEST:
-        raise InputError(str(source), f"is too long for a {noun}", allowed=f"up to {_LONGEST} characters")
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            str(source), f"is not a TOML {noun} ({error})", remedy="see `spinline scenes --copy`"
-        ) from None  # fmt: skip
+    path = given_file(source, bundled)
+    near = difflib.get_close_matches(str(source)[:200], bundled, n=1)
+    hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
+    data, text = read_toml_text(path, noun, LONGEST, hint)
     for override in overrides:
         _override(data, override)
     if overrides:
         text = text.rstrip() + "\n" + "".join(f"# --set {override}\n" for override in overrides)
     return data, text, path
+
+
+def given_file(source: str | Path, bundled: Mapping[str, Path]) -> Path:
+    """The file of that name, else the bundled one."""
+    try:
+        there = Path(source).exists()
+    except (OSError, ValueError):  # a name that no file can have
+        there = False
+    return Path(source) if there else bundled.get(str(source), Path(source))
 
 
 def bundled_scenes() -> dict[str, Path]:
@@ -352,11 +346,11 @@ def json_schema() -> dict[str, Any]:
 def _override(data: dict[str, Any], override: str) -> None:
     key, equals, value = override.partition("=")
     steps = [step.strip() for step in key.split(".")]
-    if not equals or not all(steps):
+    if not equals or not all(steps) or "\n" in override:
         raise InputError("--set", "is not KEY=VALUE", value=override, remedy='for example --set "jet.radius=100 um"')
     try:
-        parsed = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
+        parsed = parsed_toml(f"value = {value}", "--set", "value")["value"]
+    except InputError:
         parsed = value.strip()
     for step in steps[:-1]:
         data = data.setdefault(step, {})

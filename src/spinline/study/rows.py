@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
+from spinline.base.files import stamp
 from spinline.jetprofile.straight import StraightJet
 from spinline.network_models.registry import RUNGS, rung_of
 from spinline.scene.file import Scene, scene_from_dict
@@ -251,10 +252,13 @@ def _profiles(solved: Solved, task: Task) -> dict[str, FloatArray]:
 
 
 class _Key:
-    """A jet section and its folder; the scene rides along and does not count."""
+    """A jet section, its folder and the state of its files; the scene rides along and does not count."""
 
     def __init__(self, section: Any, folder: str, scene: Scene) -> None:
-        self.identity, self.scene = (section, folder), scene
+        file = Path(folder) / getattr(section, "path", "")
+        files = sorted(file.iterdir()) if file.is_dir() else [file] if file.exists() else []
+        files = files if hasattr(section, "path") else []
+        self.identity, self.scene = (section, folder, tuple((str(f), stamp(f)) for f in files)), scene
 
     def __hash__(self) -> int:
         return hash(self.identity)
