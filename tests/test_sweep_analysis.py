@@ -216,7 +216,7 @@ def test_the_window_command_and_its_figures(spinline, tmp_path):
     figure = window_figure(stored)
     assert len([axis for axis in figure.axes if axis.get_title()]) == 4
     assert spinline("window", *common, "--voltage", "5 kV .. 25 kV").code == 2  # exists
-    ran = spinline("window", *common, "--voltage", "5 kV .. 25 kV", "--force", "--json")
+    ran = spinline("window", *common, "--voltage", "10 kV .. 40 kV", "--force", "--json")
     assert ran.json["reached_low"] < 1 == ran.json["reached_high"]
     one = sl.results.open_dataset(tmp_path / "peo5-water-window.nc")
     assert len(window_figure(one).axes) == 4
