@@ -3,8 +3,8 @@
     python benchmarks/accuracy.py --scenes 1000 --seed 1 -o benchmarks/accuracy.json
 
 Scenes are the straight ones of the atlas (`atlas_scenes.draw`), air and radial drying left out. Met: the reported quantities
-(`spinline.difference`) are within rtol of the reference of every branch that the rung claims to be good for. Cost: processor
-time of the rung over that of the cheapest that would have met rtol.
+(`spinline.study.difference`) are within rtol of the reference of every branch that the rung claims to be good for. Cost:
+processor time of the rung over that of the cheapest that would have met rtol.
 
 Scenes where the plan says that an effect is left out which passes rtol (no model holds both, or none is steady) cannot meet it
 and are judged by what is said: the run's own warnings must say so, the effect that the rung does hold must be within rtol of
@@ -59,7 +59,7 @@ def _held(model, holds):
 
 def _own(result, reference):
     """Error of a rung in what it does hold."""
-    from spinline.difference import difference, largest
+    from spinline.study.difference import difference, largest
 
     return np.nan if isinstance(reference, str) else largest(difference(result, reference))
 
@@ -72,13 +72,13 @@ def _claim(shares):
 
 def judge(seed, index, tolerances=TOLERANCES):
     """Outcomes of one scene: for every tolerance the rung, its error, whether it met, and its cost over the cheapest."""
-    from spinline.build import build_jet, build_solution
-    from spinline.difference import difference, largest
-    from spinline.errors import InputError
+    from spinline.base.errors import InputError
     from spinline.plan import plan_scene
     from spinline.scene import scene_from_dict
+    from spinline.setup.build import build_jet, build_solution
     from spinline.solve import run
-    from spinline.trade import variant
+    from spinline.study.difference import difference, largest
+    from spinline.study.trade import variant
 
     data = scene_data(seed, index)
     if data is None:
@@ -150,7 +150,7 @@ def judge(seed, index, tolerances=TOLERANCES):
 
 def main():
     """Run the campaign."""
-    from spinline.errors import SpinlineWarning
+    from spinline.base.errors import SpinlineWarning
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", type=int, default=1000)

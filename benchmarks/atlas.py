@@ -53,8 +53,8 @@ def letter(asked, taken, kind):
 
 def place_of(plan):
     """Numbers of a plan that put a scene on the maps, which model holds it within `RTOL`, and what is left out of it."""
-    from spinline.estimates import UNSTEADY
     from spinline.plan import MARGIN
+    from spinline.plan.estimates import UNSTEADY
 
     known = {effect["name"]: effect for effect in plan["effects_used"] + plan["effects_left_out"]}
     slip, relaxing = known["elastic coupling"], known["relaxation"]
@@ -112,7 +112,7 @@ def _stop(*_):
 
 def judge(seed, index, wall=False):
     """Outcome of one scene: a dictionary with its kind, asked and taken model, words, seconds, place."""
-    from spinline.errors import InputError, SpinlineWarning
+    from spinline.base.errors import InputError, SpinlineWarning
     from spinline.solve import run
 
     data = draw(seed, index)
@@ -181,9 +181,9 @@ def _words(error):
 
 def _plan(scene):
     """The plan of a scene that is refused, if it has one."""
-    from spinline.build import build_jet, build_solution
-    from spinline.errors import InputError
+    from spinline.base.errors import InputError
     from spinline.plan import plan_scene
+    from spinline.setup.build import build_jet, build_solution
 
     try:
         solution = build_solution(scene)
@@ -194,7 +194,7 @@ def _plan(scene):
 
 def warm():
     """Compile what will be used, so that no scene is charged for it."""
-    from spinline.errors import SpinlineWarning
+    from spinline.base.errors import SpinlineWarning
     from spinline.scene import load_scene
     from spinline.solve import run
 
@@ -285,7 +285,7 @@ def campaign(seed, first, scenes, workers, wall=False):
     }  # fmt: skip
 
 
-def check(summary, scenes, workers=1):
+def check(summary, scenes, workers=1, skip=0):
     """Scenes of a summary judged again: those that fail, and those whose letter is another one now.
 
     Parameters
@@ -293,10 +293,13 @@ def check(summary, scenes, workers=1):
     summary : dict
         Of `campaign`.
     scenes : int
-        How many, from its first.
+        How many.
+    skip : int
+        How many of its first are left out.
     """
     failed, changed = [], []
-    for one in outcomes_of(summary["seed"], summary["first"], min(scenes, summary["scenes"]), workers):
+    count = min(scenes, summary["scenes"] - skip)
+    for one in outcomes_of(summary["seed"], summary["first"] + skip, count, workers):
         was = summary["letters"][one["index"] - summary["first"]]
         if one["letter"] == "!":
             failed.append({key: one[key] for key in ("index", "kind", "asked", "words")})

@@ -10,8 +10,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from spinline.sensitivity import sobol
-from spinline.sweep import run_sweep, sweep_from_dict
+from spinline.study.sensitivity import sobol
+from spinline.study.sweep import run_sweep, sweep_from_dict
 
 VARY = {
     "jet.k": {"loguniform": [0.2, 3.0]},

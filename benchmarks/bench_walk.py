@@ -19,7 +19,7 @@ from scipy import stats
 
 import spinline.network as net
 from spinline.network import _step_kernels
-from spinline.network.walk_strand import step_probabilities
+from spinline.network.walk.strand import step_probabilities
 
 
 def best(function, repeats=5):

@@ -24,7 +24,7 @@ import numpy as np
 
 from spinline import xray
 from spinline.xray.frame import Frame, fit_frame
-from spinline.xray.quick import chord_frame
+from spinline.xray.frame.quick import chord_frame
 
 PIXEL = 0.67e-6
 SOLUTION = xray.Absorber(531.9, -137.44, 0.6)
@@ -198,7 +198,7 @@ RUN = """
 import json, resource, time
 from pathlib import Path
 from spinline.images import load_images
-from spinline.reduce import reduce_images
+from spinline.images.reduce import reduce_images
 marks = []
 def said(what, done, total): marks.append((what, done, time.perf_counter()))
 def used(who): return sum(resource.getrusage(who)[:2])
@@ -345,7 +345,7 @@ def each(folder, count=200, rows=1000):
     job.wait()
     done = len(list((folder / "job").glob("frame-*.npz")))
     again = run(folder, 2)
-    from spinline.results import open_dataset
+    from spinline.solve.results import open_dataset
 
     one, two, resumed = (open_dataset(folder / name) for name in ("result-1.nc", "result-2.nc", "result.nc"))
     print(

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 PIXEL = 0.67e-6
 WATER = xray.solution_medium("PEO", "water", 10.0)
@@ -162,7 +162,7 @@ def tapered(distance, photons, taper, blur, rows=40, lean=0.0, height=6):
 def taper() -> None:
     """Blocks of ten rows of a jet that narrows and leans, each section its own wave."""
     from spinline.xray.frame import Frame, fit_frame
-    from spinline.xray.phase_frame import fit_frame_phase, track_fringes
+    from spinline.xray.phase.frame import fit_frame_phase, track_fringes
 
     print(
         "blocks of 10 rows at 1e6 photons a row: scores of the mean, misfit, radius off; taper left out, and modelled"
@@ -191,9 +191,9 @@ def taper() -> None:
 
 def reduced(folder, counts, photons, **keys):
     """What `reduce` makes of a frame: "refused", "flagged", or "silent"; and the significance."""
-    from spinline.errors import SpinlineWarning
+    from spinline.base.errors import SpinlineWarning
     from spinline.images import images_from_dict
-    from spinline.reduce import reduce_images
+    from spinline.images.reduce import reduce_images
 
     rng = np.random.default_rng(5)
     np.savez(
@@ -253,8 +253,8 @@ def matrix(methods=("chord", "row", "map"), distances=(0.01, 0.1, 0.2)) -> None:
 def quiet(shapes=tuple(SHAPES), radii=(50e-6, 25e-6)) -> None:
     """The same without fringes: alarms, over shapes of the profile, photons, and a blur left out or overstated."""
     from spinline.xray.frame import Frame
-    from spinline.xray.fringe_frame import frame_fringes
-    from spinline.xray.track import track_jet
+    from spinline.xray.frame.track import track_jet
+    from spinline.xray.phase.fringe_frame import frame_fringes
 
     edges = np.linspace(0, 1, 61)
     middle = 0.5 * (edges[1:] + edges[:-1])

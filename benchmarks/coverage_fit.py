@@ -26,12 +26,12 @@ from pathlib import Path
 
 import numpy as np
 
-from spinline.air import Air
-from spinline.errors import SpinlineWarning
-from spinline.fit_model import ForwardModel
-from spinline.fit_problem import FitProblem, Prior
-from spinline.inference import fit
-from spinline.observations import Observation
+from spinline.base.errors import SpinlineWarning
+from spinline.fit.least_squares import fit
+from spinline.fit.model import ForwardModel
+from spinline.fit.observations import Observation
+from spinline.fit.problem import FitProblem, Prior
+from spinline.setup.air import Air
 
 SEED = 20261122
 DESIGNS = ("affine", "relaxing", "drying")

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from spinline import network as net
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.network import force_laws
 
 LAWS = ("linear", "lattice", "langevin", "fene")

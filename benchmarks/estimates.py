@@ -4,8 +4,8 @@
 
 Scenes are the straight ones of the atlas (`atlas_scenes.draw`). Printed, for every effect: how many of its errors lie between
 1e-4 and 1, which both rungs can tell, and the ratio of the estimate to what leaving the effect out changes
-(`spinline.difference`; evaporation: and of the mean fraction; radial gradients: surface against mean). Errors that pass 1 are
-"no answer" by either, and agree if both say so.
+(`spinline.study.difference`; evaporation: and of the mean fraction; radial gradients: surface against mean). Errors that pass
+1 are "no answer" by either, and agree if both say so.
 """
 
 import argparse
@@ -50,10 +50,10 @@ def _pairs(data):
 
 def true_error(name, data, on, off):
     """What leaving one effect out changes; NaN and why where a run is refused."""
-    from spinline.difference import difference, largest
-    from spinline.errors import InputError
+    from spinline.base.errors import InputError
     from spinline.scene import scene_from_dict
     from spinline.solve import run
+    from spinline.study.difference import difference, largest
 
     results = []
     for network, effects in (on, off):
@@ -75,9 +75,9 @@ def true_error(name, data, on, off):
 
 def judge(seed, index):
     """For every effect of a scene: number, estimate, truth."""
-    from spinline.build import build_jet, build_solution
     from spinline.plan import plan_scene
     from spinline.scene import scene_from_dict
+    from spinline.setup.build import build_jet, build_solution
 
     data = scene_data(seed, index)
     if data is None:
@@ -111,7 +111,7 @@ def agreement(pairs):
 
 def main():
     """Run the comparison."""
-    from spinline.errors import SpinlineWarning
+    from spinline.base.errors import SpinlineWarning
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", type=int, default=100)

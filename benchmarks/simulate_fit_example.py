@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spinline.fit_scene import forward_model
+from spinline.fit.scene_model import forward_model
 from spinline.scene import load_scene
 
 SEED = 12

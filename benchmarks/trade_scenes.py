@@ -6,9 +6,9 @@ python benchmarks/trade_scenes.py docs/howto/trade-of-the-scenes.md
 import sys
 from pathlib import Path
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.scene import bundled_scenes, load_scene
-from spinline.trade import trade
+from spinline.study.trade import trade
 
 HEAD = """# The trade on the bundled scenes
 

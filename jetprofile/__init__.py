@@ -16,7 +16,7 @@ name               what it is, and when to take it
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline.base.lazy import lazily
 
 if __name__ != "spinline.jetprofile":
     raise ImportError("import spinline.jetprofile, not jetprofile")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from spinline.checks import FloatArray
-from spinline.errors import InputError
-from spinline.units import parse_unit
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+from spinline.base.units import parse_unit
 
 __all__ = ["read_columns"]
 
@@ -29,7 +29,7 @@ def read_columns(
     path : path
         CSV file with one header line.
     kinds : mapping
-        Column name to the kind of quantity (a key of `spinline.units.QUANTITIES`).
+        Column name to the kind of quantity (a key of `spinline.base.units.QUANTITIES`).
     required : tuple of str
         Columns that must be there.
 

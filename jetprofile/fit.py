@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError, SpinlineWarning
 
 __all__ = ["PowerLawFit", "fit_power_law"]
 

@@ -7,7 +7,7 @@ figure (V = 7.46 against 32.1 at s = 40): the two published fits meet near s = 2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive
+from spinline.base.checks import FloatArray, positive
 from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["Hyperbolic"]

@@ -16,11 +16,10 @@ Reznik and Zussman, Phys. Rev. E 81, 026313 (2010).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
+from spinline.base.constants import EPS0
 
 __all__ = ["estimate_k"]
-
-_EPS0 = 8.8541878188e-12  # F/m, CODATA 2022
 
 
 def estimate_k(
@@ -54,6 +53,6 @@ def estimate_k(
     mu = real("viscosity", viscosity, least=1e-40, most=1e40, unit="Pa s")
     field = real("electric_field", electric_field, least=1e-40, most=1e40, unit="V/m")
     k: FloatArray = (
-        (4 * np.pi * _EPS0) ** (1 / 6) * (r / velocity) ** (2 / 3) * sigma**0.25 * mu ** (-5 / 12) * field ** (5 / 6)
+        (4 * np.pi * EPS0) ** (1 / 6) * (r / velocity) ** (2 / 3) * sigma**0.25 * mu ** (-5 / 12) * field ** (5 / 6)
     )
     return k

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import BoolArray, FloatArray, positive, real
+from spinline.base.errors import InputError
 from spinline.jetprofile.columns import read_columns
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ Review Eq. (31); Reznik and Zussman, Phys. Rev. E 81, 026313 (2010), and measure
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, positive, real
 from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["PowerLaw"]

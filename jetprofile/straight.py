@@ -10,7 +10,7 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, positive, real
 
 __all__ = ["Jet", "StraightJet"]
 

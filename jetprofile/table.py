@@ -13,8 +13,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError
 from spinline.jetprofile.columns import read_columns
 from spinline.jetprofile.straight import StraightJet
 

@@ -18,6 +18,8 @@ module                 law
 `walk_estimate`        estimates with their errors; control variates
 `tension`              tension of the network for every force-extension law
 `manifold`             Eqs. (32a), (33): the steady network at finite coupling
+`two_fluid`            the same with strands that relax: the rung ``two-fluid``
+`far_end`              how much of the network's far end is felt upstream
 `flow`                 V(s, t) as the chain sees it
 `chain`                Eq. (32a) in full: every bead, in time (`chain_model`, `chain_state`, `chain_step`, ...)
 `radial`               Eq. (32b): lateral mesh across the jet
@@ -29,7 +31,7 @@ What compiles with numba or needs scipy (from `force_laws` on) loads when first 
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline.base.lazy import lazily
 
 if __name__ != "spinline.network":
     raise ImportError("import spinline.network, not network")
@@ -62,18 +64,18 @@ from spinline.network.state import NetworkState, affine_network, dried_state, ne
 
 if TYPE_CHECKING:
     from spinline.network import force_laws
-    from spinline.network.chain import ChainResult, run_chain
-    from spinline.network.chain_coarse import coarse_graining_error
-    from spinline.network.chain_model import Chain, ChainError
-    from spinline.network.chain_profile import ChainProfile
-    from spinline.network.chain_state import ChainState, affine_start, empty_start, start_from
-    from spinline.network.flow import Flow
+    from spinline.network.chain.coarse import coarse_graining_error
+    from spinline.network.chain.flow import Flow
+    from spinline.network.chain.march import ChainResult, run_chain
+    from spinline.network.chain.model import Chain, ChainError
+    from spinline.network.chain.profile import ChainProfile
+    from spinline.network.chain.state import ChainState, affine_start, empty_start, start_from
     from spinline.network.lateral import LateralNetwork, lateral_network
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
     from spinline.network.tension import Tension
-    from spinline.network.walk import StrandSample, sample_paths, sample_strands
-    from spinline.network.walk_estimate import (
+    from spinline.network.two_fluid import TwoFluid, two_fluid_network
+    from spinline.network.walk.estimate import (
         Average,
         Histogram,
         SampleMoments,
@@ -81,54 +83,57 @@ if TYPE_CHECKING:
         sample_histogram,
         sample_moments,
     )
-    from spinline.network.walk_exact import WalkMoments, walk_moments
-    from spinline.network.walk_flow import FlowStrand, flow_strand
-    from spinline.network.walk_law import ExactLaw, exact_law
-    from spinline.network.walk_strand import Strand, affine_strand, hydrodynamic_strand, uniform_strand, varying_strand
+    from spinline.network.walk.exact import WalkMoments, walk_moments
+    from spinline.network.walk.flow import FlowStrand, flow_strand
+    from spinline.network.walk.law import ExactLaw, exact_law
+    from spinline.network.walk.sample import StrandSample, sample_paths, sample_strands
+    from spinline.network.walk.strand import Strand, affine_strand, hydrodynamic_strand, uniform_strand, varying_strand
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
-    "Average": "walk_estimate",
-    "Chain": "chain_model",
-    "ChainError": "chain_model",
-    "ChainProfile": "chain_profile",
-    "ChainResult": "chain",
-    "ChainState": "chain_state",
-    "ExactLaw": "walk_law",
-    "Flow": "flow",
-    "FlowStrand": "walk_flow",
-    "Histogram": "walk_estimate",
+    "Average": "walk.estimate",
+    "Chain": "chain.model",
+    "ChainError": "chain.model",
+    "ChainProfile": "chain.profile",
+    "ChainResult": "chain.march",
+    "ChainState": "chain.state",
+    "ExactLaw": "walk.law",
+    "Flow": "chain.flow",
+    "FlowStrand": "walk.flow",
+    "Histogram": "walk.estimate",
     "LateralNetwork": "lateral",
     "Manifold": "manifold",
     "RadialMesh": "radial",
-    "SampleMoments": "walk_estimate",
-    "Strand": "walk_strand",
-    "StrandSample": "walk",
+    "SampleMoments": "walk.estimate",
+    "Strand": "walk.strand",
+    "StrandSample": "walk.sample",
     "Tension": "tension",
-    "WalkMoments": "walk_exact",
-    "affine_start": "chain_state",
-    "affine_strand": "walk_strand",
-    "coarse_graining_error": "chain_coarse",
-    "empty_start": "chain_state",
+    "TwoFluid": "two_fluid",
+    "WalkMoments": "walk.exact",
+    "affine_start": "chain.state",
+    "affine_strand": "walk.strand",
+    "coarse_graining_error": "chain.coarse",
+    "empty_start": "chain.state",
     "eq33": "manifold",
-    "exact_law": "walk_law",
-    "flow_strand": "walk_flow",
-    "force_laws": "force_laws",
-    "hydrodynamic_strand": "walk_strand",
+    "exact_law": "walk.law",
+    "flow_strand": "walk.flow",
+    "force_laws": "force_laws:",
+    "hydrodynamic_strand": "walk.strand",
     "lateral_network": "lateral",
     "radial_mesh": "radial",
-    "run_chain": "chain",
-    "sample_average": "walk_estimate",
-    "sample_histogram": "walk_estimate",
-    "sample_moments": "walk_estimate",
-    "sample_paths": "walk",
-    "sample_strands": "walk",
+    "run_chain": "chain.march",
+    "sample_average": "walk.estimate",
+    "sample_histogram": "walk.estimate",
+    "sample_moments": "walk.estimate",
+    "sample_paths": "walk.sample",
+    "sample_strands": "walk.sample",
     "solve_radial_mesh": "radial",
-    "start_from": "chain_state",
+    "start_from": "chain.state",
     "steady_network": "manifold",
-    "uniform_strand": "walk_strand",
-    "varying_strand": "walk_strand",
-    "walk_moments": "walk_exact",
+    "two_fluid_network": "two_fluid",
+    "uniform_strand": "walk.strand",
+    "varying_strand": "walk.strand",
+    "walk_moments": "walk.exact",
 }
 
 __all__ = [
@@ -152,6 +157,7 @@ __all__ = [
     "Strand",
     "StrandSample",
     "Tension",
+    "TwoFluid",
     "WalkMoments",
     "affine_force",
     "affine_network",
@@ -201,6 +207,7 @@ __all__ = [
     "steady_network",
     "strand_force",
     "stretched_walk",
+    "two_fluid_network",
     "uniform_strand",
     "varying_strand",
     "walk_moments",

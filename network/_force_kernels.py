@@ -13,7 +13,7 @@ import math
 
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 __all__ = [
     "FENE",

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 __all__ = ["instance"]
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 from spinline.network._two_fluid_kernels import BELOW, assemble
 from spinline.network.force_laws import law_code
 from spinline.network.tension import Tension

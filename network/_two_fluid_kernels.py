@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
-from spinline.network._chain_kernels import compliance_kernel
+from spinline.base.checks import FloatArray
+from spinline.network.chain._kernels import compliance_kernel
 from spinline.network._force_kernels import LINEAR, extension_kernel
 
 __all__ = ["BELOW", "assemble"]

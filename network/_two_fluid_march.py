@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spinline.checks import FloatArray
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
 from spinline.network._two_fluid_box import Box, refined, remeshed, start_of, thinned
 
 __all__ = ["March", "Solved"]

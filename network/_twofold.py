@@ -10,7 +10,7 @@ Dekker, Numer. Math. 18, 224 (1971); Ogita, Rump, Oishi, SIAM J. Sci. Comput. 26
 
 import numpy as np
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 __all__ = ["product", "total"]
 

@@ -25,7 +25,7 @@ Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (39)-(40).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, real
+from spinline.base.checks import BoolArray, FloatArray, real
 from spinline.network import _twofold
 from spinline.network.lattice_walk import Conformation
 from spinline.network.mesh import SolventQuality, rest_force

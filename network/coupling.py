@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
-
-BOLTZMANN = 1.380649e-23  # J/K, exact: it defines the kelvin (SI, 2019)
+from spinline.base.checks import FloatArray, real
+from spinline.base.constants import BOLTZMANN
 
 _USABLE: Any = {"least": 1e-40, "most": 1e40}  # keeps every product below within the range of a float
 

@@ -14,8 +14,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 from spinline.network.lattice_walk import axial_force
 from spinline.network.mesh import SolventQuality, network_at_rest, rest_force
 

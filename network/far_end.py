@@ -27,8 +27,8 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.optimize import brentq
 
-from spinline.checks import FloatArray
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
 from spinline.network.tension import Tension
 
 __all__ = ["End", "check_end", "continued", "influence", "reach", "root_of", "slow_root"]

@@ -36,8 +36,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 
 __all__ = ["LAW_CODES", "ForceLaw", "deficit", "extension", "force", "law_code", "stiffness"]
 

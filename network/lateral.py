@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
-from spinline.checks import BoolArray, FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import BoolArray, FloatArray, number, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["LateralNetwork", "lateral_network"]
 

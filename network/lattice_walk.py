@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 from spinline.network import _twofold
 from spinline.network.mesh import SolventQuality, network_at_rest, rest_force
 

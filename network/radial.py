@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError
 
 __all__ = ["RadialMesh", "radial_mesh", "solve_radial_mesh"]
 

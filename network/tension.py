@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError
 from spinline.network.force_laws import ForceLaw, extension, force, law_code, stiffness
 
 __all__ = ["Tension"]

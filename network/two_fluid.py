@@ -42,8 +42,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 from spinline.network import far_end
 from spinline.network._objects import instance
 from spinline.network._two_fluid_box import Box

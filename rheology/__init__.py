@@ -6,6 +6,9 @@ module                   law
 `fractions`              by mass, by volume, by number, and back
 `solution`               a solution: fractions, properties, whether it is a network
 `materials`              built-in polymers, glass of a solution (Fox)
+`names`                  other names of polymers and solvents
+`intrinsic`              intrinsic viscosities: Mark and Houwink
+`prior`                  viscosity and relaxation time nobody has measured, with bands
 `solvents`               built-in solvents and their mixtures
 `entanglement`           overlap, entanglement, strands and mesh
 `concentration_laws`     Eq. (45): viscosity, relaxation time and modulus against concentration
@@ -22,7 +25,7 @@ module                   law
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline.base.lazy import lazily
 
 if __name__ != "spinline.rheology":
     raise ImportError("import spinline.rheology, not rheology")
@@ -78,12 +81,20 @@ if TYPE_CHECKING:
     from spinline.rheology.drying import RadialDrying, dry_radially, drying_peclet
     from spinline.rheology.element_path import ElementPath, bead_path, straight_path
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
+    from spinline.rheology.intrinsic import Intrinsic, intrinsic_viscosity
+    from spinline.rheology.prior import Estimate, estimated_relaxation_time, estimated_viscosity, specific_viscosity
     from spinline.rheology.volatile import Volatile
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
     "ConstantDiffusion": "diffusion_laws",
     "ElementConformation": "conformation",
+    "Estimate": "prior",
+    "Intrinsic": "intrinsic",
+    "estimated_relaxation_time": "prior",
+    "estimated_viscosity": "prior",
+    "intrinsic_viscosity": "intrinsic",
+    "specific_viscosity": "prior",
     "ElementPath": "element_path",
     "Evaporation": "evaporation",
     "ExponentialDiffusion": "diffusion_laws",
@@ -115,10 +126,12 @@ __all__ = [
     "ElementConformation",
     "ElementPath",
     "Entanglement",
+    "Estimate",
     "Evaporation",
     "ExponentialDiffusion",
     "FreeVolumeDiffusion",
     "Giesekus",
+    "Intrinsic",
     "Maxwell",
     "OldroydB",
     "Polymer",
@@ -132,7 +145,10 @@ __all__ = [
     "drying_peclet",
     "entanglement_fraction",
     "equilibrium_fraction",
+    "estimated_relaxation_time",
+    "estimated_viscosity",
     "evaporate",
+    "intrinsic_viscosity",
     "martin_viscosity",
     "mass_fraction",
     "mass_fraction_from_molar",
@@ -159,6 +175,7 @@ __all__ = [
     "solvent_molar_mass",
     "solvent_surface_tension",
     "solvent_viscosity",
+    "specific_viscosity",
     "steady_fenep",
     "straight_path",
     "tensile_force",

@@ -7,7 +7,7 @@ Jacobian at its start, and is judged by Hairer and Wanner's embedded formula, fi
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 __all__ = ["FENEP_KIND", "GIESEKUS_KIND", "follow"]
 

@@ -11,7 +11,7 @@ tridiagonal system a step.
 import numpy as np
 from numba import njit
 
-from spinline.checks import FloatArray
+from spinline.base.checks import FloatArray
 
 __all__ = ["NODES", "STAGES", "attempt", "fluxes", "interpolate"]
 

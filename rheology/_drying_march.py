@@ -7,8 +7,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from spinline.checks import FloatArray
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
 from spinline.rheology._drying_kernels import NODES, STAGES, attempt, interpolate
 from spinline.rheology.diffusion_laws import DiffusionLaw
 

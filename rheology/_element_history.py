@@ -16,8 +16,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 
 __all__ = ["ElementHistory", "propagate"]
 

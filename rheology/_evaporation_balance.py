@@ -13,8 +13,8 @@ from typing import Literal, get_args
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from spinline.checks import FloatArray, number, positive
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive
+from spinline.base.errors import InputError
 from spinline.rheology import vapour
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.volatile import Volatile

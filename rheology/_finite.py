@@ -6,7 +6,7 @@ from typing import ParamSpec
 
 import numpy as np
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 
 __all__ = ["finite_result"]
 

@@ -26,8 +26,8 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 from spinline.rheology._finite import finite_result
 
 __all__ = [

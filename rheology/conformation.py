@@ -31,8 +31,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError
 from spinline.rheology._element_history import ElementHistory, propagate
 from spinline.rheology._finite import finite_result
 

@@ -13,8 +13,8 @@ Crank, The Mathematics of Diffusion (1975), section 5.3.3.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["cylinder_series"]
 

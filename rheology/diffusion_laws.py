@@ -18,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from spinline.checks import FloatArray, number, positive
+from spinline.base.checks import FloatArray, number, positive
 
 __all__ = ["ConstantDiffusion", "DiffusionLaw", "ExponentialDiffusion", "FreeVolumeDiffusion"]
 

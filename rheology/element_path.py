@@ -15,8 +15,8 @@ from typing import Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import BoolArray, FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import BoolArray, FloatArray, positive, real
+from spinline.base.errors import InputError
 
 __all__ = ["BeadJet", "ElementPath", "Given", "SteadyJet", "bead_path", "straight_path"]
 
@@ -80,6 +80,8 @@ class ElementPath:
         Positions where these are not smooth, m.
     given : {"velocity", "radius"}
         What stays as it is when the jet loses volume.
+    cross_flow : callable, optional
+        Speed of the jet across its own axis at positions (m/s): a bending jet's; None where it has none.
     """
 
     position: FloatArray
@@ -90,6 +92,11 @@ class ElementPath:
     exposure: Along
     breaks: FloatArray
     given: Given
+    cross_flow: Along | None = None
+
+    def across(self, position: FloatArray) -> FloatArray:
+        """Speed across the axis at positions, m/s; 0 where there is none."""
+        return np.zeros_like(position) if self.cross_flow is None else self.cross_flow(position)
 
     def integral(self, integrand: Along, rtol: float = 1e-13) -> FloatArray:
         """Integral of a function of position from `start` to every position, adaptive Gauss-Legendre.

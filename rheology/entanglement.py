@@ -25,8 +25,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError
 
 __all__ = ["Entanglement", "Quality", "entanglement", "entanglement_fraction", "overlap_fraction"]
 

@@ -33,8 +33,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, real
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.checks import FloatArray, number, real
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.rheology._evaporation_balance import Activity, Balance
 from spinline.rheology.element_path import ElementPath, Given
 from spinline.rheology.volatile import Volatile

@@ -13,7 +13,7 @@ from w to x: nothing for densities, up to ``M_p/M_s`` for number fractions of lo
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, real
+from spinline.base.checks import FloatArray, real
 
 __all__ = ["mass_fraction", "mass_fraction_from_molar", "molar_fraction", "volume_fraction"]
 

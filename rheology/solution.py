@@ -16,8 +16,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
-from spinline.checks import number
-from spinline.errors import InputError
+from spinline.base.checks import number
+from spinline.base.errors import InputError
 from spinline.rheology import fractions, solvents
 from spinline.rheology.entanglement import Entanglement, Quality, entanglement
 from spinline.rheology.fractions import mass_fraction, volume_fraction
@@ -28,6 +28,7 @@ from spinline.rheology.materials import (
     polymer_property,
     vitrification_fraction,
 )
+from spinline.rheology.names import known_as
 
 __all__ = ["Solution", "mass_fraction", "volume_fraction"]
 
@@ -155,7 +156,9 @@ class Solution:
             known = replace(known, density=polymer_density, source="density given by the user")
         if not isinstance(solvent, str | Mapping):
             raise InputError(f"{field}solvent", "is not a name or a mapping of names", value=solvent)
-        parts = {solvent: 1.0} if isinstance(solvent, str) else dict(solvent)
+        parts = {
+            _called(name): share for name, share in ({solvent: 1.0} if isinstance(solvent, str) else solvent).items()
+        }
         density = (
             solvents.mixture_density(parts, temperature, f"{field}solvent")
             if solvent_density is None
@@ -316,6 +319,13 @@ class Solution:
 
 
 _BUILT_IN = frozenset(name.lower() for name in solvents.SOLVENTS)
+
+
+def _called(name: str) -> str:
+    """The library's name for another one ("dimethylformamide"); any other name as it is."""
+    if not isinstance(name, str) or name.strip().lower() in _BUILT_IN:
+        return name
+    return known_as(name, solvents.SOLVENTS) or name
 
 
 def _normalised(parts: dict[str, float]) -> dict[str, float]:

@@ -4,13 +4,16 @@
 property              source
 ====================  ==================================================================================================
 density               IAPWS-95 (water), DIPPR 105 (Perry's Handbook, 8th ed.); HFIP 1596 kg/m3 at 298 K (Sigma-Aldrich
-                      specification), within 1.5 % over 288 to 308 K
+                      specification), within 1.5 % over 288 to 308 K; DMAc, NMP and TFA lines through handbook values near
+                      room temperature (CRC Handbook), within 0.5 %
 viscosity             IAPWS (water), DIPPR 101 (Perry's Handbook, 8th ed.); HFIP 1.619 mPa s at 298 K (Krumgalz, J. Chem. Soc.
-                      Faraday Trans. 1 79, 571 (1983)), within 15 % over 293 to 303 K
+                      Faraday Trans. 1 79, 571 (1983)), within 15 % over 293 to 303 K; DMSO and DMAc Viswanath and
+                      Natarajan (1989); NMP and TFA handbook values at 298 K, within 15 % over 293 to 303 K
 surface tension       IAPWS (water); Mulero, Cachadina, Parra, J. Phys. Chem. Ref. Data 41, 043105 (2012) (ethanol, acetone);
-                      Jasper, J. Phys. Chem. Ref. Data 1, 841 (1972) (DCM, chloroform, formic acid); DMF and THF at 298 K from
-                      the Minnesota solvent descriptors (2009), HFIP from a table of electrospinning solvents, all three
-                      within 5 % over 288 to 308 K: handbook values, give your own where it matters
+                      Jasper, J. Phys. Chem. Ref. Data 1, 841 (1972) (DCM,
+                      chloroform, formic acid, acetic acid, TFA, toluene); DMF, THF, DMSO and DMAc
+                      at 298 K from the Minnesota solvent descriptors (2009), HFIP from a table of electrospinning
+                      solvents, NMP a handbook value, all within 5 % over 288 to 308 K: give your own where it matters
 glass transition      water 136 K (Johari et al., Nature 330, 552 (1987)), ethanol 97 K (Haida et al., J. Chem. Thermodyn.
                       9, 815 (1977)); the others 2/3 of the melting point (Boyer's rule), within a fifth
 ====================  ==================================================================================================
@@ -29,8 +32,9 @@ from typing import Any
 
 import numpy as np
 
-from spinline.checks import FloatArray, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.errors import InputError
+from spinline.rheology.names import known_as
 
 __all__ = [
     "SOLVENTS",
@@ -55,10 +59,23 @@ SOLVENTS: Mapping[str, tuple[str, float, float]] = {
     "THF": ("109-99-9", 164.65, 540.0),
     "formic acid": ("64-18-6", 281.45, 587.0),
     "HFIP": ("920-66-1", 288.15, 308.15),
+    "DMSO": ("67-68-5", 291.67, 729.0),
+    "DMAc": ("127-19-5", 253.15, 373.15),
+    "acetic acid": ("64-19-7", 289.85, 591.9),
+    "TFA": ("76-05-1", 258.15, 345.15),
+    "NMP": ("872-50-4", 249.15, 373.15),
+    "toluene": ("108-88-3", 178.18, 591.7),
 }
-_HFIP_DENSITY, _HFIP_VISCOSITY = 1596.0, 1.619e-3
+# lines near room temperature: kg/m3 at 298.15 K, and its fall, kg/m3/K
+_LINES = {"DMAc": (936.6, 0.93), "NMP": (1027.9, 0.87), "TFA": (1478.5, 2.3)}
+_ONE_VISCOSITY = {"HFIP": 1.619e-3, "NMP": 1.666e-3, "TFA": 0.813e-3}  # Pa s at 298 K
+_HFIP_DENSITY = 1596.0
 _CAL_PER_MOL_A2 = 4.184 / 6.02214076e23 / 1e-20  # N/m
-_NEAR_ROOM = {"DMF": 49.56 * _CAL_PER_MOL_A2, "THF": 39.44 * _CAL_PER_MOL_A2, "HFIP": 16.1e-3}  # N/m at 298 K
+# N/m at 298 K
+_NEAR_ROOM = {
+    "DMF": 49.56 * _CAL_PER_MOL_A2, "THF": 39.44 * _CAL_PER_MOL_A2, "HFIP": 16.1e-3, "DMSO": 61.78 * _CAL_PER_MOL_A2,
+    "DMAc": 47.62 * _CAL_PER_MOL_A2, "NMP": 40.7e-3,
+}  # fmt: skip
 _GLASS = {"water": 136.0, "ethanol": 97.0}
 
 
@@ -89,6 +106,9 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
     kelvin = _within(f"liquid range of {known}", temperature, low, high)
     if known == "HFIP":
         return _HFIP_DENSITY
+    if known in _LINES:
+        at_room, fall = _LINES[known]
+        return at_room - fall * (kelvin - 298.15)
     if known == "water":
         from chemicals.iapws import iapws95_rhol_sat
 
@@ -104,17 +124,26 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
 def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> float:
     """Viscosity of a liquid solvent in Pa s; parameters and errors are those of `solvent_density`.
 
-    Within 5 % near room temperature. HFIP: 293 to 303 K.
+    Within 5 % near room temperature. HFIP, NMP, TFA: 293 to 303 K.
     """
     density = solvent_density(name, temperature, field)
     known = known_name(name, SOLVENTS, field, "give solvent_viscosity")
-    if known == "HFIP":
-        _within("range of the viscosity of HFIP", temperature, 293.15, 303.15, "give solvent_viscosity (Pa s)")
-        return _HFIP_VISCOSITY
+    if known in _ONE_VISCOSITY:
+        _within(f"range of the viscosity of {known}", temperature, 293.15, 303.15, "give solvent_viscosity (Pa s)")
+        return _ONE_VISCOSITY[known]
     if known == "water":
         from chemicals.viscosity import mu_IAPWS
 
         return float(mu_IAPWS(temperature, density))
+    if known in ("DMSO", "DMAc"):
+        from chemicals.viscosity import Viswanath_Natarajan_3, mu_data_VN3
+
+        row = mu_data_VN3.loc[SOLVENTS[known][0]]
+        kelvin = _within(
+            f"range of the viscosity of {known}", temperature, float(row["Tmin"]), float(row["Tmax"]),
+            "give solvent_viscosity (Pa s)",
+        )  # fmt: skip
+        return float(Viswanath_Natarajan_3(kelvin, row["A"], row["B"], row["C"]))
     from chemicals.dippr import EQ101
     from chemicals.viscosity import mu_data_Perrys_8E_2_313
 
@@ -125,7 +154,7 @@ def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> 
 def solvent_surface_tension(name: str, temperature: float, field: str = "solvent") -> float:
     """Surface tension of a liquid solvent against air in N/m; parameters and errors are those of `solvent_density`.
 
-    Within 3 % near room temperature; DMF, THF and HFIP within 5 % from 288 to 308 K.
+    Within 3 % near room temperature; DMF, THF, HFIP, DMSO, DMAc and NMP within 5 % from 288 to 308 K.
     """
     known = known_name(name, SOLVENTS, field, "give surface_tension (N/m)")
     what, remedy = f"range of the surface tension of {known}", "give surface_tension (N/m)"
@@ -169,7 +198,7 @@ def solvent_molar_mass(name: str, field: str = "solvent") -> float:
     from spinline.rheology.vapour import VAPOURS
 
     known = known_name(name, VAPOURS, field, "give molar_mass (kg/mol)")
-    atoms = dict(zip(("C", "H", "O", "N", "Cl", "F"), VAPOURS[known], strict=False))
+    atoms = dict(zip(("C", "H", "O", "N", "Cl", "F", "S"), VAPOURS[known], strict=False))
     return float(molecular_weight(atoms)) * 1e-3
 
 
@@ -232,13 +261,13 @@ def mass_shares(shares: Mapping[str, float], field: str) -> FloatArray:
 
 
 def known_name(name: str, table: Mapping[str, object], field: str, remedy: str) -> str:
-    """The key of a table that is meant, whatever the case; refuse others with the nearest."""
+    """The key of a table that is meant, by its name or another (`names`); refuse others with the nearest."""
     if not isinstance(name, str):
         raise InputError(field, "is not a name", value=name, allowed=", ".join(table), remedy=remedy)
     by_lower = {key.lower(): key for key in table}
-    key = by_lower.get(name.strip().lower())
+    key = known_as(name, table)
     if key is None:
-        near = difflib.get_close_matches(name.lower(), by_lower, n=1)
+        near = difflib.get_close_matches(name.lower().replace("0", "o"), by_lower, n=1)
         hint = f"did you mean {by_lower[near[0]]!r}? Otherwise {remedy}" if near else remedy
         raise InputError(field, "is not built in", value=name, allowed=", ".join(table), remedy=hint)
     return key

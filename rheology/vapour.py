@@ -1,16 +1,17 @@
 """Vapour over a polymer solution: vapour pressures, what air does with vapour, activities, where drying ends.
 
-Vapour pressures come from the `chemicals` library: IAPWS-95 for water, DIPPR 101 (Perry's Handbook, 8th ed., Table 2-8) for
-the others, the Antoine fit of Landolt-Boernstein IV/20A for HFIP. Diffusion in air is Fuller's method, 5 % on average
-(Poling, Prausnitz, O'Connell, 5th ed., Eq. 11-4.4 and Table 11-1); the viscosity of air is the U.S. Standard Atmosphere's.
+Vapour pressures come from the `chemicals` library: IAPWS-95 for water, DIPPR 101 (Perry's Handbook, 8th ed., Table
+2-8) for the others, the Antoine fits of Landolt-Boernstein IV/20A for HFIP, NMP and TFA, a line of ln p against 1/T
+for DMAc. Diffusion in air is Fuller's method, 5 % on average (Poling, Prausnitz, O'Connell, 5th ed., Eq. 11-4.4 and
+Table 11-1); the viscosity of air is the U.S. Standard Atmosphere's.
 
 Activities, of solvent i with volume fraction phi_i and molar volume v_i, the polymer (phi_p) being long::
 
     Flory-Huggins  ln a_i = ln phi_i + 1 - sum_j phi_j v_i/v_j + chi_i phi_p - v_i phi_p sum_j phi_j chi_j/v_j
     Raoult         a_i = (phi_i/v_i) / (sum_j phi_j/v_j + phi_p/v_p)
 
-(sums over solvents; solvents mix without heat). One solvent: ``ln a = ln(1 - phi) + phi + chi phi^2``. Raoult's law needs the
-molar volume v_p of what counts as one polymer molecule, the repeat unit if drying is to end smoothly.
+(sums over solvents; solvents mix without heat). One solvent: ``ln a = ln(1 - phi) + phi + chi phi^2``. Raoult's law
+needs the molar volume v_p of what counts as one polymer molecule, the repeat unit if drying is to end smoothly.
 """
 
 from collections.abc import Mapping
@@ -18,8 +19,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.checks import FloatArray, number, positive, real
-from spinline.errors import InputError
+from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.errors import InputError
 from spinline.rheology._finite import finite_result
 from spinline.rheology.solvents import SOLVENTS, known_name, solvent_molar_mass
 
@@ -41,19 +42,27 @@ __all__ = [
 
 GAS_CONSTANT = 8.31446261815324  # J/(mol K), exact
 
-# name: atoms (C, H, O, N, Cl, F) and rings
-VAPOURS: Mapping[str, tuple[int, int, int, int, int, int, int]] = {
-    "water": (0, 2, 1, 0, 0, 0, 0),
-    "ethanol": (2, 6, 1, 0, 0, 0, 0),
-    "acetone": (3, 6, 1, 0, 0, 0, 0),
-    "DMF": (3, 7, 1, 1, 0, 0, 0),
-    "DCM": (1, 2, 0, 0, 2, 0, 0),
-    "chloroform": (1, 1, 0, 0, 3, 0, 0),
-    "THF": (4, 8, 1, 0, 0, 0, 1),
-    "formic acid": (1, 2, 2, 0, 0, 0, 0),
-    "HFIP": (3, 2, 1, 0, 0, 6, 0),
+# name: atoms (C, H, O, N, Cl, F, S) and rings
+VAPOURS: Mapping[str, tuple[int, int, int, int, int, int, int, int]] = {
+    "water": (0, 2, 1, 0, 0, 0, 0, 0),
+    "ethanol": (2, 6, 1, 0, 0, 0, 0, 0),
+    "acetone": (3, 6, 1, 0, 0, 0, 0, 0),
+    "DMF": (3, 7, 1, 1, 0, 0, 0, 0),
+    "DCM": (1, 2, 0, 0, 2, 0, 0, 0),
+    "chloroform": (1, 1, 0, 0, 3, 0, 0, 0),
+    "THF": (4, 8, 1, 0, 0, 0, 0, 1),
+    "formic acid": (1, 2, 2, 0, 0, 0, 0, 0),
+    "HFIP": (3, 2, 1, 0, 0, 6, 0, 0),
+    "DMSO": (2, 6, 1, 0, 0, 0, 1, 0),
+    "DMAc": (4, 9, 1, 1, 0, 0, 0, 0),
+    "acetic acid": (2, 4, 2, 0, 0, 0, 0, 0),
+    "TFA": (2, 1, 2, 0, 0, 3, 0, 0),
+    "NMP": (5, 9, 1, 1, 0, 0, 0, 1),
+    "toluene": (7, 8, 0, 0, 0, 0, 0, 1),
 }
-_DIFFUSION_VOLUMES = np.array([15.9, 2.31, 6.11, 4.54, 21.0, 14.7, -18.3])
+_DIFFUSION_VOLUMES = np.array([15.9, 2.31, 6.11, 4.54, 21.0, 14.7, 22.9, -18.3])
+# boils at 438.15 K (CRC Handbook); 46.5 kJ/mol is the mean of its heats of vaporisation at 298 K and there: 15 %
+_DMAC_SLOPE, _DMAC_RANGE = 46.5e3 / GAS_CONSTANT, (273.15, 438.15)
 _WATER_VOLUME, _AIR_VOLUME, _AIR_MOLAR_MASS = 13.1, 19.7, 0.0289644
 
 
@@ -65,7 +74,8 @@ def vapour_pressure(name: str, temperature: float) -> float:
     name : str
         A key of `VAPOURS`.
     temperature : float
-        K, within the range of the correlation (HFIP: 294 to 331 K).
+        K, within the range of the correlation (HFIP: 294 to 331 K; NMP from 336 K on). `thermal.saturation_pressure`
+        goes on beyond it.
 
     Returns
     -------
@@ -85,7 +95,10 @@ def vapour_pressure(name: str, temperature: float) -> float:
 
         _within(name, kelvin, 273.16, 640.0)
         return float(iapws95_Psat(kelvin))
-    if name == "HFIP":
+    if name == "DMAc":
+        _within(name, kelvin, *_DMAC_RANGE)
+        return 101325.0 * float(np.exp(_DMAC_SLOPE * (1 / 438.15 - 1 / kelvin)))
+    if name in ("HFIP", "NMP", "TFA"):
         from chemicals.vapor_pressure import Antoine, Psat_data_Landolt_Antoine
 
         row = Psat_data_Landolt_Antoine.loc[cas]
@@ -265,7 +278,8 @@ def raoult_coefficient(
 def log_flory_huggins(
     solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, chi: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """``ln(a_i/phi_i)`` and ``1 - phi_i``, Flory-Huggins, each to rounding of itself: in a nearly pure solvent nothing cancels.
+    """``ln(a_i/phi_i)`` and ``1 - phi_i``, Flory-Huggins, each to rounding of itself: in a nearly pure solvent nothing
+    cancels.
 
     Parameters
     ----------

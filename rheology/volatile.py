@@ -8,8 +8,8 @@ the simulators that follow it: ``rho_l R T/(p M)`` times as fast, 1300 for water
 from dataclasses import dataclass
 from typing import Literal, Self, get_args
 
-from spinline.checks import number, positive
-from spinline.errors import InputError
+from spinline.base.checks import number, positive
+from spinline.base.errors import InputError
 from spinline.rheology import vapour
 
 __all__ = ["Convention", "Volatile"]

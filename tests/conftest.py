@@ -135,7 +135,7 @@ def quiet():
     """Warnings of the package are not looked at."""
     import warnings
 
-    from spinline.errors import SpinlineWarning
+    from spinline.base.errors import SpinlineWarning
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)

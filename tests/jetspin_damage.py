@@ -5,7 +5,7 @@ import warnings
 from importlib.resources import files
 from pathlib import Path
 
-from spinline.errors import SpinlineWarning
+from spinline.base.errors import SpinlineWarning
 from spinline.jetprofile import read_jetspin
 
 DATA = Path(__file__).parent / "data" / "jetspin"

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from spinline.compare import compare
-from spinline.draws import LEVELS, quantiles
-from spinline.errors import SpinlineWarning
-from spinline.figures import figure
+from spinline.base.errors import SpinlineWarning
 from spinline.report import html, words
+from spinline.report.figures import figure
 from spinline.scene import load_scene
 from spinline.solve import run
-from spinline.trade import Trade
-from spinline.uncertainty import certain, uncertain_inputs
+from spinline.solve.bands import LEVELS, quantiles
+from spinline.solve.uncertainty import certain, uncertain_inputs
+from spinline.study.compare import compare
+from spinline.study.trade import Trade
 
 
 def quiet(*overrides, name="peo5-water"):
@@ -90,7 +90,7 @@ def test_quantiles_of_what_is_known():
     ("peo5-fig37", 'jet.beta="0.47 +/- 0.01"'),
 ])  # fmt: skip
 def test_every_kind_of_jet_has_bands_in_figure_report_and_table(scene, override, tmp_path):
-    from spinline.results import open_result, save, to_csv
+    from spinline.solve.results import open_result, save, to_csv
 
     result = quiet(override, "accuracy.draws=16", name=scene)
     sheet = figure(result)
@@ -122,7 +122,7 @@ def test_compare_takes_maps_and_says_standard_uncertainties():
 
 
 def test_a_trade_is_asked_for_and_goes_with_the_result(spinline, tmp_path):
-    from spinline.results import open_result
+    from spinline.solve.results import open_result
 
     ran = spinline("run", "peo5-water", "--trade", "--quick", "--report", "r.html", "--no-figure")
     assert ran.code == 0, ran.err
@@ -144,7 +144,7 @@ def test_a_trade_is_asked_for_and_goes_with_the_result(spinline, tmp_path):
 
 
 def test_a_trade_measures_one_run_whatever_the_uncertainties():
-    from spinline.trade import trade
+    from spinline.study.trade import trade
 
     plain = trade(load_scene("peo5-water"), quick=True)
     uncertain = trade(load_scene("peo5-water", ['jet.k="1.0 +/- 0.1"']), quick=True)

@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from spinline import network as net
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import Hyperbolic, PowerLaw, Table
-from spinline.network.chain_reference import steady_reference
-from spinline.network.flow import hermite
+from spinline.network.chain.flow import hermite
+from spinline.network.chain.reference import steady_reference
 
 PEO = {"radius": 125e-6, "flow_rate": 3.2e-6 / 3600}
 JET = PowerLaw(**PEO, k=1.0, beta=0.47)

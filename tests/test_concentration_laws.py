@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.rheology import concentration_laws as laws
 
 PHI = np.logspace(-4, 0, 41)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import PowerLaw
 from spinline.rheology.conformation import (
     FENEP,

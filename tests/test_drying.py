@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import PowerLaw
 from spinline.rheology import vapour
 from spinline.rheology.diffusion_laws import ConstantDiffusion, ExponentialDiffusion, FreeVolumeDiffusion
@@ -14,7 +14,7 @@ from spinline.rheology.element_path import straight_path
 from spinline.rheology.evaporation import evaporate
 from spinline.rheology.volatile import Volatile
 
-pytestmark = pytest.mark.filterwarnings("ignore::spinline.errors.SpinlineWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::spinline.base.errors.SpinlineWarning")
 NU, SH, DA = 1.5e-5, 2.0, 2.5e-5
 R0 = 1e-4
 PLAIN = PowerLaw(radius=R0, flow_rate=np.pi * R0**2, k=1e-6, beta=1.0)  # 1 m/s, does not stretch for 100 m

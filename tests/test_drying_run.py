@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import spinline as sl
-from spinline.build import build_jet, build_solution
-from spinline.difference import difference, largest
-from spinline.errors import InputError, SpinlineWarning
-from spinline.numbers import effect_numbers
-from spinline.results import VARIABLES
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.plan.governing_numbers import effect_numbers
 from spinline.rheology import equilibrium_fraction
 from spinline.rheology.evaporation import power_law_loss
+from spinline.setup.build import build_jet, build_solution
+from spinline.solve.results import VARIABLES
+from spinline.study.difference import difference, largest
 
 HUMID = "ambient.relative_humidity=0.4"
 WET = (HUMID, "effects.evaporation=true")

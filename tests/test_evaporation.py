@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import Hyperbolic, LagrangianJet, PowerLaw, Table
 from spinline.rheology import vapour
 from spinline.rheology.element_path import bead_path, straight_path
 from spinline.rheology.evaporation import evaporate, power_law_loss, sherwood
 from spinline.rheology.volatile import Volatile
 
-pytestmark = pytest.mark.filterwarnings("ignore::spinline.errors.SpinlineWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::spinline.base.errors.SpinlineWarning")
 R0, Q, D, NU, C = 125e-6, 3.2e-6 / 3600, 2.5e-5, 1.5e-5, 1.73e-5
 JET = PowerLaw(radius=R0, flow_rate=Q, k=1.0, beta=0.47)
 WATER = Volatile("water", C, D, ambient=0.4)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spinline import jetprofile, network, rheology, xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 VALUES = [
     0.0,

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from spinline.errors import InputError, SpinlineWarning
-from spinline.fit_checks import compare_with_prior, curvature, open_directions, open_parameters, prior_dominated
-from spinline.fit_file import bundled_fits, load_fit, scene_priors
-from spinline.fit_model import ForwardModel
-from spinline.fit_output import fit_dataset, fit_json, fit_words
-from spinline.fit_problem import FitProblem, Prior
-from spinline.inference import fit, log_likelihood
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.fit.diagnostics import compare_with_prior, curvature, open_directions, open_parameters, prior_dominated
+from spinline.fit.fit_file import bundled_fits, load_fit, scene_priors
+from spinline.fit.least_squares import fit, log_likelihood
+from spinline.fit.model import ForwardModel
+from spinline.fit.observations import Observation
+from spinline.fit.output import fit_dataset, fit_json, fit_words
+from spinline.fit.posterior import bands, gaussian_draws, sample
+from spinline.fit.problem import FitProblem, Prior
 from spinline.jetprofile.fit import fit_power_law
-from spinline.observations import Observation
-from spinline.posterior import bands, gaussian_draws, sample
 from spinline.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
@@ -266,7 +266,7 @@ def test_predictive_bands_hold_the_data_and_the_crossover(spinline, tmp_path):
     """95 % of the data within the predictive band; the crossover and the strands are those of a run with the best parameters."""
     import xarray as xr
 
-    from spinline.fit_figure import fit_figure
+    from spinline.report.fit_figure import fit_figure
 
     assert spinline("fit", "peo5-simulated").code == 0
     found = xr.open_dataset(tmp_path / "peo5-simulated.nc", engine="h5netcdf").load()
@@ -371,7 +371,7 @@ def test_bundled_fit_covers_its_truth(spinline, tmp_path):
     off = [(data["parameters"][n]["best"] - value) / data["parameters"][n]["std"] for n, value in truth.items()]
     assert max(map(abs, off)) < 3
     assert (tmp_path / "peo5-simulated.png").read_bytes().startswith(b"\x89PNG")
-    from spinline.results import open_dataset
+    from spinline.solve.results import open_dataset
 
     result = open_dataset(tmp_path / "peo5-simulated.nc")
     assert result["core_polymer_fraction"].dims == ("quantile", "z")

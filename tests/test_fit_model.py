@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from spinline.air import Air
-from spinline.errors import InputError
-from spinline.fit_model import PARAMETERS, ForwardModel
-from spinline.fit_scene import forward_model, typical_relaxation_time
-from spinline.observations import Observation
+from spinline.base.errors import InputError
+from spinline.fit.model import PARAMETERS, ForwardModel
+from spinline.fit.observations import Observation
+from spinline.fit.scene_model import forward_model, typical_relaxation_time
 from spinline.rheology.vapour import air_kinematic_viscosity
 from spinline.rheology.volatile import Volatile
 from spinline.scene import load_scene
+from spinline.setup.air import Air
 
 VALUES = {
     "k": 0.9, "beta": 0.47, "initial_radius": 125e-6, "flow_rate": 8.9e-10, "volume_fraction": 0.05,

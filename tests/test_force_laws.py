@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.network import _force_kernels as kernels
 from spinline.network import force_laws as laws
 from spinline.network.lattice_walk import axial_force, relative_extension

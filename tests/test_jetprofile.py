@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import Hyperbolic, Jet, LagrangianJet, PowerLaw, Table, estimate_k, fit_power_law
 
 R0, Q = 125e-6, 3.2e-6 / 3600

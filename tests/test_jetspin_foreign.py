@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from jetspin_damage import DATA, L0, copied_run, edit, read
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import read_jetspin
 from spinline.jetprofile.jetspin import iter_jetspin, read_parameters, read_statistics
 

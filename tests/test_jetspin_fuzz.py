@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import read_jetspin
 
 DATA = Path(__file__).parent / "data" / "jetspin"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import iter_jetspin, read_jetspin
 from spinline.jetprofile.jetspin import read_parameters, read_statistics, write_jet
 

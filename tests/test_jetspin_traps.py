@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from jetspin_damage import DATA, L0, copied_run, edit, read, xyz
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import read_jetspin
 from spinline.jetprofile.jetspin import read_statistics
 from spinline.jetprofile.jetspin.units import to_float

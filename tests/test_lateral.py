@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import spinline as sl
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import PowerLaw
 from spinline.network import affine_network, lateral_network, radial_mesh
 from spinline.network.lateral import _march

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.network.manifold import eq33, steady_network
 from spinline.network.radial import radial_mesh, solve_radial_mesh
 from spinline.network.tension import Tension

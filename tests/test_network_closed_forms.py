@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spinline import network as net
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 mp.mp.dps = 50
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spinline import network as net
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import PowerLaw
 
 VALUES = [

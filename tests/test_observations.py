@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from spinline.errors import InputError, SpinlineWarning
-from spinline.observations import Observation, read_table
-from spinline.observed_map import read_map
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.fit.observations import Observation, read_table
+from spinline.fit.observed_map import read_map
 
 RADII = "z [mm], radius [um], std [um]\n0.5, 60, 1\n1, 45, 1\n2, 33, 0.5\n"
 

@@ -10,16 +10,16 @@ import pytest
 from typer.testing import CliRunner
 
 import spinline as sl
-from spinline.build import build_jet, build_solution
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.units import parse
 from spinline.cli import app
-from spinline.difference import REPORTED, difference, largest
-from spinline.errors import InputError, SpinlineWarning
-from spinline.estimates import elastic_coupling_effect, extensibility_effect, relaxation_effect
 from spinline.plan import MARGIN, plan_scene, resolved
+from spinline.plan.estimates import elastic_coupling_effect, extensibility_effect, relaxation_effect
 from spinline.scene import load_scene
+from spinline.setup.build import build_jet, build_solution
 from spinline.solve import run
-from spinline.trade import trade, variant
-from spinline.units import parse
+from spinline.study.difference import REPORTED, difference, largest
+from spinline.study.trade import trade, variant
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 
@@ -221,7 +221,8 @@ def test_fifty_random_scenes_keep_rtol(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_thousand_scenes_of_the_atlas(monkeypatch):
+@pytest.mark.parametrize("part", range(8))
+def test_a_thousand_scenes_of_the_atlas(monkeypatch, part):
     """Every scene a result within bounds or a named refusal, by the model that the committed summary says."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     atlas = benchmark("atlas")
@@ -229,9 +230,9 @@ def test_a_thousand_scenes_of_the_atlas(monkeypatch):
     summary = json.loads(text)
     assert len(text) <= 1_000_000
     assert summary["failed"] == 0
-    failed, changed = atlas.check(summary, 1000)
+    failed, changed = atlas.check(summary, 125, skip=125 * part)
     assert failed == []
-    assert len(changed) <= 2, changed  # of a budget or a limit that rounding decides
+    assert len(changed) <= 1, changed  # of a budget or a limit that rounding decides
 
 
 def test_the_check_of_the_atlas_can_fail(monkeypatch):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import spinline as sl
-from spinline.errors import SpinlineWarning
+from spinline.base.errors import SpinlineWarning
 from spinline.jetprofile import LagrangianJet, fit_power_law, read_jetspin
 from spinline.scene import bundled_scenes
 

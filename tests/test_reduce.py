@@ -15,12 +15,12 @@ from conftest import IMAGES_PHI as PHI
 from conftest import IMAGES_PIXEL as PIXEL
 from conftest import score_of as score
 
-from spinline import results
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.images import bundled_images, images_from_dict, load_images
-from spinline.preview import preview_images
-from spinline.reduce import reduce_images
-from spinline.reduction import REDUCTION_VARIABLES, UNIDENTIFIABLE, lines, to_csv
+from spinline.images.preview import preview_images
+from spinline.images.reduce import reduce_images
+from spinline.images.reduction_dataset import REDUCTION_VARIABLES, UNIDENTIFIABLE, lines, to_csv
+from spinline.solve import results
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
@@ -261,7 +261,7 @@ def test_each_frame_and_resume_give_identical_arrays(frames_of, tmp_path) -> Non
     (tmp_path / "e.toml").write_text(text, encoding="utf-8")
     whole = reduce_images(load_images(tmp_path / "e.toml"))
     assert whole.sizes["frame"] == 6
-    stop_after = "import os, signal, spinline.reduce as r\nkeep = r._keep\ndef killed(store, name, fit):\n    keep(store, name, fit)\n"
+    stop_after = "import os, signal, spinline.images.reduce as r\nkeep = r._keep\ndef killed(store, name, fit):\n    keep(store, name, fit)\n"
     stop_after += "    if name == 'frame-000003': os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
     stop_after += (
         "from spinline.images import load_images\nr.reduce_images(load_images('e.toml'), checkpoint='e.partial')\n"
@@ -303,7 +303,7 @@ def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_pa
     (tmp_path / "s.toml").write_text(text, encoding="utf-8")
     whole = reduce_images(load_images(tmp_path / "s.toml"))
     script = (
-        "import os, signal, numpy as np, spinline.reduce as r\nr._PAUSE = 0.0\nkeep = r._keep\n"
+        "import os, signal, numpy as np, spinline.images.reduce as r\nr._PAUSE = 0.0\nkeep = r._keep\n"
         "def killed(store, name, fit):\n    keep(store, name, fit)\n"
         "    if np.isfinite(fit.mean).sum() == 7: os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
         "from spinline.images import load_images\nr.reduce_images(load_images('s.toml'), checkpoint='s.partial')\n"
@@ -322,17 +322,17 @@ def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_pa
 
 @pytest.mark.slow
 def test_processes_give_what_one_gives(frames_of, monkeypatch) -> None:
-    import spinline.reduce
+    import spinline.images.reduce
 
     images, _ = frames_of(photons=4e6, count=4, block_rows=12)
     images = images.model_copy(update={"frames": "each"})
     one = reduce_images(images)
-    monkeypatch.setattr(spinline.reduce, "_WORTH_PROCESSES", 0.0)
+    monkeypatch.setattr(spinline.images.reduce, "_WORTH_PROCESSES", 0.0)
     assert reduce_images(images, workers=2).identical(one)
 
 
 def test_a_checkpoint_of_other_data_is_not_used(frames_of, tmp_path) -> None:
-    from spinline.checkpoint import Checkpoint
+    from spinline.base.checkpoint import Checkpoint
 
     images, _ = frames_of(block_rows=12)
     store = Checkpoint(tmp_path / "p", "another job")
@@ -347,7 +347,7 @@ def test_a_checkpoint_of_other_data_is_not_used(frames_of, tmp_path) -> None:
 
 
 def test_a_sum_goes_on_where_it_stopped(tmp_path) -> None:
-    from spinline.frames import open_stack, sum_frames
+    from spinline.images.frames import open_stack, sum_frames
 
     rng = np.random.default_rng(0)
     np.save(tmp_path / "c.npy", rng.normal(100, 3, (50, 40, 3000)))
@@ -358,7 +358,7 @@ def test_a_sum_goes_on_where_it_stopped(tmp_path) -> None:
         stack, pause=lambda s: copies.append((s.frames, s.total.copy(), s.exposures.copy(), s.highest.copy()))
     )
     frames, total, exposures, highest = copies[1]
-    from spinline.frames import FrameSum
+    from spinline.images.frames import FrameSum
 
     rest = sum_frames(stack, begun=FrameSum(total, exposures, highest, frames))
     assert np.array_equal(rest.total, whole.total)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.absorber import build_absorber
-from spinline.build import build_solution
-from spinline.doubt import relative_doubts
-from spinline.errors import InputError
-from spinline.figures_images import reduction_sheet
+from spinline.base.errors import InputError
 from spinline.images import images_from_dict
-from spinline.preview import preview_images
-from spinline.reduce import reduce_images
-from spinline.reduction import lines, plausible
+from spinline.images.absorber import build_absorber
+from spinline.images.given_quantities import relative_doubts
+from spinline.images.preview import preview_images
+from spinline.images.reduce import reduce_images
+from spinline.images.reduction_dataset import lines, plausible
+from spinline.report.images_figure import reduction_sheet
+from spinline.setup.build import build_solution
 
 PIXEL, PHI = 1e-6, 0.0444256
 FILE = {
@@ -21,7 +21,7 @@ FILE = {
 }  # fmt: skip
 ROWS, COLUMNS = 24, 100
 
-pytestmark = pytest.mark.filterwarnings("ignore::spinline.errors.SpinlineWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::spinline.base.errors.SpinlineWarning")
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ from conftest import IMAGES_PHI as PHI
 from conftest import IMAGES_PIXEL as PIXEL
 from conftest import score_of as score
 
-from spinline import results
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.images import images_from_dict
-from spinline.reduce import reduce_images
+from spinline.images.reduce import reduce_images
+from spinline.solve import results
 
 pytestmark = pytest.mark.usefixtures("quiet")
 

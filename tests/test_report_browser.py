@@ -9,11 +9,11 @@ import warnings
 
 import pytest
 
-from spinline.errors import SpinlineWarning
+from spinline.base.errors import SpinlineWarning
 from spinline.report import save_report
 from spinline.scene import load_scene
 from spinline.solve import run
-from spinline.trade import trade
+from spinline.study.trade import trade
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 PROBE = """<script>addEventListener("load", () => {

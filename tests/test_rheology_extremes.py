@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from spinline import rheology
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import PowerLaw
 from spinline.rheology import (
     FENEP,
@@ -28,7 +28,7 @@ from spinline.rheology import (
 )
 from spinline.rheology.conformation import conformation
 
-pytestmark = pytest.mark.filterwarnings("ignore::spinline.errors.SpinlineWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::spinline.base.errors.SpinlineWarning")
 
 VALUES = [
     0.0, 1e-308, 1e-300, 1e-100, 1e-12, 0.5, 1.0, 1e12, 1e150, 1e300, 1.7e308, -1.0, -1e300, np.nan, np.inf, -np.inf, [], [0.5],
@@ -79,7 +79,7 @@ LAWS = [
         rheology.vitrification_fraction,
         {"data": "PS", "solvent_glass_transition": 120.0, "temperature": 298.0, "solvent_density": 900.0},
     ),
-    (rheology.polymer, {"name": "PS"}),
+    (rheology.polymer, {"name": "PEO"}),
     (rheology.polymer_property, {"data": "PS", "name": "density"}),
     (rheology.property_source, {"data": "PS", "name": "density"}),
     (rheology.solvent_density, {"name": "DMF", "temperature": 298.0}),

@@ -8,10 +8,10 @@ import pytest
 import xarray as xr
 
 import spinline as sl
-from spinline.errors import InputError, SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import PowerLaw
-from spinline.results import VARIABLES, scalars
 from spinline.scene import bundled_scenes, load_scene, scene_from_dict
+from spinline.solve.results import VARIABLES, scalars
 
 
 def quiet(name: str, *overrides: str) -> xr.Dataset:

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.scene import bundled_scenes, json_schema, load_scene, scene_from_dict
 
 

@@ -14,14 +14,14 @@ import pytest
 from scipy.stats import qmc
 
 import spinline as sl
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.plan import plan_scene
 from spinline.scene import scene_from_dict
-from spinline.sweep import as_grid, open_sweep, run_sweep, sweep_from_dict
-from spinline.sweep_affine import closed_forms
-from spinline.sweep_design import Axis, Design
-from spinline.sweep_keys import placed
-from spinline.sweep_rows import PROFILES, SCALARS, Task
+from spinline.scene.keys import placed
+from spinline.study.closed_forms import closed_forms
+from spinline.study.design import Axis, Design
+from spinline.study.rows import PROFILES, SCALARS, Task
+from spinline.study.sweep import as_grid, open_sweep, run_sweep, sweep_from_dict
 
 ROOT = Path(__file__).parents[1]
 SCRIPT_ENV = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
@@ -256,7 +256,7 @@ def test_words_divide_a_sweep_into_groups_of_closed_forms():
 
 def test_many_temperatures_are_interpolated_to_rounding():
     from spinline.rheology import solvent_density
-    from spinline.sweep_densities import densities
+    from spinline.study.densities import densities
 
     t = np.linspace(280.0, 340.0, 5000)
     for name in ("water", "ethanol"):
@@ -281,7 +281,8 @@ def test_a_manifold_goes_one_by_one_and_equals_its_run():
 
 
 def test_bead_jets_are_read_once_and_equal_their_run(monkeypatch):
-    from spinline import build, sweep_rows
+    from spinline.setup import build
+    from spinline.study import rows as sweep_rows
 
     sweep_rows._built.cache_clear()
     reads = []
@@ -322,7 +323,7 @@ def test_bad_points_are_rows_with_a_reason(tmp_path):
 
 
 def test_an_unforeseen_error_is_a_row_too(monkeypatch):
-    from spinline import sweep_rows
+    from spinline.study import rows as sweep_rows
 
     def broken(scene, jet=None, **more):
         if scene.jet.k.value > 1.5:
@@ -338,7 +339,7 @@ def test_an_unforeseen_error_is_a_row_too(monkeypatch):
 
 
 def test_closed_forms_that_are_wrong_are_not_believed(monkeypatch):
-    from spinline import sweep_affine
+    from spinline.study import closed_forms as sweep_affine
 
     real = sweep_affine.crossover_velocity_ratio
     monkeypatch.setattr(sweep_affine, "crossover_velocity_ratio", lambda phi, quality: 1.001 * real(phi, quality))
@@ -420,7 +421,7 @@ def kill_when(process, path, chunks, limit=90.0):
 def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
     path, data = tmp_path / "s.zarr", spec(samples=400, chunk=20)
     code = f"""
-        from spinline.sweep import run_sweep, sweep_from_dict
+        from spinline.study.sweep import run_sweep, sweep_from_dict
         run_sweep(sweep_from_dict({data!r}), {str(path)!r}, workers=1, vectorise=False)
     """
     process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(code)], env=SCRIPT_ENV)
@@ -467,7 +468,7 @@ def test_a_cluster_whose_worker_and_client_are_killed_gives_the_same(tmp_path):
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
     ) as cluster:
         code = f"""
-            from spinline.sweep import run_sweep, sweep_from_dict
+            from spinline.study.sweep import run_sweep, sweep_from_dict
             run_sweep(sweep_from_dict({data!r}), {str(path)!r}, scheduler={cluster.scheduler_address!r}, vectorise=False)
         """
         client = subprocess.Popen([sys.executable, "-c", textwrap.dedent(code)], env=SCRIPT_ENV)
@@ -518,7 +519,7 @@ def test_the_command_writes_goes_on_and_prints(spinline, tmp_path):
 
 
 def test_the_bundled_sweep_runs(spinline):
-    from spinline.sweep import bundled_sweeps
+    from spinline.study.sweep import bundled_sweeps
 
     for name in bundled_sweeps():
         ran = spinline("sweep", name, "--json")

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import spinline as sl
-from spinline.compare import compare
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile import estimate_k
+from spinline.report.window_figure import save_window_figure, window_figure
 from spinline.scene import load_scene
-from spinline.sensitivity import indices, sobol
-from spinline.sweep import run_sweep, sweep_from_dict
-from spinline.sweep_design import Axis, Design
-from spinline.window import operating_window
-from spinline.window_figure import save_window_figure, window_figure
+from spinline.study.compare import compare
+from spinline.study.design import Axis, Design
+from spinline.study.sensitivity import indices, sobol
+from spinline.study.sweep import run_sweep, sweep_from_dict
+from spinline.study.window import operating_window
 
 # Sobol' indices
 
@@ -301,3 +301,34 @@ def test_the_command_compares_and_gives_json(spinline):
     ran = spinline("compare", "a.nc", "nix.nc")
     assert ran.code == 2
     assert "nix.nc: is not a file" in ran.err
+
+
+WINDOW = ("window", "peo5-water", "--voltage", "5 .. 25 kV", "--gap", "15 cm", "--conductivity", "0.01 S/m", "--humidity",
+          "40 %", "--steps", "3", "--set", "network.model=affine", "--no-figure")  # fmt: skip
+
+
+def test_a_concentration_in_bare_percent_is_told_its_unit(spinline):
+    ran = spinline(*WINDOW, "--concentration", "6..14")
+    assert ran.code == 2
+    assert "--concentration" in ran.err
+    assert '"6..14 wt%"' in ran.err
+
+
+def test_a_range_has_the_unit_of_its_end(spinline):
+    assert spinline(*WINDOW, "--concentration", "6 .. 14 wt%").code == 0
+    import xarray as xr
+
+    with xr.open_dataset("peo5-water-window.nc", engine="h5netcdf") as found:
+        assert found["mass_fraction"].values == pytest.approx([0.06, 0.10, 0.14])
+        assert found["voltage"].values == pytest.approx([5e3, 15e3, 25e3])
+
+
+def test_a_long_command_is_not_silent(monkeypatch, capsys):
+    from spinline.cli import progress
+
+    monkeypatch.setattr(progress, "_QUIET", 0.0)
+    monkeypatch.setattr(progress, "_EVERY", 0.0)
+    with progress.progress_of("scenes") as said:
+        said(1, 3)
+        said(3, 3)
+    assert capsys.readouterr().err == "1 of 3 scenes\n"

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from spinline.errors import InputError
-from spinline.sweep import load_sweep, run_sweep, sweep_from_dict
+from spinline.base.errors import InputError
+from spinline.study.sweep import load_sweep, run_sweep, sweep_from_dict
 
 BAD = {
     "scene": ("scene = 3", "scene = 3: is neither a name nor a scene"),

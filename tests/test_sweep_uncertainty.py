@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import spinline as sl
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.scene import scene_from_dict
-from spinline.sweep import run_sweep, sweep_from_dict
-from spinline.sweep_keys import placed
-from spinline.sweep_rows import SCALARS
+from spinline.scene.keys import placed
+from spinline.study.rows import SCALARS
+from spinline.study.sweep import run_sweep, sweep_from_dict
 
 VARY = {
     "jet.k": {"loguniform": [0.3, 3.0]},

@@ -7,11 +7,12 @@ import pytest
 import xarray as xr
 from scipy import stats
 
-from spinline.errors import InputError, SpinlineWarning
-from spinline.fit_scene import forward_model
-from spinline.observations import Observation
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.fit.observations import Observation
+from spinline.fit.overlay import compare_theory, theory_words
+from spinline.fit.scene_model import forward_model
+from spinline.report.overlay_figure import overlay_figure
 from spinline.scene import load_scene
-from spinline.theory_overlay import compare_theory, overlay_figure, theory_words
 
 pytestmark = pytest.mark.filterwarnings("ignore:map. mean and core of a row:spinline.SpinlineWarning")
 
@@ -136,9 +137,9 @@ def test_bands_are_of_the_inputs_or_of_the_fit(spinline, tmp_path):
 
 
 def test_rings_of_a_map_can_be_fitted():
-    from spinline.fit_problem import FitProblem, Prior
-    from spinline.inference import fit
-    from spinline.observed_map import read_map
+    from spinline.fit.least_squares import fit
+    from spinline.fit.observed_map import read_map
+    from spinline.fit.problem import FitProblem, Prior
 
     data = tuple(read_map(simulated(), ["radius", "shell"]))
     assert isinstance(data[1], Observation)

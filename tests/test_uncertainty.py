@@ -5,11 +5,11 @@ import warnings
 import numpy as np
 import pytest
 
-from spinline.errors import SpinlineWarning
+from spinline.base.errors import SpinlineWarning
 from spinline.report import words
 from spinline.scene import load_scene
 from spinline.solve import run
-from spinline.uncertainty import uncertain_inputs
+from spinline.solve.uncertainty import uncertain_inputs
 
 
 def quiet(*overrides, name="peo5-water"):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from spinline.errors import InputError
-from spinline.units import QUANTITIES, parse
+from spinline.base.errors import InputError
+from spinline.base.units import QUANTITIES, parse
 
 STATCOULOMB = 1 / 2.99792458e9  # C
 GOOD = [

@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 
 from spinline import network as net
-from spinline.network import _multinomial, _step_kernels
-from spinline.network.walk_strand import step_probabilities
+from spinline.network.walk import _multinomial, _step_kernels
+from spinline.network.walk.strand import step_probabilities
 
 
 def rising(segments: int) -> net.Strand:

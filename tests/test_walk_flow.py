@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from spinline import jetprofile
 from spinline import network as net
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 
 def test_tension_accumulates_from_monomer_to_monomer() -> None:

@@ -10,7 +10,7 @@ from scipy import stats
 
 from spinline import network as net
 from spinline.network import force_laws
-from spinline.network.walk_strand import step_probabilities
+from spinline.network.walk.strand import step_probabilities
 
 MOVES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 

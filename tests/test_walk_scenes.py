@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spinline import network as net
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.network import force_laws
 
 

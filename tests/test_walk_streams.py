@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spinline import network as net
-from spinline.network import _streams
+from spinline.network.walk import _streams
 
 
 def rising(segments: int) -> net.Strand:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 
 def test_change_of_fraction_inverts_the_attenuation() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.rheology import materials
 
 # 1/cm, total attenuation: an independent evaluation from other tables (xraydb), 5, 10, 20, 40 keV

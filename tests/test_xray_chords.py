@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spinline import xray
-from spinline.errors import InputError
-from spinline.xray.chords import disc_chords
+from spinline.base.errors import InputError
+from spinline.xray.row.chords import disc_chords
 
 
 @given(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
-from spinline.xray.forward import row_model
+from spinline.base.errors import InputError
+from spinline.xray.row.forward import row_model
 
 WATER = xray.Absorber(solvent=534.0, contrast=-137.0, air=0.6)
 PIXEL = 0.67e-6

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 PIXEL = 0.67e-6
 SOLUTION = xray.Absorber(531.9, -137.44, 0.6)

@@ -5,8 +5,8 @@ import pytest
 from scipy.special import fresnel as fresnel_integrals
 
 from spinline import xray
-from spinline.errors import InputError
-from spinline.xray.fresnel import WaveRowModel, cells_per_pixel, wave_model
+from spinline.base.errors import InputError
+from spinline.xray.phase.fresnel import WaveRowModel, cells_per_pixel, wave_model
 
 PIXEL = 0.67e-6
 WATER = xray.solution_medium("PEO", "water", 10.0)

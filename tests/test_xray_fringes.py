@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 PIXEL = 0.67e-6
 WATER = xray.solution_medium("PEO", "water", 10.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 PIXEL = 0.67e-6
 WATER_10_KEV = xray.Absorber(

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
-from spinline.xray.forward import row_model
-from spinline.xray.map_band import assembled, factorised
-from spinline.xray.map_basis import axial_basis, radial_basis
-from spinline.xray.map_rows import expected_rows, row_curvature
-from spinline.xray.map_smoothing import Penalty
-from spinline.xray.scoring import poisson_deviance
+from spinline.base.errors import InputError
+from spinline.xray.map.band import assembled, factorised
+from spinline.xray.map.basis import axial_basis, radial_basis
+from spinline.xray.map.rows import expected_rows, row_curvature
+from spinline.xray.map.smoothing import Penalty
+from spinline.xray.row.forward import row_model
+from spinline.xray.row.scoring import poisson_deviance
 
 PIXEL = 0.67e-6
 SOLUTION = xray.Absorber(531.9, -137.44, 0.6)  # PEO in water, 10 keV

@@ -8,9 +8,9 @@ from scipy.integrate import quad
 
 from spinline import xray
 from spinline.xray.frame import Frame
-from spinline.xray.fresnel import WaveRowModel
-from spinline.xray.phase_frame import fit_frame_phase
-from spinline.xray.profiles import RADIAL_KNOTS, Ramps, Shells
+from spinline.xray.phase.frame import fit_frame_phase
+from spinline.xray.phase.fresnel import WaveRowModel
+from spinline.xray.phase.profiles import RADIAL_KNOTS, Ramps, Shells
 
 PIXEL = 0.67e-6
 WATER = xray.solution_medium("PEO", "water", 10.0)

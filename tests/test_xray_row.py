@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
-from spinline.xray.forward import row_model
-from spinline.xray.scoring import poisson_deviance
+from spinline.base.errors import InputError
+from spinline.xray.row.forward import row_model
+from spinline.xray.row.scoring import poisson_deviance
 
 PIXEL = 0.67e-6
 SOLUTION = xray.Absorber(531.9, -137.44, 0.6)  # PEO in water, 10 keV

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 
 DATA = Path(str(files("spinline"))) / "data" / "spray-8keV" / "qst_spray_monochromatic_Re-6700_averaged.hdf5"
 

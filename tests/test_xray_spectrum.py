@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spinline import xray
-from spinline.errors import InputError
-from spinline.xray.forward import row_model
-from spinline.xray.spectral import SpectralRowModel
+from spinline.base.errors import InputError
+from spinline.xray.row.forward import row_model
+from spinline.xray.row.spectral import SpectralRowModel
 
 PIXEL = 0.67e-6
 RADIUS = 50e-6

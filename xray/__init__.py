@@ -43,110 +43,116 @@ if __name__ != "spinline.xray":
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from spinline.xray.absorption import contrast, fraction_change, linear_attenuation
-    from spinline.xray.attenuation import SOLVENT_FORMULAS, Material, attenuation_contrast, mass_attenuation, material
-    from spinline.xray.chord import ChordFractions, chord_fractions
-    from spinline.xray.chords import equal_shells, shell_chords, shell_weights
-    from spinline.xray.edges import opaque_edges
-    from spinline.xray.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
-    from spinline.xray.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
-    from spinline.xray.frame import FRAME_FLAGS, Frame, FrameFit, fit_frame
-    from spinline.xray.fresnel import edge_fringe_width, fresnel_counts
-    from spinline.xray.fringe_frame import frame_fringes
-    from spinline.xray.fringes import FringeTest, detect_fringes
-    from spinline.xray.image import JetField, core_and_sheath, expected_image, transmission_image
-    from spinline.xray.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
-    from spinline.xray.map_fit import fit_map
-    from spinline.xray.map_result import MapDraws, MapFit
-    from spinline.xray.medium import Medium, solution_medium
-    from spinline.xray.outcome import RowFit
-    from spinline.xray.phase_fit import fit_row_phase, phase_error_limit, phase_law
-    from spinline.xray.phase_frame import fit_frame_phase
-    from spinline.xray.phase_retrieval import contact_transmission
-    from spinline.xray.quick import chord_frame
-    from spinline.xray.refraction import delta_over_mu, refraction_decrement, wavelength
-    from spinline.xray.row import fit_row
-    from spinline.xray.several_jets import Section, SectionsFit, fit_sections, section_chord
-    from spinline.xray.solution import solution_absorber
-    from spinline.xray.spectral import fit_row_spectrum, spectral_counts, spectral_law
-    from spinline.xray.spectrum import Spectrum, gaussian_spectrum, harmonic_spectrum, scintillator_response
-    from spinline.xray.track import Track, track_jet
+    from spinline.xray.frame.blocks import FRAME_FLAGS, Frame, FrameFit, fit_frame
+    from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
+    from spinline.xray.frame.quick import chord_frame
+    from spinline.xray.frame.several_jets import Section, SectionsFit, fit_sections, section_chord
+    from spinline.xray.frame.track import Track, track_jet
+    from spinline.xray.map.fit import fit_map
+    from spinline.xray.map.result import MapDraws, MapFit
+    from spinline.xray.matter.absorption import contrast, fraction_change, linear_attenuation
+    from spinline.xray.matter.attenuation import (
+        SOLVENT_FORMULAS,
+        Material,
+        attenuation_contrast,
+        mass_attenuation,
+        material,
+    )
+    from spinline.xray.matter.energy import BestEnergy, best_energy, usable_contrast, zero_contrast_energies
+    from spinline.xray.matter.medium import Medium, solution_medium
+    from spinline.xray.matter.refraction import delta_over_mu, refraction_decrement, wavelength
+    from spinline.xray.matter.solution import solution_absorber
+    from spinline.xray.matter.spectrum import Spectrum, gaussian_spectrum, harmonic_spectrum, scintillator_response
+    from spinline.xray.phase.fit import fit_row_phase, phase_error_limit, phase_law
+    from spinline.xray.phase.frame import fit_frame_phase
+    from spinline.xray.phase.fresnel import edge_fringe_width, fresnel_counts
+    from spinline.xray.phase.fringe_frame import frame_fringes
+    from spinline.xray.phase.fringes import FringeTest, detect_fringes
+    from spinline.xray.phase.retrieval import contact_transmission
+    from spinline.xray.row.chord import ChordFractions, chord_fractions
+    from spinline.xray.row.chords import equal_shells, shell_chords, shell_weights
+    from spinline.xray.row.edges import opaque_edges
+    from spinline.xray.row.fit import fit_row
+    from spinline.xray.row.forward import Absorber, Detector, RoundJet, expected_counts, noisy_counts
+    from spinline.xray.row.limit import Limit, error_limit, photons_needed, thin_centre_limit, thin_mean_limit
+    from spinline.xray.row.outcome import RowFit
+    from spinline.xray.row.spectral import fit_row_spectrum, spectral_counts, spectral_law
 
 _NAMES = {
-    "Absorber": "forward",
-    "BestEnergy": "energy",
-    "ChordFractions": "chord",
-    "Detector": "forward",
-    "FRAME_FLAGS": "frame",
-    "Frame": "frame",
-    "FrameFit": "frame",
-    "FringeTest": "fringes",
-    "JetField": "image",
-    "Limit": "limit",
-    "MapDraws": "map_result",
-    "MapFit": "map_result",
-    "Material": "attenuation",
-    "Medium": "medium",
-    "RoundJet": "forward",
-    "RowFit": "outcome",
-    "SOLVENT_FORMULAS": "attenuation",
-    "Section": "several_jets",
-    "SectionsFit": "several_jets",
-    "Spectrum": "spectrum",
-    "Track": "track",
-    "attenuation_contrast": "attenuation",
-    "best_energy": "energy",
-    "chord_fractions": "chord",
-    "chord_frame": "quick",
-    "contact_transmission": "phase_retrieval",
-    "contrast": "absorption",
-    "core_and_sheath": "image",
-    "delta_over_mu": "refraction",
-    "detect_fringes": "fringes",
-    "edge_fringe_width": "fresnel",
-    "equal_shells": "chords",
-    "error_limit": "limit",
-    "expected_counts": "forward",
-    "fit_map": "map_fit",
-    "expected_image": "image",
-    "fit_frame": "frame",
-    "fit_frame_phase": "phase_frame",
-    "fit_row": "row",
-    "fit_row_phase": "phase_fit",
-    "fit_row_spectrum": "spectral",
-    "fit_sections": "several_jets",
-    "fraction_change": "absorption",
-    "frame_fringes": "fringe_frame",
-    "fresnel_counts": "fresnel",
-    "gaussian_spectrum": "spectrum",
-    "harmonic_spectrum": "spectrum",
-    "linear_attenuation": "absorption",
-    "mass_attenuation": "attenuation",
-    "material": "attenuation",
-    "noisy_counts": "forward",
-    "opaque_edges": "edges",
-    "phase_error_limit": "phase_fit",
-    "phase_law": "phase_fit",
-    "photons_needed": "limit",
-    "refraction_decrement": "refraction",
-    "scintillator_response": "spectrum",
-    "section_chord": "several_jets",
-    "shell_chords": "chords",
-    "shell_weights": "chords",
-    "solution_absorber": "solution",
-    "solution_medium": "medium",
-    "spectral_counts": "spectral",
-    "spectral_law": "spectral",
-    "thin_centre_limit": "limit",
-    "thin_mean_limit": "limit",
-    "track_jet": "track",
-    "transmission_image": "image",
-    "usable_contrast": "energy",
-    "wavelength": "refraction",
-    "zero_contrast_energies": "energy",
+    "Absorber": "row.forward",
+    "BestEnergy": "matter.energy",
+    "ChordFractions": "row.chord",
+    "Detector": "row.forward",
+    "FRAME_FLAGS": "frame.blocks",
+    "Frame": "frame.blocks",
+    "FrameFit": "frame.blocks",
+    "FringeTest": "phase.fringes",
+    "JetField": "frame.image",
+    "Limit": "row.limit",
+    "MapDraws": "map.result",
+    "MapFit": "map.result",
+    "Material": "matter.attenuation",
+    "Medium": "matter.medium",
+    "RoundJet": "row.forward",
+    "RowFit": "row.outcome",
+    "SOLVENT_FORMULAS": "matter.attenuation",
+    "Section": "frame.several_jets",
+    "SectionsFit": "frame.several_jets",
+    "Spectrum": "matter.spectrum",
+    "Track": "frame.track",
+    "attenuation_contrast": "matter.attenuation",
+    "best_energy": "matter.energy",
+    "chord_fractions": "row.chord",
+    "chord_frame": "frame.quick",
+    "contact_transmission": "phase.retrieval",
+    "contrast": "matter.absorption",
+    "core_and_sheath": "frame.image",
+    "delta_over_mu": "matter.refraction",
+    "detect_fringes": "phase.fringes",
+    "edge_fringe_width": "phase.fresnel",
+    "equal_shells": "row.chords",
+    "error_limit": "row.limit",
+    "expected_counts": "row.forward",
+    "fit_map": "map.fit",
+    "expected_image": "frame.image",
+    "fit_frame": "frame.blocks",
+    "fit_frame_phase": "phase.frame",
+    "fit_row": "row.fit",
+    "fit_row_phase": "phase.fit",
+    "fit_row_spectrum": "row.spectral",
+    "fit_sections": "frame.several_jets",
+    "fraction_change": "matter.absorption",
+    "frame_fringes": "phase.fringe_frame",
+    "fresnel_counts": "phase.fresnel",
+    "gaussian_spectrum": "matter.spectrum",
+    "harmonic_spectrum": "matter.spectrum",
+    "linear_attenuation": "matter.absorption",
+    "mass_attenuation": "matter.attenuation",
+    "material": "matter.attenuation",
+    "noisy_counts": "row.forward",
+    "opaque_edges": "row.edges",
+    "phase_error_limit": "phase.fit",
+    "phase_law": "phase.fit",
+    "photons_needed": "row.limit",
+    "refraction_decrement": "matter.refraction",
+    "scintillator_response": "matter.spectrum",
+    "section_chord": "frame.several_jets",
+    "shell_chords": "row.chords",
+    "shell_weights": "row.chords",
+    "solution_absorber": "matter.solution",
+    "solution_medium": "matter.medium",
+    "spectral_counts": "row.spectral",
+    "spectral_law": "row.spectral",
+    "thin_centre_limit": "row.limit",
+    "thin_mean_limit": "row.limit",
+    "track_jet": "frame.track",
+    "transmission_image": "frame.image",
+    "usable_contrast": "matter.energy",
+    "wavelength": "matter.refraction",
+    "zero_contrast_energies": "matter.energy",
 }
 
 __all__ = [

@@ -13,29 +13,60 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 import spinline
+from spinline.base.units import QUANTITIES
 from spinline.cli import app as command_line
-from spinline.reduction import REDUCTION_VARIABLES
-from spinline.results import VARIABLES
+from spinline.images.reduction_dataset import REDUCTION_VARIABLES
 from spinline.rheology import POLYMERS, SOLVENTS, property_source
 from spinline.scene import bundled_scenes, json_schema
-from spinline.units import QUANTITIES
+from spinline.solve.results import VARIABLES
 from spinline.xray import FRAME_FLAGS
 
 logger = logging.getLogger(__name__)
 os.environ.update(COLUMNS="96", TERM="dumb", NO_COLOR="1")
 
 PACKAGES = [
-    "spinline", "spinline.network", "spinline.jetprofile", "spinline.jetprofile.jetspin", "spinline.rheology",
-    "spinline.xray", "spinline.scene", "spinline.solve", "spinline.results", "spinline.figures", "spinline.report",
-    "spinline.units", "spinline.errors", "spinline.sweep", "spinline.sensitivity", "spinline.window",
-    "spinline.window_figure", "spinline.compare",
-    "spinline.observations", "spinline.observed_map", "spinline.fit_model", "spinline.fit_scene",
-    "spinline.fit_problem", "spinline.fit_file", "spinline.inference",
-    "spinline.fit_checks", "spinline.posterior", "spinline.fit_output", "spinline.fit_figure", "spinline.theory_overlay",
-    "spinline.images", "spinline.reduce", "spinline.reduction", "spinline.preview",
-    "spinline.exposure", "spinline.experiment", "spinline.fields", "spinline.frames", "spinline.checkpoint",
-    "spinline.figures_images", "spinline.methods",
-]  # fmt: skip
+    "spinline",
+    "spinline.network",
+    "spinline.jetprofile",
+    "spinline.jetprofile.jetspin",
+    "spinline.rheology",
+    "spinline.xray",
+    "spinline.scene",
+    "spinline.solve",
+    "spinline.solve.results",
+    "spinline.report.figures",
+    "spinline.report",
+    "spinline.base.units",
+    "spinline.base.errors",
+    "spinline.study.sweep",
+    "spinline.study.sensitivity",
+    "spinline.study.window",
+    "spinline.report.window_figure",
+    "spinline.study.compare",
+    "spinline.fit.observations",
+    "spinline.fit.observed_map",
+    "spinline.fit.model",
+    "spinline.fit.scene_model",
+    "spinline.fit.problem",
+    "spinline.fit.fit_file",
+    "spinline.fit.least_squares",
+    "spinline.fit.diagnostics",
+    "spinline.fit.posterior",
+    "spinline.fit.output",
+    "spinline.report.fit_figure",
+    "spinline.fit.overlay",
+    "spinline.images",
+    "spinline.images.reduce",
+    "spinline.images.reduction_dataset",
+    "spinline.images.preview",
+    "spinline.images.exposure",
+    "spinline.images.experiment",
+    "spinline.images.photons",
+    "spinline.images.frames",
+    "spinline.base.checkpoint",
+    "spinline.report.images_figure",
+    "spinline.images.methods",
+]
 
 
 class Generated(SphinxDirective):

@@ -9,7 +9,7 @@ in), `dataset` (beads to variables), `run` (which file of a run is read).
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
     from spinline.jetprofile.jetspin.header import read_parameters

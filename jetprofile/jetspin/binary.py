@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.block import BLOCK_BYTES, SYSTEMS, parse_block
 from spinline.jetprofile.jetspin.fortran import skip_records
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.fortran import record_sizes
 
 __all__ = ["file_kind", "frame_files"]

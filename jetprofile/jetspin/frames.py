@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.notes import Notes
 
 __all__ = ["Block", "Floats", "FrameSource", "Integers", "Padder", "order_frames", "select_frames"]

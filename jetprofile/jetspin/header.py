@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 from os import PathLike
 from pathlib import Path
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import (
     RunParameters,

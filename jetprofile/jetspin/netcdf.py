@@ -9,7 +9,7 @@ import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.reading import Time, Unit, open_reading
 from spinline.jetprofile.jetspin.run import read_jetspin

@@ -3,7 +3,7 @@
 import warnings
 from dataclasses import dataclass
 
-from spinline.errors import SpinlineWarning
+from spinline.base.errors import SpinlineWarning
 
 __all__ = ["Notes"]
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.binary import BinarySource
 from spinline.jetprofile.jetspin.checks import peak_kink
 from spinline.jetprofile.jetspin.dataset import Meaning, build_dataset

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.reading import Reading, Time, Unit, open_reading

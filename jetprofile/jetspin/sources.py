@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.detect import frame_files
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.notes import Notes

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.header import find_parameters, is_log, parse_file, read_text

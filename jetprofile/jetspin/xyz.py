@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.errors import InputError
+from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters

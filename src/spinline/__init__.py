@@ -4,80 +4,64 @@
 >>> jet = sl.jetprofile.PowerLaw(radius=125e-6, flow_rate=8.9e-10, k=1.0, beta=0.47)
 >>> walk = sl.network.random_walk(velocity_ratio=jet.velocity_ratio(1e-3), volume_fraction=0.05)
 
-The four physics packages stand alone (`jetprofile`, `rheology`, `network`, `xray`); `scene`, `solve`,
-`results`, `figures` and `report` tie them together. Importing this module imports nothing heavy.
+The four physics packages stand alone (`jetprofile`, `rheology`, `network`, `xray`); the rooms beside this file tie them
+together, each saying in its first lines what lives there: ``base, scene, setup, drying, network_models, plan, solve,
+study, fit, images, report, cli``. Importing this module imports nothing heavy.
 """
 
 from typing import TYPE_CHECKING
 
-from spinline.lazy import lazily
+from spinline import moved
+from spinline.base.lazy import lazily
+from spinline.base.version import __version__
 
 if TYPE_CHECKING:
-    from spinline import (
-        compare,
-        exposure,
-        figures,
-        images,
-        jetprofile,
-        network,
-        preview,
-        reduce,
-        reduction,
-        report,
-        results,
-        rheology,
-        scene,
-        sensitivity,
-        solve,
-        sweep,
-        units,
-        window,
-        xray,
-    )
-    from spinline.errors import InputError, SpinlineWarning
-    from spinline.images import Images, load_images
-    from spinline.preview import preview_images
-    from spinline.reduce import reduce_images
-    from spinline.results import open_result
-    from spinline.scene import Scene, load_scene
-    from spinline.solve import run
+    from spinline import images, jetprofile, network, report, rheology, scene, solve, xray
+    from spinline.base import units
+    from spinline.base.errors import InputError, SpinlineWarning
+    from spinline.images import exposure, preview, reduce
+    from spinline.images import reduction_dataset as reduction
+    from spinline.images.preview import preview_images
+    from spinline.images.reduce import reduce_images
+    from spinline.report import figures
+    from spinline.scene.file import Scene, load_scene
+    from spinline.scene.images_file import Images, load_images
+    from spinline.solve import results
+    from spinline.solve.results import open_result
+    from spinline.solve.spine import run
+    from spinline.study import compare, sensitivity, sweep, window
 
-__version__ = "0.1.0"
 
-_MODULES = frozenset(
-    [
-        "compare",
-        "exposure",
-        "figures",
-        "images",
-        "jetprofile",
-        "network",
-        "preview",
-        "reduce",
-        "reduction",
-        "report",
-        "results",
-        "rheology",
-        "scene",
-        "sensitivity",
-        "solve",
-        "sweep",
-        "units",
-        "window",
-        "xray",
-    ]
-)
 _NAMES = {
-    "Images": "images",
-    "InputError": "errors",
-    "Scene": "scene",
-    "SpinlineWarning": "errors",
-    "load_images": "images",
-    "load_scene": "scene",
-    "open_result": "results",
-    "preview_images": "preview",
-    "reduce_images": "reduce",
-    "run": "solve",
+    "Images": "scene.images_file",
+    "InputError": "base.errors",
+    "Scene": "scene.file",
+    "SpinlineWarning": "base.errors",
+    "compare": "study.compare:",
+    "exposure": "images.exposure:",
+    "figures": "report.figures:",
+    "images": "images:",
+    "jetprofile": "jetprofile:",
+    "load_images": "scene.images_file",
+    "load_scene": "scene.file",
+    "network": "network:",
+    "open_result": "solve.results",
+    "preview": "images.preview:",
+    "preview_images": "images.preview",
+    "reduce": "images.reduce:",
+    "reduce_images": "images.reduce",
+    "reduction": "images.reduction_dataset:",
+    "report": "report:",
+    "results": "solve.results:",
+    "rheology": "rheology:",
+    "run": "solve.spine",
+    "scene": "scene:",
+    "sensitivity": "study.sensitivity:",
+    "solve": "solve:",
+    "sweep": "study.sweep:",
+    "units": "base.units:",
+    "window": "study.window:",
+    "xray": "xray:",
 }
 
 __all__ = [
@@ -114,4 +98,5 @@ __all__ = [
 ]
 
 
-__getattr__, __dir__ = lazily(__name__, {module: module for module in _MODULES} | _NAMES)
+__getattr__, __dir__ = lazily(__name__, _NAMES)
+moved.install()

@@ -1,5 +1,5 @@
 """``python -m spinline`` is the command line."""
 
-from spinline.cli import main
+from spinline.cli.commands import main
 
 main()

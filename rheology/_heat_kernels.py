@@ -1,0 +1,322 @@
+"""Rates of a drying jet with heat in compiled loops, and a step of Radau's method on them.
+
+State: logarithms of the solvents' volumes over their starts (plain volumes for what is only in the air), temperature.
+Beside it a ledger that nothing depends on: mass given off and enthalpy taken up, integrated with the same stages.
+"""
+
+import numpy as np
+from numba import njit
+
+from spinline.base.checks import FloatArray
+from spinline.rheology._drying_kernels import MU, STAGES
+
+__all__ = ["GAS", "attempt_heat", "rates", "surface"]
+
+GAS = 8.31446261815324
+_AIR_MASS = 0.0289644
+_AIR_CP = 1006.0
+_S6 = 6.0**0.5
+_ERROR = np.array([-13 - 7 * _S6, -13 + 7 * _S6, -1.0]) / 3
+_LOW, _STEP = 120.0, 3.0  # evaporant.GRID
+LEDGER = 2
+
+
+@njit(cache=True, error_model="numpy")
+def _law(table: FloatArray, which: int, temperature: float) -> float:
+    at = min(max(int((temperature - _LOW) / _STEP), 0), table.shape[2] - 1)
+    t = temperature - _LOW - at * _STEP
+    return float(((table[which, 0, at] * t + table[which, 1, at]) * t + table[which, 2, at]) * t + table[which, 3, at])
+
+
+@njit(cache=True, error_model="numpy")
+def _number(law: int, along: float, across: float, schmidt: float, floor: float) -> float:
+    if law == 1:
+        re = np.sqrt(along * along + across * across)
+        fall = (1 + (0.4 / schmidt) ** (2 / 3)) ** -0.25
+        value = 0.3 + 0.62 * np.sqrt(re) * np.cbrt(schmidt) * fall * (1 + (re / 282000) ** 0.625) ** 0.8
+    else:
+        speed = along if law == 2 else np.sqrt(along * along + 64 * across * across)
+        value = 0.495 * np.cbrt(speed) * np.sqrt(schmidt)
+    return float(max(value, floor))
+
+
+@njit(cache=True, error_model="numpy")
+def _activities(
+    volumes: FloatArray, phi0: float, sub: FloatArray, pairs: FloatArray, unit: float, out: FloatArray
+) -> float:
+    """Activities of the liquids, Flory-Huggins (or Raoult with the polymer's molar volume `unit`); returns the volume
+    left.
+    """
+    n = volumes.size
+    total = phi0
+    for i in range(n):
+        total += volumes[i]
+    polymer = phi0 / total
+    pull = 0.0
+    for j in range(n):
+        pull += volumes[j] / total * polymer * sub[j, 5] / sub[j, 9]
+        for k in range(j):
+            pull += volumes[j] / total * volumes[k] / total * pairs[j, k]
+    for i in range(n):
+        others, crowding, own = polymer, 0.0, polymer * sub[i, 5] / sub[i, 9]
+        for j in range(n):
+            if j != i:
+                share = volumes[j] / total
+                others += share
+                crowding += share * sub[i, 9] / sub[j, 9]
+                own += share * pairs[i, j]
+        if unit > 0:
+            log = -np.log1p(crowding + polymer * sub[i, 9] / unit - others)
+        else:
+            log = others - crowding + sub[i, 9] * (own - pull)
+        out[i] = volumes[i] / total * np.exp(log)
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def surface(
+    activity: FloatArray,
+    left: float,
+    kelvin: float,
+    sub: FloatArray,
+    tables: FloatArray,
+    air: FloatArray,
+    place: FloatArray,
+    flux: FloatArray,
+) -> tuple[float, float, float]:
+    """Mass fluxes over pi and a length (kg/m/s) of every liquid, and heat: from the air, with the vapour; Re.
+
+    `sub` rows: density, molar mass, heat capacity, vapour heat capacity, diffusivity at 298.15 K, chi, pressure far
+    away, inside (1 or 0), log of the volume at the start, molar volume. `air`: pressure, temperature, floor, phi_0,
+    r_0, wind, kept, law, polymer's heat capacity by volume, its molar volume for Raoult's law, Stefan (1 or 0).
+    `place`: stretch, speed along the jet, across it, pace. Returns (nan, 0, 0) where the liquid boils.
+    """
+    n = activity.size
+    p, warm = air[0], air[1]
+    film = 0.5 * (kelvin + warm)
+    density = p * _AIR_MASS / (GAS * film)
+    mu = 1.458e-6 * film**1.5 / (film + 110.4)
+    nu = mu / density
+    conductivity = 2.64638e-3 * film**1.5 / (film + 245.4 * 10 ** (-12 / film))
+    prandtl = mu * _AIR_CP / conductivity
+    speed = place[1]
+    radius = air[4] / np.sqrt(place[0])
+    if air[6] > 0:
+        along = 2 * radius * abs(left * speed - air[5]) / nu
+    else:
+        radius = radius * np.sqrt(left)
+        along = 2 * radius * abs(speed - air[5]) / nu
+    across = 2 * radius * place[2] / nu
+    law = int(air[7])
+    here, there = 0.0, 0.0
+    for i in range(n):
+        sat = np.exp(_law(tables[i], 0, kelvin))
+        dimer = _law(tables[i], 2, kelvin)
+        a = activity[i]
+        at = sat * a * (1 - dimer + a * dimer)
+        spread = sub[i, 4] * (film / 298.15) ** 1.75
+        number = _number(law, along, across, nu / spread, air[2])
+        slower = _dimer_diffusion(sub[i, 1])
+        heavy = 2 * slower * _number(law, along, across, nu / (spread * slower), air[2]) / number if dimer > 0 else 0.0
+        push = sat * a * (1 - dimer) + heavy * sat * a * a * dimer
+        flux[i] = spread * number * sub[i, 1] / (GAS * film) * (push - sub[i, 6])
+        here += at
+        there += sub[i, 6]
+    if here >= p:
+        return np.nan, 0.0, 0.0
+    if air[10] > 0:
+        x = (here - there) / (p - here)
+        factor = p / (p - here) * (1 - x / 2 + x * x / 3 if abs(x) < 1e-5 else np.log1p(x) / x)
+        for i in range(n):
+            flux[i] *= factor
+    nusselt = _number(law, along, across, prandtl, air[2])
+    carried, ackermann = 0.0, 0.0
+    for i in range(n):
+        carried += flux[i] * _law(tables[i], 1, kelvin)
+        ackermann += flux[i] * sub[i, 3]
+    b = ackermann / (nusselt * conductivity) if air[10] > 0 else 0.0
+    reduced = 1 - b / 2 + b * b / 12 if abs(b) < 1e-4 else b / np.expm1(b)
+    return nusselt * conductivity * (warm - kelvin) * reduced, carried, along
+
+
+@njit(cache=True, error_model="numpy")
+def _dimer_diffusion(mass: float) -> float:
+    """Diffusivity of a dimer over the monomer's: Fuller, twice the mass and the volume (32.7 of formic, 53.3 of acetic
+    acid).
+    """
+    monomer, dimer = mass * 1e3, 2e3 * mass
+    volume = 32.74 if monomer < 53 else 53.26
+    reduced = np.sqrt((1 / dimer + 1 / 28.9644) / (1 / monomer + 1 / 28.9644))
+    ratio = (volume ** (1 / 3) + 19.7 ** (1 / 3)) / ((2 * volume) ** (1 / 3) + 19.7 ** (1 / 3))
+    return float(reduced * ratio * ratio)
+
+
+@njit(cache=True, error_model="numpy")
+def rates(
+    y: FloatArray,
+    sub: FloatArray,
+    tables: FloatArray,
+    pairs: FloatArray,
+    air: FloatArray,
+    place: FloatArray,
+    out: FloatArray,
+    ledger: FloatArray,
+) -> bool:
+    """dy/dx, and the ledger's; False where the liquid boils or the temperature leaves the tables."""
+    n = sub.shape[0]
+    kelvin = float(y[n])
+    if not (_LOW <= kelvin <= 480.0):
+        return False
+    volumes, activity, flux = np.empty(n), np.empty(n), np.empty(n)
+    heat = air[3] * air[8]
+    for i in range(n):
+        volumes[i] = np.exp(sub[i, 8] + y[i]) if sub[i, 7] > 0 else y[i]
+        heat += volumes[i] * sub[i, 0] * sub[i, 2]
+    left = _activities(volumes, air[3], sub, pairs, air[9], activity)
+    if not left > 0:
+        return False
+    warmed, carried, _ = surface(activity, left, kelvin, sub, tables, air, place, flux)
+    if not np.isfinite(warmed):
+        return False
+    pace = place[3]
+    ledger[0], ledger[1] = 0.0, pace * (warmed - carried)
+    for i in range(n):
+        out[i] = -pace * flux[i] / sub[i, 0]
+        if sub[i, 7] > 0:  # a logarithm; past 1e-260 of the jet it comes to rest
+            log = sub[i, 8] + y[i]
+            out[i] /= max(volumes[i], 1e-300) * (1 + np.exp(min(-0.1 * (log + 600.0), 300.0)))
+        ledger[0] += pace * flux[i]
+        ledger[1] -= pace * flux[i] * sub[i, 2] * (kelvin - air[1])
+    out[n] = pace * (warmed - carried) / heat
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _eliminate(a: FloatArray, b: FloatArray) -> None:
+    """Solve a x = b in place, rows exchanged."""
+    n = b.size
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > abs(a[best, k]):
+                best = i
+        if best != k:
+            for j in range(n):
+                a[k, j], a[best, j] = a[best, j], a[k, j]
+            b[k], b[best] = b[best], b[k]
+        for i in range(k + 1, n):
+            w = a[i, k] / a[k, k]
+            if w != 0:
+                for j in range(k + 1, n):
+                    a[i, j] -= w * a[k, j]
+                b[i] -= w * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= a[k, j] * b[j]
+        b[k] /= a[k, k]
+
+
+@njit(cache=True, error_model="numpy")
+def _jacobian(
+    y: FloatArray, first: FloatArray, sub: FloatArray, tables: FloatArray, pairs: FloatArray, air: FloatArray, place:
+    FloatArray,
+) -> FloatArray:  # fmt: skip
+    n = y.size
+    matrix, moved, ledger, at = np.zeros((n, n)), np.empty(n), np.empty(LEDGER), y.copy()
+    for j in range(n):
+        step = 1e-6 * max(abs(y[j]), 1e-3)
+        at[j] = y[j] + step
+        if rates(at, sub, tables, pairs, air, place, moved, ledger):
+            for i in range(n):
+                matrix[i, j] = (moved[i] - first[i]) / step
+        at[j] = y[j]
+    return matrix
+
+
+@njit(cache=True, error_model="numpy")
+def attempt_heat(
+    y: FloatArray,
+    h: float,
+    guess: FloatArray,
+    scale: FloatArray,
+    tolerance: float,
+    sub: FloatArray,
+    tables: FloatArray,
+    pairs: FloatArray,
+    air: FloatArray,
+    places: FloatArray,
+    stages: FloatArray,
+    ticks: FloatArray,
+) -> tuple[int, float]:
+    """One step of size h: stages (3, n + 1) as changes of y, and of the ledger (3, 2); iterations (0: none), size of
+    the error.
+
+    `places` at the start and at the three stages, (4, 4).
+    """
+    n = y.size
+    first, ledger = np.empty(n), np.empty(LEDGER)
+    if not rates(y, sub, tables, pairs, air, places[0], first, ledger):
+        return 0, 0.0
+    jacobian = _jacobian(y, first, sub, tables, pairs, air, places[0])
+    inverse = np.zeros((3 * n, 3 * n))
+    for k in range(3):
+        for m in range(3):
+            for i in range(n):
+                for j in range(n):
+                    inverse[k * n + i, m * n + j] = -h * STAGES[k, m] * jacobian[i, j]
+        for i in range(n):
+            inverse[k * n + i, k * n + i] += 1.0
+    stages[:] = guess
+    slopes, counts, at = np.empty((3, n)), np.empty((3, LEDGER)), np.empty(n)
+    before, done = -1.0, 0
+    for iteration in range(1, 11):
+        for k in range(3):
+            for i in range(n):
+                at[i] = y[i] + stages[k, i]
+            if not rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k]):
+                return 0, 0.0
+        right = np.empty(3 * n)
+        for k in range(3):
+            for i in range(n):
+                total = 0.0
+                for m in range(3):
+                    total += STAGES[k, m] * slopes[m, i]
+                right[k * n + i] = h * total - stages[k, i]
+        matrix = inverse.copy()
+        _eliminate(matrix, right)
+        size = 0.0
+        for k in range(3):
+            for i in range(n):
+                stages[k, i] += right[k * n + i]
+                size += (right[k * n + i] / scale[i]) ** 2
+        size = np.sqrt(size / (3 * n))
+        if not np.isfinite(size):
+            return 0, 0.0
+        if before > 0 and size >= before and size > tolerance:
+            return 0, 0.0
+        contraction = size / before if before > 0 else 1.0
+        settled = before > 0 and contraction < 1 and contraction / (1 - contraction) * size < tolerance
+        if settled or size < 1e-3 * tolerance:
+            done = iteration
+            break
+        before = size
+    if not done:
+        return 0, 0.0
+    for k in range(3):
+        for i in range(n):
+            at[i] = y[i] + stages[k, i]
+        rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k])
+    for k in range(3):
+        for c in range(LEDGER):
+            ticks[k, c] = h * (STAGES[k, 0] * counts[0, c] + STAGES[k, 1] * counts[1, c] + STAGES[k, 2] * counts[2, c])
+    error, real = np.empty(n), np.empty((n, n))
+    for i in range(n):
+        error[i] = first[i] + (_ERROR[0] * stages[0, i] + _ERROR[1] * stages[1, i] + _ERROR[2] * stages[2, i]) / h
+        for j in range(n):
+            real[i, j] = -jacobian[i, j]
+        real[i, i] += MU / h
+    _eliminate(real, error)
+    size = 0.0
+    for i in range(n):
+        size += (error[i] / scale[i]) ** 2
+    return done, float(np.sqrt(size / n))

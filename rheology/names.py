@@ -1,0 +1,47 @@
+"""Other names of polymers and solvents: what people write for what the library has."""
+
+from collections.abc import Mapping
+
+__all__ = ["ALIASES", "known_as"]
+
+# as written, in lower case without hyphens, blanks, commas, brackets: name in the library
+ALIASES: Mapping[str, str] = {
+    # polymers
+    "peg": "PEO", "polyethyleneoxide": "PEO", "polyethyleneglycol": "PEO", "polyoxyethylene": "PEO",
+    "polymethylmethacrylate": "PMMA", "polycaprolactone": "PCL", "polyecaprolactone": "PCL", "polyεcaprolactone": "PCL",
+    "polyvinylpyrrolidone": "PVP", "povidone": "PVP", "polyacrylonitrile": "PAN", "polystyrene": "PS",
+    "polyvinylalcohol": "PVA", "pvoh": "PVA", "pval": "PVA", "polylacticacid": "PLA", "polylactide": "PLA", "plla": "PLA",
+    "polyllactide": "PLA", "polyvinylidenefluoride": "PVDF", "polyvinylidenedifluoride": "PVDF", "nylon6": "nylon 6",
+    "pa6": "nylon 6", "polyamide6": "nylon 6", "polycaprolactam": "nylon 6", "polyethyleneterephthalate": "PET",
+    "celluloseacetate": "cellulose acetate", "ca": "cellulose acetate", "polyvinylbutyral": "PVB", "gelatine": "gelatin",
+    # solvents
+    "h2o": "water", "ethylalcohol": "ethanol", "etoh": "ethanol", "propanone": "acetone", "2propanone": "acetone",
+    "dimethylformamide": "DMF", "nndimethylformamide": "DMF", "dichloromethane": "DCM", "methylenechloride": "DCM",
+    "trichloromethane": "chloroform", "chcl3": "chloroform", "tetrahydrofuran": "THF", "oxolane": "THF",
+    "methanoicacid": "formic acid", "formicacid": "formic acid", "hexafluoroisopropanol": "HFIP",
+    "111333hexafluoro2propanol": "HFIP", "hfp": "HFIP",
+    "dimethylsulfoxide": "DMSO", "dimethylsulphoxide": "DMSO", "dimethylacetamide": "DMAc", "nndimethylacetamide": "DMAc",
+    "dma": "DMAc", "ethanoicacid": "acetic acid", "aceticacid": "acetic acid", "trifluoroaceticacid": "TFA",
+    "nmethyl2pyrrolidone": "NMP", "nmethylpyrrolidone": "NMP", "methylbenzene": "toluene",
+}  # fmt: skip
+_LEFT_OUT = str.maketrans("", "", "-– _,()'\u2019[].")
+
+
+def known_as(name: str, table: Mapping[str, object]) -> str | None:
+    """The key of a table that a name stands for: the key itself in any case, or an alias; None where there is none.
+
+    Examples
+    --------
+    >>> known_as("N,N-dimethylformamide", {"DMF": 1}), known_as("Poly(ethylene oxide)", {"PEO": 1})
+    ('DMF', 'PEO')
+    """
+    plain = name.strip().lower()
+    by_lower = {key.lower(): key for key in table}
+    if plain in by_lower:
+        return by_lower[plain]
+    short = plain.translate(_LEFT_OUT)
+    for key in (short, ALIASES.get(short, "").lower()):
+        for known in table:
+            if key and known.lower().translate(_LEFT_OUT) == key.translate(_LEFT_OUT):
+                return known
+    return None

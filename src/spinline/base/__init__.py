@@ -1,0 +1,1 @@
+"""Below everything: errors, checks, units, files, lazy names. Knows no physics."""

@@ -1,0 +1,91 @@
+"""Range checks of numeric arguments: a clear error or a float64 array, never a clamp."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spinline.base.errors import InputError
+
+__all__ = ["BoolArray", "FloatArray", "number", "positive", "real"]
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+def real(
+    field: str,
+    value: ArrayLike,
+    *,
+    above: float | None = None,
+    below: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+    unit: str = "",
+    remedy: str = "",
+) -> FloatArray:
+    """Convert to a float64 array and refuse what is not finite or out of range.
+
+    Parameters
+    ----------
+    field : str
+        Name shown in the error.
+    value : array_like
+        Real numbers of any shape and precision.
+    above, below : float, optional
+        Exclusive bounds.
+    least, most : float, optional
+        Inclusive bounds.
+    unit, remedy : str, optional
+        Shown in the error.
+
+    Returns
+    -------
+    ndarray of float64, the shape of `value`.
+
+    Raises
+    ------
+    InputError
+        With the field, the first offending value, the range and the remedy.
+    """
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind in "cbSUmM":  # "1" is text, not a number
+            raise TypeError
+        array = raw.astype(np.float64)
+    except (TypeError, ValueError):
+        raise InputError(field, "is not a real number", value=value, remedy=remedy) from None
+    good = np.isfinite(array)
+    if above is not None:
+        good &= array > above
+    if below is not None:
+        good &= array < below
+    if least is not None:
+        good &= array >= least
+    if most is not None:
+        good &= array <= most
+    if not good.all():
+        first = float(array[~good].flat[0]) if array.ndim else float(array)
+        problem = "is not finite" if not np.isfinite(first) else "is out of range"
+        allowed = _interval(above, below, least, most)
+        raise InputError(field, problem, value=first, allowed=f"{allowed} {unit}".strip(), remedy=remedy)
+    return array
+
+
+def number(field: str, value: Any, **bounds: Any) -> float:
+    """Check one finite number, as `real` does arrays, and return it as a float."""
+    array = real(field, value, **bounds)
+    if array.ndim:
+        raise InputError(field, "must be a single number", value=f"array of shape {array.shape}")
+    return float(array)
+
+
+def positive(field: str, value: Any, unit: str = "", remedy: str = "") -> float:
+    """Check one finite number > 0 and return it as a float."""
+    return number(field, value, above=0.0, unit=unit, remedy=remedy)
+
+
+def _interval(above: float | None, below: float | None, least: float | None, most: float | None) -> str:
+    low = f"[{least:g}" if least is not None else f"({above:g}" if above is not None else "(-inf"
+    high = f"{most:g}]" if most is not None else f"{below:g})" if below is not None else "inf)"
+    return f"{low}, {high}"

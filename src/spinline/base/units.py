@@ -1,0 +1,225 @@
+"""Quantities as people write them, turned into SI numbers: the only place that knows pint.
+
+A quantity is text with its unit: "125 um", "3.2 mL/hour", "25 degC", "5 wt%", "600 kDa", "125 +/- 3 um". Gaussian CGS is
+understood where it means something else than SI: "270 1/s" as a conductivity, "44000 statC/cm3", "30 statV",
+"2 statV/cm". A bare number where a unit is due is an error that says which unit.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from tokenize import TokenError
+from typing import Any
+
+import numpy as np
+
+from spinline.base.constants import AVOGADRO, EPS0
+from spinline.base.errors import InputError
+
+__all__ = ["QUANTITIES", "Measured", "Quantity", "parse", "parse_unit"]
+
+_4_PI_EPS0 = 4 * np.pi * EPS0  # F/m: Gaussian conductivity (1/s) to S/m
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a kind of quantity needs: its SI unit, examples of text, and words for the error."""
+
+    name: str
+    unit: str
+    example: str
+    article: str = "a"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A number in SI units with its standard uncertainty (0 where none was given) and the text it came from."""
+
+    value: float
+    std: float = 0.0
+    text: str = ""
+
+
+QUANTITIES = {
+    q.name: q
+    for q in (
+        Quantity("length", "m", "125 um"),
+        Quantity("velocity", "m/s", "2 cm/s"),
+        Quantity("flow rate", "m^3/s", "3.2 mL/hour"),
+        Quantity("time", "s", "25 ms"),
+        Quantity("rate", "1/s", "100 1/s"),
+        Quantity("temperature", "K", "25 degC"),
+        Quantity("density", "kg/m^3", "1.13 g/cm3"),
+        Quantity("molar mass", "kg/mol", "600 kDa"),
+        Quantity("viscosity", "Pa*s", "2 Pa s"),
+        Quantity("diffusivity", "m^2/s", "2.5e-5 m2/s"),
+        Quantity("intrinsic viscosity", "m^3/kg", "0.3 m3/kg", "an"),
+        Quantity("pressure", "Pa", "1 atm"),
+        Quantity("surface tension", "N/m", "21.1 dyn/cm"),
+        Quantity("force", "N", "1 nN"),
+        Quantity("energy", "J", "10 keV", "an"),
+        Quantity("mass attenuation", "m^2/kg", "5.1 cm2/g"),
+        Quantity("volume", "m^3", "1 pL"),
+        Quantity("electric field", "V/m", "0.6 kV/cm", "an"),
+        Quantity("potential", "V", "9 kV"),
+        Quantity("charge density", "C/m^3", "44000 statC/cm3"),
+        Quantity("conductivity", "S/m", "0.01 S/m"),
+        Quantity("mass fraction", "", "5 wt%"),
+        Quantity("volume fraction", "", "4.4 vol%"),
+        Quantity("fraction", "", "40 %"),
+        Quantity("number", "", "1e3"),
+    )
+}
+_FRACTIONS = {"mass fraction": "wt%", "volume fraction": "vol%", "fraction": "%", "number": ""}
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf(?:inity)?|nan)"
+_TEXT = re.compile(
+    rf"\s*(?P<value>{_NUMBER})\s*(?:(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER}))?\s*(?P<unit>.*?)\s*", re.IGNORECASE
+)
+_SPELLED = {"°C": "degC", "°F": "degF", "µ": "u", "μ": "u", "·": "*", "Å": "angstrom", "²": "2", "³": "3"}
+_POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)\b")
+
+
+def parse(text: Any, kind: str, field: str) -> Measured:
+    """Read a quantity.
+
+    Parameters
+    ----------
+    text : str, or number
+        "125 +/- 3 um". A number only for fractions and pure numbers.
+    kind : str
+        A key of `QUANTITIES`.
+    field : str
+        Name shown in errors.
+
+    Returns
+    -------
+    Measured
+        In the SI unit of the kind.
+
+    Raises
+    ------
+    InputError
+        For a missing or wrong unit, or text that is no quantity.
+    """
+    quantity = QUANTITIES[kind]
+    if isinstance(text, Measured):
+        return text
+    if isinstance(text, bool) or not isinstance(text, str | int | float):
+        raise InputError(field, f"is not {quantity.article} {kind}", value=text, remedy=_example(quantity))
+    if not isinstance(text, str):
+        if quantity.unit:
+            raise InputError(
+                field, f"needs a unit, as {quantity.article} {kind} has", value=text, remedy=_example(quantity)
+            )
+        if not np.isfinite(text):
+            raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
+        return Measured(float(text), 0.0, str(text))
+    match = _TEXT.fullmatch(text)
+    if match is None:
+        raise InputError(field, "is not a number with a unit", value=text, remedy=_example(quantity))
+    value, unit = float(match["value"]), match["unit"]
+    std = float(match["std"]) if match["std"] else 0.0
+    if not np.isfinite(value):
+        raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
+    if unit[:1].isdigit() and not unit.startswith("1/"):
+        raise InputError(field, "is not one number with a unit", value=text, remedy=_example(quantity))
+    if not (0 <= std < np.inf):
+        raise InputError(field, "has no usable uncertainty", value=text, remedy=_example(quantity))
+    if not quantity.unit:
+        scale = _fraction_scale(unit, kind, text, field)
+        return Measured(value * scale, std * scale, text)
+    if not unit:
+        raise InputError(
+            field, f"needs a unit, as {quantity.article} {kind} has", value=text, remedy=_example(quantity)
+        )
+    scale, offset = parse_unit(unit, kind, field, text)
+    return Measured(value * scale + offset, std * abs(scale), text)
+
+
+@lru_cache(maxsize=256)
+def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tuple[float, float]:
+    """Scale and offset that turn a number in a unit into SI.
+
+    Parameters
+    ----------
+    unit : str
+        Unit alone, "cm" or "degC".
+    kind, field : str
+        As for `parse`.
+    text : str, optional
+        What the user wrote, for the error.
+
+    Returns
+    -------
+    scale, offset : float
+        ``SI = scale * number + offset``; the offset is zero but for temperatures.
+    """
+    import pint
+
+    quantity = QUANTITIES[kind]
+    shown = unit if text is None else text
+    wrong = InputError(
+        field, f"is not {quantity.article} {kind}", value=shown, allowed=f"units of {quantity.unit}",
+        remedy=_example(quantity),
+    )  # fmt: skip
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(_spell(unit))
+        dimension = registry.get_dimensionality(parsed)
+    except (pint.PintError, AttributeError, TypeError, ValueError, AssertionError, ArithmeticError) as error:
+        raise InputError(
+            field, f"has a unit that is not known ({unit})", value=shown, allowed=f"units of {quantity.unit}",
+            remedy=_example(quantity),
+        ) from error  # fmt: skip
+    except (SyntaxError, RecursionError, TokenError) as error:
+        raise wrong from error
+    if kind == "conductivity" and dimension == {"[time]": -1}:
+        return _plain(registry, parsed, "1/s") * _4_PI_EPS0, 0.0
+    if kind == "molar mass" and dimension == {"[mass]": 1}:
+        return _plain(registry, parsed, "kg") * AVOGADRO, 0.0
+    try:
+        if kind == "temperature":
+            zero = float(registry.Quantity(0.0, parsed).to("K").magnitude)
+            return float(registry.Quantity(1.0, parsed).to("K").magnitude) - zero, zero
+        return _plain(registry, parsed, quantity.unit), 0.0
+    except pint.PintError as error:
+        raise wrong from error
+
+
+def _plain(registry: Any, unit: Any, target: str) -> float:
+    one = registry.Quantity(1.0, unit)
+    if target == "C/m^3":  # the Gaussian context knows charges, not their densities
+        one, target = one * registry.Quantity(1.0, "m^3"), "C"
+    with registry.context("Gaussian"):
+        return float(one.to(target).magnitude)
+
+
+def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
+    own = _FRACTIONS[kind]
+    if not unit:
+        return 1.0
+    if own and unit in ("%", own, own.replace("%", " %")):
+        return 0.01
+    other = next((name for name, symbol in _FRACTIONS.items() if symbol == unit), None)
+    problem = f"is {QUANTITIES[other].article} {other}, not a {kind}" if other else f"has a unit, but a {kind} has none"
+    raise InputError(field, problem, value=text, remedy=_example(QUANTITIES[kind]))
+
+
+def _spell(unit: str) -> str:
+    for old, new in _SPELLED.items():
+        unit = unit.replace(old, new)
+    return _POWER.sub(r"**\1", unit).replace("****", "**")
+
+
+def _example(quantity: Quantity) -> str:
+    if not quantity.unit:
+        return f"for example {quantity.example}" if quantity.name == "number" else f'for example "{quantity.example}"'
+    return f'write it as text, for example "{quantity.example}"'
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=":auto:")

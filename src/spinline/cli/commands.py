@@ -1,0 +1,365 @@
+"""The command line. Every command is a function of a few options; what it does is done elsewhere.
+
+Bad input ends with exit code 2 and one message on standard error; warnings go to standard error too, so that standard
+output holds the answer alone.
+"""
+
+import shutil
+import sys
+import warnings
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.cli.fit import register as register_fit
+from spinline.cli.images import register as register_images
+from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli.simulate import register as register_simulate
+from spinline.cli.sweep import register as register_sweep
+from spinline.cli.trade import plan
+from spinline.cli.trade import trade as trade_command
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from spinline.base.checks import FloatArray
+    from spinline.scene.file import Scene
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="The polymer network inside an electrospinning jet.",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class Along(StrEnum):
+    """Which distance a bead jet's radius is fitted against."""
+
+    arc = "arc"
+    x = "x"
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from spinline.base.version import __version__
+
+        typer.echo(f"spinline {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _top(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """The polymer network inside an electrospinning jet."""
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: SCENE's name with .nc.")
+    ] = None,
+    figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
+    no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
+    report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Profile as a table.")] = None,
+    trade: Annotated[
+        bool, typer.Option("--trade", help="Measure every model on this scene as well, for the report: takes a while.")
+    ] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="With --trade: only the rung next to the affine network.")
+    ] = False,
+    json: JsonOption = False,
+    force: ForceOption = False,
+    model: ModelOption = None,
+    rtol: RtolOption = None,
+    set_: SetOption = None,
+) -> None:
+    """Jet, network and concentration of a scene: one file out, one figure."""
+    if quick and not trade:
+        raise InputError("--quick", "is of the trade", remedy="add --trade, or leave it out")
+    loaded = load(scene, model, rtol, set_)
+    from spinline.base.files import writable
+    from spinline.solve import results
+
+    target = out or _default_out(scene, loaded)
+    picture = None if no_figure else (figure or target.with_suffix(".png"))
+    if picture is not None:
+        from spinline.report.figures import check_format
+
+        check_format(picture)
+    files = [file for file in (target, picture, report, csv) if file is not None]
+    if len({file.resolve() for file in files}) < len(files):
+        raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
+    for file in files:
+        writable(file, force=force)
+    from spinline.solve.spine import run as solve
+
+    result = solve(loaded)
+    if trade:
+        from spinline.study.trade import trade as measure
+
+        measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
+        result.attrs["trade"] = measured.json()
+    results.save(result, target, force=force)
+    if picture is not None:
+        from spinline.report.figures import save_figure
+
+        save_figure(result, picture, force=force)
+    if report is not None:
+        from spinline.report.page import save_report
+
+        save_report(result, report, force=force)
+    if csv is not None:
+        results.to_csv(result, csv, force=force)
+    if json:
+        typer.echo(results.to_json(result))
+        return
+    from spinline.report.page import words
+
+    typer.echo(result.attrs["title"])
+    for sentence in words(result):
+        typer.echo(f"  {sentence}")
+    if trade:
+        typer.echo(f"  Measured: {measured.recommendation}.")
+    typer.echo("wrote " + ", ".join(map(str, files)))
+
+
+@app.command()
+def crossover(
+    scene: SceneArgument,
+    json: JsonOption = False,
+    model: ModelOption = None,
+    rtol: RtolOption = None,
+    set_: SetOption = None,
+) -> None:
+    """Where, and at which radius, the network is fully stretched: one line."""
+    loaded = load(scene, model, rtol, set_)
+    from spinline.solve import results
+    from spinline.solve.spine import run as solve
+
+    result = solve(loaded)
+    if json:
+        names = tuple(str(name) for name in result.data_vars if str(name).startswith("crossover"))
+        typer.echo(results.to_json(result, ("volume_fraction", *names, *(["time"] if "time" in result.dims else []))))
+        return
+    if "time" in result.dims:
+        for moment in range(result.sizes["time"]):
+            typer.echo(f"{float(result['time'][moment]):.6g} s: {_crossover_line(result.isel(time=moment))}")
+        return
+    typer.echo(_crossover_line(result))
+
+
+@app.command()
+def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
+    """What is wrong or odd with a scene, before anything runs."""
+    loaded = load(scene, model, rtol, set_)
+    from spinline.solve.spine import build_jet, build_solution, examine
+
+    solution = build_solution(loaded)
+    jet = build_jet(loaded, solution)
+    remarks = examine(loaded, solution, jet)
+    for remark in remarks:
+        typer.echo(f"odd: {remark}")
+    phi = solution.volume_fraction
+    typer.echo(
+        f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
+        + (", nothing odd" if not remarks else "")
+    )
+
+
+@app.command()
+def scenes(
+    copy: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Copy this bundled scene or set of images, with its data.")
+    ] = None,
+    to: Annotated[Path, typer.Option(help="Folder to copy to.")] = Path(),
+    force: ForceOption = False,
+) -> None:
+    """List the bundled scenes and images, or copy one to start from."""
+    import tomllib
+
+    from spinline.base.files import writable
+    from spinline.scene.file import bundled_scenes
+    from spinline.scene.images_file import bundled_images
+
+    known = bundled_scenes() | bundled_images()
+    if copy is None:
+        for name, file in known.items():
+            typer.echo(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
+        return
+    if copy not in known:
+        raise InputError("--copy", "is not a bundled scene", value=copy, allowed=", ".join(known))
+    source = known[copy]
+    shutil.copyfile(source, writable(to / source.name, force=force))
+    content = tomllib.loads(source.read_text(encoding="utf-8"))
+    data = content["counts"] if "counts" in content else content["jet"].get("path")
+    if data is not None:
+        origin, target = source.parent / data, to / data
+        if origin.is_dir():
+            shutil.copytree(origin, target, dirs_exist_ok=force)
+        else:
+            shutil.copyfile(origin, writable(target, force=force))
+    typer.echo(f"wrote {to / source.name}")
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="File to write; default: standard output.")] = None,
+    force: ForceOption = False,
+) -> None:
+    """JSON Schema of the scene file, for editors."""
+    import json
+
+    from spinline.base.files import replacing
+    from spinline.scene.file import json_schema
+
+    text = json.dumps(json_schema(), indent=2)
+    if out is None:
+        typer.echo(text)
+    else:
+        with replacing(out, force=force) as part:
+            part.write_text(text + "\n", encoding="utf-8")
+
+
+app.command()(plan)
+app.command("trade")(trade_command)
+
+
+@app.command("fit-jet", short_help="Fit k and beta of a power law to a radius profile.")
+def fit_jet(
+    profile: Annotated[
+        Path,
+        typer.Argument(help="CSV (z, radius, radius_std, units in the header), an imported jet or a result (.nc)."),
+    ],
+    radius: Annotated[str | None, typer.Option(help='Initial radius, "125 um". Default: the largest.')] = None,
+    z_from: Annotated[str | None, typer.Option("--from", help='Look no nearer than this, "3 mm".')] = None,
+    z_to: Annotated[str | None, typer.Option("--to", help='Look no farther than this, "2 cm".')] = None,
+    tolerance: Annotated[float, typer.Option(help="Departure of the radius that is still a power law.")] = 0.02,
+    along: Annotated[Along, typer.Option(help="Distance that counts, for a bead jet.")] = Along.arc,
+    json: JsonOption = False,
+) -> None:
+    """Fit the power law of Eq. (31) to a radius profile, and say where it holds."""
+    import json as json_
+
+    from spinline.base.units import parse
+    from spinline.jetprofile.fit import fit_power_law
+
+    z, r, std, r0 = _profile(profile, along)
+    if radius is not None:
+        r0 = parse(radius, "length", "--radius").value
+    nearest = parse(z_from, "length", "--from").value if z_from is not None else 0.0
+    farthest = parse(z_to, "length", "--to").value if z_to is not None else 1e300
+    fit = fit_power_law(z, r, std, initial_radius=r0, z_range=(nearest, farthest), tolerance=tolerance)
+    if json:
+        from spinline.solve.results import plain
+
+        typer.echo(json_.dumps({key: plain(value) for key, value in fit.__dict__.items()}))
+        return
+    share = fit.covariance[0, 1] / (fit.k_std * fit.beta_std) if fit.k_std and fit.beta_std else 0.0
+    typer.echo(
+        f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}, correlation {share:.3f}"
+    )
+    typer.echo(
+        f"over {1e3 * fit.z_min:.4g} to {1e3 * fit.z_max:.4g} mm ({fit.samples} of {fit.samples_given} samples), "
+        f"r0 = {1e6 * fit.initial_radius:.4g} um, R^2 = {fit.r_squared:.6f}, departure {100 * fit.departure:.2g} %"
+    )
+
+
+@app.command("import-jet")
+def import_jet(
+    run_dir: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="JETSPIN run directory, or one file of it.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Jet file, netCDF. Default: RUN_DIR's name with .nc.")
+    ] = None,
+    source: Annotated[str | None, typer.Option(help="Which file of the run to read, traj.xyz for example.")] = None,
+    unit: Annotated[str | None, typer.Option(help='Length unit of XYZ without a log, "cm".')] = None,
+    force: ForceOption = False,
+) -> None:
+    """Turn the output of a Lagrangian simulation into a jet file."""
+    from spinline.base.files import replacing
+    from spinline.jetprofile.jetspin import write_jet
+    from spinline.solve import results
+
+    target = out or Path(run_dir.resolve().stem + ".nc")
+    with replacing(target, force=force) as part:
+        write_jet(run_dir, part, source=source, unit=unit)
+    jet = results.open_dataset(target)
+    typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
+
+
+for register in (register_sweep, register_fit, register_simulate, register_images):
+    register(app)
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one message and exit code 2."""
+    warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
+    warnings.filterwarnings("always", category=SpinlineWarning)
+    warnings.showwarning = _show_warning
+    try:
+        app()
+    except InputError as error:
+        typer.echo(f"error: {error}", err=True)
+        sys.exit(2)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(0)
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    typer.echo(f"warning: {message}", err=True)
+
+
+def _default_out(scene: str, loaded: "Scene") -> Path:
+    path = Path(scene)
+    return path.with_suffix(".nc") if path.exists() else Path(f"{loaded.name}.nc")
+
+
+def _crossover_line(result: "xr.Dataset") -> str:
+    from spinline.report.figures import headline
+
+    line = headline(result)
+    position = float(result["crossover_extension_position"])
+    if position == position:
+        share, radius = (
+            float(result.attrs["crossover_extension_criterion"]),
+            float(result["crossover_extension_radius"]),
+        )
+        line += f"; extension {share:g} at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm"
+    return line
+
+
+def _profile(path: Path, along: Along) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
+    """Distance, radius, its standard deviation and r_0 from a CSV file or an imported jet."""
+    if path.suffix != ".nc" and not path.is_dir():
+        from spinline.jetprofile.columns import read_columns
+
+        kinds = {"z": "length", "radius": "length", "radius_std": "length"}
+        columns = read_columns(path, kinds, required=("z", "radius"))
+        return columns["z"], columns["radius"], columns.get("radius_std"), None
+    from spinline.base.netcdf import open_dataset
+    from spinline.jetprofile.lagrangian import LagrangianJet
+
+    if path.is_dir():
+        from spinline.jetprofile.jetspin import read_jetspin
+
+        jet = LagrangianJet.from_dataset(read_jetspin(path)).at()
+    else:
+        dataset = open_dataset(path)
+        if "radius" in dataset and dataset["radius"].dims == ("z",):  # a result of a straight jet
+            return dataset["z"].values, dataset["radius"].values, None, float(dataset.attrs["initial_radius"])
+        jet = LagrangianJet.from_dataset(dataset).at()
+    distance = jet.arc_length if along is Along.arc else 0.5 * (jet.x[1:] + jet.x[:-1])
+    return distance[jet.usable], jet.element_radius[jet.usable], None, jet.initial_radius

@@ -1,0 +1,301 @@
+"""Commands on many scenes and many results: ``sweep``, ``window``, ``compare``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spinline.base.errors import InputError
+from spinline.cli.progress import progress_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from spinline.study.compare import Comparison
+
+__all__ = ["register"]
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
+SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite; a sweep starts anew.")]
+ModelOption = Annotated[str | None, typer.Option("--model", help="Override network.model.")]
+RtolOption = Annotated[str | None, typer.Option("--rtol", help="Override accuracy.rtol.")]
+WorkersOption = Annotated[int | None, typer.Option(metavar="N", help="Processes. Default: as many as it pays for.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the command line."""
+    app.command()(sweep)
+    app.command()(window)
+    app.command()(compare)
+
+
+def sweep(
+    file: Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file, or the name of a bundled sweep.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Store, zarr. Default: SWEEP's name with .zarr.")
+    ] = None,
+    sobol: Annotated[
+        bool, typer.Option("--sobol", help="Sobol' indices: the design that they need, and a table.")
+    ] = False,
+    output: Annotated[list[str] | None, typer.Option(help="Number whose indices to print, repeatable.")] = None,
+    workers: WorkersOption = None,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="dask scheduler, tcp://host:8786.")] = None,
+    json: JsonOption = False,
+    force: ForceOption = False,
+    model: ModelOption = None,
+    rtol: RtolOption = None,
+    set_: SetOption = None,
+) -> None:
+    """Many scenes into one store; run again after a kill, it goes on where it was."""
+    import json as json_
+
+    import numpy as np
+
+    from spinline.study.rows import STATUS_NAMES
+    from spinline.study.sensitivity import OUTPUTS
+    from spinline.study.sensitivity import sobol as sobol_
+    from spinline.study.sweep import load_sweep, run_sweep
+
+    loaded = load_sweep(file, _overrides(model, rtol, set_), sensitivity=sobol)
+    target = out or Path(f"{Path(file).stem}.zarr")
+    with progress_of("scenes") as progress:
+        try:
+            result = run_sweep(loaded, target, workers=workers, scheduler=scheduler, force=force, progress=progress)
+        except KeyboardInterrupt:
+            typer.echo(f"stopped; what is done is in {target}: the same command goes on from there", err=True)
+            raise typer.Exit(130) from None
+    status, counts = np.unique(result["status"].values, return_counts=True)
+    tally = {STATUS_NAMES[int(s)]: int(n) for s, n in zip(status, counts, strict=True)}
+    answer: dict[str, Any] = {"out": str(target), "scenes": int(counts.sum()), **tally,
+                              "computed_by": result.attrs["computed_by"]}  # fmt: skip
+    found = sobol_(result, output or OUTPUTS) if result.attrs["design"] == "sensitivity" else None
+    if json:
+        if found is not None:
+            answer["indices"] = _index_rows(found)
+        typer.echo(json_.dumps(answer))
+        return
+    typer.echo(
+        f"{answer['scenes']} scenes, {', '.join(f'{n} {name}' for name, n in tally.items())}; {answer['computed_by']}"
+    )
+    for name, many in _reasons(result):
+        typer.echo(f"  {many}: {name}")
+    if found is not None:
+        _index_table(found)
+    typer.echo(f"wrote {target}")
+
+
+def window(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")],
+    voltage: Annotated[str, typer.Option(help='"15 kV", or "5 kV .. 25 kV".')],
+    gap: Annotated[str, typer.Option(help='"15 cm", or "10 cm .. 20 cm".')],
+    flow_rate: Annotated[str | None, typer.Option(help='"1 mL/hour .. 10 mL/hour". Default: the scene\'s.')] = None,
+    concentration: Annotated[str | None, typer.Option(help='"3 wt% .. 8 wt%". Default: the scene\'s.')] = None,
+    conductivity: Annotated[str | None, typer.Option(help='"0.01 S/m". Default: the scene\'s.')] = None,
+    humidity: Annotated[str | None, typer.Option(help='Relative, "40 %". Default: the scene\'s.')] = None,
+    k_factor: Annotated[str, typer.Option(help="Band of k over its estimate.")] = "0.5 .. 2",
+    steps: Annotated[int, typer.Option(help="Values in a range.")] = 41,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Map, netCDF. Default: SCENE's name with -window.nc.")
+    ] = None,
+    figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
+    no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
+    json: JsonOption = False,
+    force: ForceOption = False,
+    set_: SetOption = None,
+) -> None:
+    """Map crossover, orientation and dryness over voltage, gap, flow rate and concentration."""
+    import json as json_
+
+    import numpy as np
+
+    from spinline.base.files import writable
+    from spinline.base.units import parse
+    from spinline.scene.file import load_scene
+    from spinline.solve.results import save
+    from spinline.study.window import operating_window
+
+    loaded = load_scene(scene, set_ or [])
+    target = out or Path(f"{Path(scene).stem}-window.nc")
+    picture = None if no_figure else figure or target.with_suffix(".png")
+    for path in filter(None, (target, picture)):
+        writable(path, force=force)
+    if not 2 <= steps <= 2000:
+        raise InputError("--steps", "is out of range", value=steps, allowed="2 to 2000", remedy="take 41")
+    factors = _range(k_factor, "number", "--k-factor", 2)
+    u, g = _range(voltage, "potential", "--voltage", steps), _range(gap, "length", "--gap", steps)
+    q = None if flow_rate is None else _range(flow_rate, "flow rate", "--flow-rate", steps)
+    w = None if concentration is None else _range(concentration, "mass fraction", "--concentration", steps)
+    sigma = None if conductivity is None else parse(conductivity, "conductivity", "--conductivity").value
+    wet = None if humidity is None else parse(humidity, "fraction", "--humidity").value
+    band = (factors[0], factors[-1])
+    with progress_of("scenes") as progress:
+        found = operating_window(
+            loaded,
+            voltage=u,
+            gap=g,
+            flow_rate=q,
+            mass_fraction=w,
+            conductivity=sigma,
+            relative_humidity=wet,
+            k_factor=band,
+            progress=progress,
+        )
+    if picture is not None:
+        from spinline.report.window_figure import save_window_figure
+
+        save_window_figure(found, picture, force=force)
+    save(found, target, force=force)
+    reached = np.isfinite(found["crossover_position"].values).reshape(3, -1).mean(axis=1)
+    k = found["k"].sel(k_factor=1.0).values
+    answer = {"points": int(k.size), "k_low": float(k.min()), "k_high": float(k.max()),
+              "reached_low": float(reached[0]), "reached": float(reached[1]), "reached_high": float(reached[2]),
+              "viscosity_law": found.attrs["viscosity_law"], "air": found.attrs["air"]}  # fmt: skip
+    if json:
+        typer.echo(json_.dumps(answer))
+        return
+    typer.echo(f"k = {k.min():.3g} to {k.max():.3g}, to a factor of {factors[0]:g} to {factors[-1]:g}; "
+               f"viscosity: {answer['viscosity_law']}; drying: {answer['air']}")  # fmt: skip
+    typer.echo(f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
+               f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)")  # fmt: skip
+    typer.echo("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))
+
+
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="A.nc", help="Result of `spinline run`.")],
+    b: Annotated[Path, typer.Argument(metavar="B.nc", help="Another.")],
+    tolerance: Annotated[float, typer.Option(help="Relative difference that is none.")] = 1e-12,
+    json: JsonOption = False,
+) -> None:
+    """What differs between two results: scene, models, numbers, profiles."""
+    import json as json_
+
+    from spinline.solve.results import open_result
+    from spinline.study.compare import compare as compare_
+
+    found = compare_(open_result(a), open_result(b), rtol=tolerance)
+    if json:
+        typer.echo(json_.dumps(found.to_dict(), ensure_ascii=False))
+        return
+    _comparison(found)
+
+
+def _comparison(found: "Comparison") -> None:
+    for heading, texts in (("scene", found.scene), ("models", found.models)):
+        for text in texts:
+            typer.echo(f"{heading:9s}{text.name}: {_shown(text.a)} | {_shown(text.b)}")
+    for s in found.scalars:
+        unit = "" if s.unit in ("", "1") else f" {s.unit}"
+        apart = f", {s.sigmas:.2g} standard uncertainties" if s.sigmas == s.sigmas else ""
+        one, other = (
+            f"{x:.6g}" + (f" ± {std:.2g}" if std == std else "") for x, std in ((s.a, s.a_std), (s.b, s.b_std))
+        )
+        typer.echo(f"number   {s.name}: {one} | {other}{unit} ({_percent(s.relative)}{apart})")
+    for p in found.profiles:
+        alone = f"; {p.one_sided} places in one only" if p.one_sided else ""
+        typer.echo(f"profile  {p.name}: {_percent(p.largest)} at {1e3 * p.position:.4g} mm, "
+                   f"{_percent(p.of_range)} of its largest{alone}")  # fmt: skip
+    for which, names in (("first", found.only_a), ("second", found.only_b)):
+        if names:
+            typer.echo(f"only in the {which}: {', '.join(names)}")
+    if found.not_compared:
+        typer.echo(f"not compared, other places across the jet: {', '.join(found.not_compared)}")
+    if found.same:
+        typer.echo(f"no number differs by more than {found.rtol:g}")
+    if found.places:
+        typer.echo(
+            f"profiles compared at {found.places} places, {1e3 * found.span[0]:.4g} to {1e3 * found.span[1]:.4g} mm"
+        )
+    else:
+        typer.echo("the jets do not overlap: no profile was compared")
+
+
+def _shown(value: Any) -> str:
+    text = "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= 100 else text[:97] + "..."
+
+
+def _percent(share: float) -> str:
+    return "one is not a number" if share != share else f"{100 * share:.3g} %"
+
+
+def _overrides(model: str | None, rtol: str | None, overrides: list[str] | None) -> list[str]:
+    forced = list(overrides or [])
+    if model is not None:
+        forced.append(f'network.model="{model}"')
+    if rtol is not None:
+        forced.append(f"accuracy.rtol={rtol}")
+    return forced
+
+
+def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
+    """``"5 kV .. 25 kV"`` as so many values; one value alone."""
+    import numpy as np
+
+    from spinline.base.units import parse
+
+    ends = [end.strip() for end in text.split("..")]
+    if len(ends) > 2:
+        raise InputError(field, "is neither a value nor a range", value=text, remedy='write it as "5 kV .. 25 kV"')
+    if len(ends) == 2 and _bare(ends[0]):  # "5 .. 25 kV": the unit is that of the other end
+        ends[0] += " " + ends[1].lstrip("+-0123456789.eE ")
+    numbers = [parse(end, kind, field).value for end in ends]
+    if kind == "mass fraction" and max(numbers) > 1:
+        percent = text if "%" in text else f"{text} wt%"
+        raise InputError(field, "is more than polymer alone", value=text, allowed="0 to 1, or 0 wt% to 100 wt%",
+                         remedy=f'percent by mass are written "{percent}"')  # fmt: skip
+    if len(numbers) == 1:
+        return numbers
+    if not numbers[0] < numbers[1]:
+        raise InputError(field, "does not rise", value=text, remedy="swap its ends")
+    return [float(x) for x in np.linspace(numbers[0], numbers[1], steps)]
+
+
+def _bare(text: str) -> bool:
+    """Whether a text is a number without a unit."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _reasons(result: "xr.Dataset", most: int = 5) -> list[tuple[str, int]]:
+    """The commonest reasons, values left out, with how often."""
+    import re
+    from collections import Counter
+
+    reasons = result["reason"].values
+    bad = reasons[result["status"].values != 0]
+    tally = Counter(re.sub(r" = [^:]+:", ":", str(reason)) for reason in bad)
+    return tally.most_common(most)
+
+
+def _index_rows(found: "xr.Dataset") -> list[dict[str, Any]]:
+    from spinline.solve.results import plain
+
+    rows = []
+    for output in found["output"].values:
+        for parameter in found["parameter"].values:
+            at = found.sel(output=output, parameter=parameter)
+            row = {str(name): plain(float(at[name])) for name in found.data_vars if "parameter" in found[name].dims}
+            rows.append({"output": str(output), "parameter": str(parameter), **row})
+    return rows
+
+
+def _index_table(found: "xr.Dataset") -> None:
+    share = 100 * float(found.attrs["confidence"])
+    typer.echo(f"Sobol' indices, {share:g} % intervals; first order | total")
+    for output in found["output"].values:
+        one = found.sel(output=output)
+        typer.echo(f"{output}: {float(one['mean']):.4g} +/- {float(one['std']):.2g}")
+        if not one["first_order"].notnull().any():
+            typer.echo("  does not vary")
+            continue
+        for parameter in found["parameter"].values:
+            at = one.sel(parameter=parameter)
+            text = " | ".join(
+                f"{float(at[k]):6.3f} [{float(at[k + '_low']):6.3f}, {float(at[k + '_high']):6.3f}]"
+                for k in ("first_order", "total_order")
+            )
+            typer.echo(f"  {parameter:28s} {text}")

@@ -1,0 +1,1 @@
+"""The jet as it dries: places along it, and across it."""

@@ -1,0 +1,1 @@
+"""Parameters from measurements: observations, problems, least squares, posterior, diagnostics."""

@@ -1,0 +1,114 @@
+"""Rung ``conformation`` of the ladder: how far the strands are stretched while they relax, and the stress they carry.
+
+The material stretch drives the conformation tensor along every element, straight or bent; relaxation time and modulus follow
+the local concentration. The stretch ``w = sqrt(A_zz)`` then goes through the closure as the affine ``w = V`` does: theta -> inf
+gives the affine rung, theta -> 0 the network at rest. What relaxes flows with the solution: it does not slip.
+
+Strands keep the length they had at the nozzle, ``N_s = phi_0^-2`` in a theta solvent: drying makes no new entanglements.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+from spinline.setup.material import Material
+
+if TYPE_CHECKING:
+    from spinline.rheology.conformation import Model
+
+_RTOL = 1e-8  # far below what the closures differ by
+
+__all__ = ["Stretching", "stretch_strands"]
+
+
+@dataclass(frozen=True, eq=False)
+class Stretching:
+    """Strands at every sample (n,).
+
+    Attributes
+    ----------
+    stretch, contraction : ndarray
+        ``sqrt(A_zz)`` and ``sqrt(A_rr)``, over the size at rest.
+    relaxation_time : ndarray
+        theta at the local concentration, s.
+    weissenberg : ndarray
+        theta times the strain rate, both local.
+    stress, radial_stress, tensile_force : ndarray or None
+        Axial and radial extra stress (Pa), and the force on the cross-section (N); None where the viscosity is not known.
+    model : Model
+        Constitutive model.
+    """
+
+    stretch: FloatArray
+    contraction: FloatArray
+    relaxation_time: FloatArray
+    weissenberg: FloatArray
+    stress: FloatArray | None
+    radial_stress: FloatArray | None
+    tensile_force: FloatArray | None
+    model: "Model"
+
+
+def stretch_strands(
+    material: Material,
+    model: "Model",
+    time: FloatArray,
+    stretch_ratio: FloatArray,
+    fraction: FloatArray,
+    radius: FloatArray,
+    strain_rate: FloatArray | None = None,
+) -> Stretching:
+    """Conformation and stress along an element that sets out at rest.
+
+    Parameters
+    ----------
+    material, model
+        Of the scene.
+    time, stretch_ratio, fraction, radius : ndarray, (n,)
+        Age of the element (s, increasing), material stretch, local polymer fraction, jet radius (m).
+    strain_rate : ndarray, (n,), optional
+        1/s; raises the order of the integration.
+
+    Raises
+    ------
+    InputError
+        For a missing property, or a history that a linear model cannot hold.
+    """
+    from spinline.rheology.conformation import FENEP, OldroydB, conformation, tensile_force
+
+    theta = material.relaxation_time(fraction)
+    late = time[0] > 0
+    if late:  # from the nozzle, where everything is at rest, to the first element of a bead jet
+        start = float(material.relaxation_time(np.asarray([material.solution.volume_fraction]))[0])
+        along = [np.concatenate(([first], values)) for first, values in
+                 ((0.0, time), (1.0, stretch_ratio), (start, theta))]  # fmt: skip
+        rate = None
+    else:
+        along, rate = [time, stretch_ratio, theta], strain_rate
+    try:
+        state = conformation(along[0], along[1], along[2], model, strain_rate=rate, rtol=_RTOL)
+    except InputError as error:
+        other = "UCM" if isinstance(model, FENEP) else "FENE-P"
+        remedy = f'{error.remedy or "see the jet"}; or rheology.constitutive = "{other}"'
+        raise InputError(f"jet: {error.field}", error.problem, value=error.value, allowed=error.allowed,
+                         remedy=remedy) from None  # fmt: skip
+    cut = slice(1, None) if late else slice(None)
+    stress = radial = force = None
+    if material.solution.viscosity is not None or material.laws.law == "martin":
+        viscosity = material.viscosity(fraction)
+        if isinstance(model, OldroydB):
+            viscosity = viscosity - model.solvent_viscosity
+            if (viscosity <= 0).any():
+                raise InputError("solution.viscosity", "is not above the solvent's, as Oldroyd-B needs",
+                                 value=float(viscosity.min()) + model.solvent_viscosity, remedy="raise it")  # fmt: skip
+        modulus = viscosity / theta
+        every = np.concatenate((modulus[:1], modulus)) if late else modulus
+        both = state.stress(every)
+        stress, radial = both[0][cut], both[1][cut]
+        force = tensile_force(stress, radial, radius)
+    return Stretching(
+        state.stretch[cut], state.contraction[cut], theta, state.weissenberg[cut], stress, radial, force, model
+    )

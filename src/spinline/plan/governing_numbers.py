@@ -1,0 +1,246 @@
+"""The numbers that say which physics a jet needs, and by how much an answer errs that leaves it out.
+
+Nothing is run: closed forms, and the flat balance of evaporation where the air is known (about 10 ms). What cannot be said for
+want of data is NaN, with the reason.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spinline.base.errors import InputError
+from spinline.drying.along_jet import biot_number, check_radial, dry, element_path, fourier_number, peclet_number
+from spinline.jetprofile.straight import StraightJet
+from spinline.network.coupling import strand_force
+from spinline.network.mesh import network_at_rest
+from spinline.network.state import network_state
+from spinline.plan.estimates import Effect, relaxation_effect
+from spinline.rheology.solution import Solution
+from spinline.rheology.vapour import equilibrium_fraction
+from spinline.scene.file import Scene
+from spinline.setup.air import build_air
+from spinline.setup.build import bead_ages, coupling, coupling_error, drag_of_solvent, jet_grid, jet_length
+from spinline.setup.material import diffusion_law
+
+if TYPE_CHECKING:
+    from spinline.jetprofile.lagrangian import LagrangianJet
+
+__all__ = ["EffectNumbers", "deborah_number", "effect_numbers"]
+
+_NAN = float("nan")
+_PLACES = 201
+
+
+@dataclass(frozen=True)
+class EffectNumbers:
+    """Numbers that decide; NaN where data are missing.
+
+    Attributes
+    ----------
+    stretch : float
+        Largest material stretch.
+    deborah : float
+        ``theta edot`` at the crossover, or at the end of a jet that does not reach it.
+    slip : float
+        Largest ``eps V'``, the relative error of w = V against elastic slip.
+    inertia : float
+        I of the network: the scene's, or that of the polymer of a mesh.
+    evaporated_fraction : float
+        Volume lost by the end of the jet.
+    drying_biot, drying_peclet, fourier : float
+        At the end of the jet; Peclet the largest along it.
+    force : float
+        Affine end force f_z of a strand at the end.
+    core_fraction : float
+        Polymer fraction of the core there, exact walk, held at 1.
+    slip_ratio : float
+        ``V/(xi_par/xi_0)`` there: how far an affine force falls behind an affine stretch.
+    strand_force : float
+        Force on a strand there, N.
+    errors : dict
+        Estimate of the relative error of leaving out "slip", "inertia", "relaxation", "evaporation", "radial".
+    missing : dict
+        Why an effect has no estimate.
+    relaxation : Effect
+        The estimate of relaxation.
+    """
+
+    stretch: float
+    deborah: float
+    slip: float
+    inertia: float
+    evaporated_fraction: float
+    drying_biot: float
+    drying_peclet: float
+    fourier: float
+    force: float
+    core_fraction: float
+    slip_ratio: float
+    strand_force: float
+    relaxation: Effect
+    errors: dict[str, float] = field(default_factory=dict)
+    missing: dict[str, str] = field(default_factory=dict)
+
+
+def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> EffectNumbers:
+    """Numbers of a scene; of a bead jet with many times, those of the last.
+
+    Parameters
+    ----------
+    scene, solution, jet
+        A scene and what `build_solution` and `build_jet` make of it.
+
+    Returns
+    -------
+    EffectNumbers
+
+    Raises
+    ------
+    InputError
+        For a scene that cannot be right; not for one that leaves something out.
+
+    Notes
+    -----
+    Errors: slip and inertia ``eps V'`` and ``I V'``; relaxation what a strand gives back on the way (`estimates`), along
+    bead jets ``1/De``, at most 1; evaporation the relative change of the mean fraction; radial the difference between surface
+    and mean over the mean, ``Pe (a - a_inf)/2`` once diffusion has crossed the jet, ``4 (Fo/pi)^(1/2)`` of that before, at most
+    what a surface in equilibrium with the air has.
+    """
+    if not isinstance(jet, StraightJet) and jet.time is not None:
+        jet = jet.at()
+    phi, quality = solution.volume_fraction, scene.network.solvent_quality
+    missing: dict[str, str] = {}
+    stretch = _largest_stretch(scene, jet)
+    state = network_state(stretch, stretch, phi, closure=scene.network.closure_used, solvent_quality=quality)
+    walk = state.conformation
+    de = _NAN
+    if solution.relaxation_time is None:
+        missing["relaxation"] = "solution.relaxation_time is not given"
+    else:
+        de = deborah_number(scene, solution, jet)
+    if isinstance(jet, StraightJet):
+        relaxing = relaxation_effect(scene, solution, jet, de)
+    else:
+        about = _NAN if np.isnan(de) else min(1.0, 1 / de) if de > 0 else 1.0
+        relaxing = Effect("relaxation", "De", de, about, missing.get("relaxation", "about 1/De"))
+    slip, inertia, steepest = _slip(scene, solution, jet, missing)
+    lost, biot, peclet, fourier, uneven = _drying(scene, solution, jet, missing)
+    return EffectNumbers(
+        stretch=stretch,
+        deborah=de,
+        slip=slip,
+        inertia=inertia,
+        evaporated_fraction=lost,
+        drying_biot=biot,
+        drying_peclet=peclet,
+        fourier=fourier,
+        force=float(walk.force),
+        core_fraction=float(state.core_polymer_fraction),
+        slip_ratio=stretch / float(walk.axial_stretch),
+        strand_force=float(strand_force(walk.force, solution.kuhn_length, solution.temperature)),
+        relaxation=relaxing,
+        errors={
+            "slip": slip,
+            "inertia": inertia * steepest,
+            "relaxation": relaxing.error,
+            "evaporation": abs(lost / (1 - lost)) if lost < 1 else np.inf if lost >= 1 else _NAN,
+            "radial": uneven,
+        },
+        missing=missing,
+    )
+
+
+def deborah_number(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> float:
+    """``theta edot`` where the network is fully stretched, or at the end; in bead jets edot is the mean rate to there.
+
+    Raises
+    ------
+    InputError
+        Where the relaxation time, or the time along a bead jet, is not known.
+    """
+    if solution.relaxation_time is None:
+        raise InputError("solution.relaxation_time", "is missing", remedy="give it")
+    full = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).full_stretch)
+    if isinstance(jet, StraightJet):
+        place = float(np.fmin(jet.position_of(full), jet_length(scene, jet)))
+        return solution.relaxation_time * float(jet.strain_rate(place))
+    time, stretch = bead_ages(jet)[0][jet.usable], jet.stretch[jet.usable]
+    if not np.isfinite(time).all():
+        return _NAN
+    reached = np.flatnonzero(stretch >= full)
+    i = int(reached[0]) if reached.size else int(np.argmax(stretch))
+    return solution.relaxation_time * float(np.log(stretch[i]) / time[i])
+
+
+def _largest_stretch(scene: Scene, jet: "StraightJet | LagrangianJet") -> float:
+    if isinstance(jet, StraightJet):
+        return float(jet.stretch_ratio(jet_length(scene, jet)))
+    return float(jet.stretch[jet.usable].max())
+
+
+def _slip(
+    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", missing: dict[str, str]
+) -> tuple[float, float, float]:
+    """``eps V'``, I and V'."""
+    if not isinstance(jet, StraightJet):
+        missing["slip"] = missing["inertia"] = "not estimated along bead jets"
+        return _NAN, _NAN, _NAN
+    slip = coupling_error(scene, solution, jet)
+    alpha, _, words = coupling(scene, solution, jet)
+    if np.isnan(slip):
+        missing["slip"] = missing["inertia"] = words
+        return _NAN, _NAN, _NAN
+    steepest = slip * alpha / scene.network.spring.value
+    inertia = scene.network.inertia.value
+    if inertia == 0:
+        try:
+            viscosity = drag_of_solvent(scene, solution, "the inertia of the network")[0]
+        except InputError as error:
+            missing["inertia"] = str(error)
+            return slip, _NAN, steepest
+        xi = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).size) * solution.kuhn_length
+        mass = solution.volume_fraction * solution.polymer.density * xi**3
+        inertia = mass * jet.initial_velocity / (xi * viscosity * jet.initial_radius)
+    return slip, inertia, steepest
+
+
+def _drying(
+    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", missing: dict[str, str]
+) -> tuple[float, float, float, float, float]:
+    """Evaporated fraction, Biot, Peclet and Fourier numbers, and how uneven the jet is."""
+    if scene.ambient is None and True not in (scene.effects.evaporation, scene.effects.radial):
+        missing["evaporation"] = missing["radial"] = "there is no [ambient]"
+        return (_NAN,) * 5
+    try:
+        air = build_air(scene, solution)
+        age = None if isinstance(jet, StraightJet) else bead_ages(jet)[0][jet.usable]
+        path = element_path(jet, _places(scene, jet), age)
+        dried = dry(path, solution, air)
+    except InputError as error:
+        missing["evaporation"] = missing["radial"] = str(error)
+        return (_NAN,) * 5
+    lost = float(dried.lost[-1])
+    try:
+        diffusion = diffusion_law(scene)
+        check_radial(air)
+    except InputError as error:
+        missing["radial"] = str(error)
+        return lost, _NAN, _NAN, _NAN, _NAN
+    phi = solution.volume_fraction
+    peclet = peclet_number(dried, air, diffusion, phi)
+    biot, fourier = biot_number(peclet, dried, air, phi), fourier_number(dried, diffusion, phi)
+    only = air.volatiles[0]
+    mean = np.minimum(phi / dried.remaining, 1.0)
+    pull = np.abs((1 - mean) * np.exp(mean * (1 + only.chi * mean)) - only.ambient)  # below 0 a jet takes vapour up
+    # what pulls at a place lasts to the next: a jet may dry out between two; no surface goes beyond equilibrium
+    after = np.append(fourier[1:], fourier[-1])
+    balanced = equilibrium_fraction(only.ambient, only.chi) if 0 < only.ambient < 1 else 1.0
+    uneven = np.minimum(0.5 * peclet * pull * np.minimum(1.0, 4 * np.sqrt(after / np.pi)), np.abs(balanced / mean - 1))
+    return lost, float(biot[-1]), float(peclet.max()), float(fourier[-1]), float(uneven.max())
+
+
+def _places(scene: Scene, jet: "StraightJet | LagrangianJet") -> np.ndarray:
+    if not isinstance(jet, StraightJet):
+        return np.asarray(jet.arc_length[jet.usable])
+    return jet_grid(jet, jet_length(scene, jet), _PLACES)

@@ -1,0 +1,223 @@
+"""The figure of a run: radius, stretch and orientation, concentration, with the crossover (S) and the glass (G) marked.
+
+Readable in grey: every curve has its own line style. Colours are those of Okabe and Ito, told apart by the colour-blind.
+"""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from spinline.report.style import (
+    BLUE,
+    DPI,
+    GREEN,
+    GREY,
+    LEGEND,
+    ORANGE,
+    PURPLE,
+    QUICK,
+    RED,
+    SheetAxes,
+    check_format,
+    grid,
+    save_sheet,
+    shade_between,
+    sheet_of,
+    titled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["check_format", "figure", "headline", "png", "save_figure", "shade"]
+
+
+def figure(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
+    """Figure of a result; of its last time, if it has several.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `spinline.run`.
+    axes : array of matplotlib axes, optional
+        Where to draw: 4, or 6 where the jet dries or relaxes, in reading order; a new sheet if left out.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The one that holds the axes.
+    """
+    if "time" in result.dims:
+        result = result.isel(time=-1)
+    rows = 3 if "evaporated_fraction" in result or "deborah_number" in result else 2
+    height = 6.6 if rows == 2 else 9.4
+    own = axes is None
+    sheet, axes = sheet_of(axes, rows, 2, (9.0, height), sharex=True)
+    if own:  # fixed margins: laying out by trial draws takes as long as the rest of a run
+        below, above = 0.46 / height, 1 - 0.56 / height
+        sheet.subplots_adjust(left=0.075, right=0.985, bottom=below, top=above, wspace=0.2, hspace=0.05)
+    beads = "element" in result.dims
+    if beads:
+        result = result.isel(element=np.flatnonzero(np.isfinite(result["stretch_ratio"].values)))
+    place = 1e3 * result["arc_length" if beads else "z"].values
+    _radii(axes[0, 0], place, result)
+    _strands(axes[0, 1], place, result)
+    _stretches(axes[1, 0], place, result)
+    _fractions(axes[1, 1], place, result)
+    if rows == 3:
+        from spinline.report.drying_figure import across, along
+
+        across(axes[2, 0], place, result)
+        along(axes[2, 1], place, result)
+    if beads:
+        axes[0, 0].set_xscale("log")
+    else:
+        axes[0, 0].set_xlim(place[0], place[-1])
+    for axis in axes.flat:
+        _mark(axis, result, "white" if any(isinstance(drawn, QuadMesh) for drawn in axis.collections) else "black")
+        grid(axis)
+    for axis in axes[-1]:
+        axis.set_xlabel("arc length from the nozzle (mm)" if beads else "distance from the nozzle z (mm)")
+    said = f"; bands and bars: 68, 95 % of {result.attrs['uncertain_inputs']}" if "bands" in result.attrs else ""
+    title = f"{result.attrs['title']}\n{headline(result)}{said}"
+    titled(sheet, own, title, fontsize=10.5 if len(said) < 40 else 8.5, y=0.985)
+    return sheet
+
+
+def headline(result: xr.Dataset) -> str:
+    """The crossover in a line."""
+    position, radius = float(result["crossover_position"]), float(result["crossover_radius"])
+    if np.isnan(position):
+        return f"full stretch (V = {float(result['crossover_velocity_ratio']):.3g}) is not reached within this jet"
+    ratio = float(result["crossover_radius_ratio"])
+    return (
+        f"fully stretched at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm = {ratio:.3g} of the initial radius"
+    )
+
+
+def png(result: xr.Dataset, dpi: int = DPI) -> bytes:
+    """The figure as PNG bytes."""
+    buffer = io.BytesIO()
+    figure(result).savefig(buffer, format="png", dpi=dpi, pil_kwargs=QUICK)
+    return buffer.getvalue()
+
+
+def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+    """Write the figure; the file's ending says the format (.png, .pdf, .svg).
+
+    Raises
+    ------
+    InputError
+        For another ending, or a file that cannot be written.
+    """
+    check_format(path)
+    return save_sheet(figure(result), path, force=force)
+
+
+def shade(
+    axis: "Axes", place: Any, result: xr.Dataset, name: str, colour: str, factor: float = 1.0, *, positive: bool = False
+) -> None:
+    """Bands of 68 and 95 % of a variable, where the inputs carry an uncertainty; `positive` leaves zeros out (logarithms)."""
+    if f"{name}_band" not in result:
+        return
+    rows = factor * result[f"{name}_band"].values
+    if positive:
+        rows = np.where(rows > 0, rows, np.nan)
+    shade_between(axis, place, rows, colour)
+
+
+def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    for name, colour in (("network_radius", BLUE), ("radius", GREY)):
+        shade(axis, place, result, name, colour, 1e6)
+    axis.plot(place, 1e6 * result["radius"], color=GREY, linewidth=2, label="jet $r$")
+    axis.plot(place, 1e6 * result["network_radius"], color=BLUE, linestyle="--", label="network $r_P$, Eq. (39)")
+    axis.plot(
+        place, 1e6 * result["network_radius_conservative"], color=ORANGE, linestyle=":", label="network, flux conserved"
+    )
+    axis.set_yscale("log")
+    axis.yaxis.set_minor_formatter(NullFormatter())
+    axis.set_ylabel("radius (µm)")
+    axis.legend(**LEGEND)
+
+
+def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    for name, colour in (("relative_extension", BLUE), ("orientation", GREEN), ("radial_contraction", RED)):
+        shade(axis, place, result, name, colour)
+    axis.plot(place, result["relative_extension"], color=BLUE, label=r"extension $\xi_\parallel/\xi_{\max}$")
+    axis.plot(place, result["orientation"], color=GREEN, linestyle="-.", label="orientation $O$")
+    axis.plot(place, result["radial_contraction"], color=RED, linestyle="--", label=r"contraction $\xi_\perp/\xi_0$")
+    axis.set_ylim(-0.05, 1.05)
+    axis.set_ylabel("strands")
+    axis.legend(**LEGEND, loc="center right")
+
+
+def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    shade(axis, place, result, "stretch_ratio", GREY)
+    if "deborah_number" in result:
+        shade(axis, place, result, "network_velocity_ratio", GREEN)
+    shade(axis, place, result, "axial_stretch", BLUE)
+    axis.plot(place, result["stretch_ratio"], color=GREY, linewidth=2, label="solution, material stretch")
+    if "deborah_number" in result:
+        axis.plot(place, result["network_velocity_ratio"], color=GREEN, linestyle="-.", label="network $w$")
+    axis.plot(place, result["axial_stretch"], color=BLUE, linestyle="--", label=r"strands $\xi_\parallel/\xi_0$")
+    contour = float(result["crossover_velocity_ratio"])
+    if "crossover_velocity_ratio_band" in result:
+        ends = result["crossover_velocity_ratio_band"].values
+        for low, high, alpha in ((0, 4, 0.14), (1, 3, 0.24)):
+            axis.axhspan(ends[low], ends[high], color=PURPLE, alpha=alpha, linewidth=0)
+    axis.axhline(
+        contour, color=PURPLE, linestyle=":", linewidth=1.2, label=rf"contour $\xi_{{\max}}/\xi_0$ = {contour:.3g}"
+    )
+    axis.set_yscale("log")
+    axis.set_ylabel("stretch ratio")
+    axis.legend(**LEGEND, loc="lower right")
+
+
+def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+    shade(axis, place, result, "core_polymer_fraction", BLUE)
+    shade(axis, place, result, "mean_polymer_fraction", GREY)
+    axis.plot(place, result["core_polymer_fraction"], color=BLUE, linestyle="--", label="core, exact walk")
+    axis.plot(place, result["core_polymer_fraction_eq40"], color=RED, linestyle="-.", label="core, Eq. (40)")
+    axis.plot(
+        place, result["core_polymer_fraction_conservative"], color=ORANGE, linestyle=":", label="core, flux conserved"
+    )
+    axis.plot(place, result["mean_polymer_fraction"], color=GREY, linewidth=2, label="mean of the section")
+    axis.set_yscale("log")
+    axis.set_ylim(top=1.4)
+    axis.set_ylabel("polymer volume fraction")
+    dry = float(result["mean_polymer_fraction"].values[-1]) > 0.3  # then the curves end in the corner above
+    axis.legend(**LEGEND, loc="lower right" if dry else "upper left")
+
+
+def _span(axis: "Axes", ends: Any, colour: str) -> None:
+    """Where a mark may be, 68 and 95 %, as bars at the foot; to the end of the jet where the upper end lies beyond it."""
+    edge = axis.get_xlim()[1]
+    for low, high, width in ((0, 4, 2.0), (1, 3, 5.0)):
+        if np.isfinite(ends[low]):
+            high_end = ends[high] if np.isfinite(ends[high]) else edge
+            axis.plot((ends[low], high_end), (0.015, 0.015), color=colour, linewidth=width, alpha=0.55, solid_capstyle="butt",
+                      transform=axis.get_xaxis_transform(), zorder=5)  # fmt: skip
+
+
+def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:
+    for name, style, label in (
+        ("crossover", "-", "S"),
+        ("crossover_extension", (0, (1, 3)), ""),
+        ("frozen", "--", "G"),
+    ):
+        position = 1e3 * float(result[f"{name}_position"]) if f"{name}_position" in result else np.nan
+        if f"{name}_position_band" in result and label:
+            _span(axis, 1e3 * result[f"{name}_position_band"].values, colour)
+        if np.isfinite(position):
+            axis.axvline(position, color=colour, linewidth=0.9, linestyle=style)
+            if label:
+                axis.annotate(
+                    label, (position, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points",
+                    va="top", fontsize=9, fontweight="bold", color=colour,
+                )  # fmt: skip

@@ -1,0 +1,126 @@
+"""How figures look, once: colours, bands, legends, sheets of axes, and how they are written.
+
+Readable in grey: every curve has its own line style. Colours are those of Okabe and Ito, told apart by the colour-blind.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from spinline.base.errors import InputError
+from spinline.base.files import replacing
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+__all__ = [
+    "BANDS",
+    "DPI",
+    "LEGEND",
+    "QUICK",
+    "SheetAxes",
+    "check_format",
+    "grid",
+    "save_sheet",
+    "shade_between",
+    "sheet_of",
+    "titled",
+]
+
+BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#555555"
+BANDS = ((0, 4, 0.15), (1, 3, 0.26))  # of the quantiles: 95 and 68 %, with their opacity
+LEGEND: dict[str, Any] = {"fontsize": 8, "framealpha": 0.9, "edgecolor": "none"}
+DPI = 130
+SheetAxes = Any  # one Axes, or an array or list of them
+_FORMATS = {".png", ".pdf", ".svg"}
+QUICK = {"compress_level": 3}  # of PNG: half the time, a tenth more bytes
+
+
+def sheet_of(
+    axes: SheetAxes, rows: int, columns: int, size: tuple[float, float], *, sharex: bool = False, **layout: Any
+) -> tuple[Figure, np.ndarray[tuple[int, int], np.dtype[np.object_]]]:
+    """The axes to draw into: those given, or those of a new sheet.
+
+    Parameters
+    ----------
+    axes : Axes, array or list of Axes, or None
+        Where a caller wants the panels: rows * columns of them, in reading order. None makes a sheet.
+    rows, columns : int
+        Panels.
+    size : tuple of float
+        Inches, of a new sheet.
+    sharex : bool
+        Of a new sheet.
+    **layout
+        For the new Figure (``layout="constrained"``).
+
+    Returns
+    -------
+    figure, axes
+        The Figure that holds the axes, and the axes with shape (rows, columns).
+
+    Raises
+    ------
+    InputError
+        For another number of axes.
+    """
+    if axes is None:
+        sheet = Figure(figsize=size, **layout)
+        FigureCanvasAgg(sheet)
+        return sheet, sheet.subplots(rows, columns, sharex=sharex, squeeze=False)
+    given = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
+    if given.size != rows * columns or not all(isinstance(axis, Axes) for axis in given):
+        raise InputError("axes", f"has {given.size} where the figure has {rows} x {columns} panels",
+                         remedy=f"give {rows * columns} matplotlib axes")  # fmt: skip
+    figure = given[0].get_figure(root=True)
+    assert isinstance(figure, Figure)
+    return figure, given.reshape(rows, columns)
+
+
+def titled(sheet: Figure, own: bool, text: str, **style: Any) -> None:
+    """Title of a sheet of ours; a sheet that the caller made keeps its own."""
+    if own:
+        sheet.suptitle(text, **style)
+
+
+def grid(axis: Axes) -> None:
+    """Light lines below the curves."""
+    axis.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+    axis.set_axisbelow(True)
+
+
+def shade_between(axis: Axes, place: "ArrayLike", rows: Any, colour: str) -> None:
+    """Bands of 95 and 68 % from five rows of quantiles."""
+    for low, high, alpha in BANDS:
+        axis.fill_between(place, rows[low], rows[high], color=colour, alpha=alpha, linewidth=0)
+
+
+def check_format(path: str | Path) -> Path:
+    """Return the path if its ending is a picture format, refuse it otherwise."""
+    file = Path(path)
+    if file.suffix.lower() not in _FORMATS:
+        raise InputError(
+            str(path), "has no known picture format", value=file.suffix, allowed=", ".join(sorted(_FORMATS))
+        )
+    return file
+
+
+def save_sheet(sheet: Figure, path: str | Path, *, force: bool = False, dpi: int = DPI) -> Path:
+    """Write a figure; the file's ending says the format (.png, .pdf, .svg).
+
+    Raises
+    ------
+    InputError
+        For another ending, or a file that cannot be written.
+    """
+    file = check_format(path)
+    with replacing(file, force=force) as part:
+        if file.suffix.lower() == ".png":
+            sheet.savefig(part, dpi=dpi, format="png", pil_kwargs=QUICK)
+        else:
+            sheet.savefig(part, format=file.suffix[1:].lower())
+    return file

@@ -1,0 +1,97 @@
+"""Sections of a scene about the air and the solution as it dries: ``[ambient]``, ``[rheology]``, ``[effects]``."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from spinline.base.units import Measured
+from spinline.scene.quantities import (
+    Diffusivity,
+    Fraction,
+    IntrinsicViscosity,
+    Number,
+    NumberOrZero,
+    Pressure,
+    Proper,
+    Section,
+    Temperature,
+    Velocity,
+)
+
+__all__ = ["AmbientSection", "EffectsSection", "RheologySection", "refusal"]
+
+
+def refusal(key: str, problem: str) -> PydanticCustomError:
+    """Error of a section as a whole, said of one of its keys."""
+    return PydanticCustomError("refusal", "{problem}", {"key": key, "problem": problem, "allowed": "", "remedy": ""})
+
+
+class AmbientSection(Section):
+    """``[ambient]``: the air; what evaporation needs. The last three replace what the property library gives."""
+
+    relative_humidity: Fraction | None = None
+    temperature: Temperature | None = None
+    pressure: Pressure | None = None
+    air_velocity: Velocity | None = None
+    air_viscosity: Diffusivity | None = None
+    vapour_diffusivity: Diffusivity | None = None
+    saturation: Number | None = None
+
+
+# parameter, the choice it belongs to, the law that uses it, whether that law cannot do without
+_PARAMETERS = (
+    ("intrinsic_viscosity", "law", "martin", True),
+    ("martin_constant", "law", "martin", True),
+    ("mobility", "constitutive", "Giesekus", True),
+    ("extensibility", "constitutive", "FENE-P", False),
+    ("D_decay", "D_law", "exponential", True),
+    ("D_gap", "D_law", "free-volume", True),
+    ("D_growth", "D_law", "free-volume", True),
+)
+
+
+class RheologySection(Section):
+    """``[rheology]``: how viscosity, relaxation and diffusion follow the concentration, and how the solvent leaves."""
+
+    law: Literal["yarin", "scaling", "martin", "constant"] = "yarin"
+    B: NumberOrZero = Measured(7.0, 0.0, "7")
+    m: Number = Measured(0.1, 0.0, "0.1")
+    n: Annotated[float, Field(ge=-10, le=10)] | None = None
+    intrinsic_viscosity: IntrinsicViscosity | None = None
+    martin_constant: NumberOrZero | None = None
+    constitutive: Literal["auto", "UCM", "Oldroyd-B", "Giesekus", "FENE-P"] = "auto"
+    mobility: Fraction | None = None
+    extensibility: Number | None = None
+    convention: Literal["mass", "yarin2001"] = "mass"
+    activity: Literal["flory-huggins", "raoult", "unit"] = "flory-huggins"
+    chi: Annotated[float, Field(ge=-5, le=5)] | None = None
+    sherwood_floor: NumberOrZero = Measured(0.0, 0.0, "0")
+    D_law: Literal["constant", "exponential", "free-volume"] = "constant"
+    diffusivity: Diffusivity | None = None
+    D_decay: NumberOrZero | None = None
+    D_gap: Number | None = None
+    D_growth: NumberOrZero | None = None
+    vitrification_fraction: Proper | None = None
+
+    @model_validator(mode="after")
+    def _parameters_have_a_law(self) -> Self:
+        chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law}
+        for key, choice, needed, must in _PARAMETERS:
+            given, used = getattr(self, key) is not None, chosen[choice]
+            if given and used != needed and not (key == "extensibility" and used == "auto"):
+                raise refusal(key, f'is given, but {choice} = "{used}" does not use it; drop it, or take "{needed}"')
+            if must and not given and used == needed:
+                raise refusal(key, f'is missing: {choice} = "{needed}" needs it')
+        return self
+
+
+Switch = Literal["auto", True, False]
+
+
+class EffectsSection(Section):
+    """``[effects]``: which physics to include; "auto" takes what exceeds rtol and has its data."""
+
+    evaporation: Switch = "auto"
+    relaxation: Switch = "auto"
+    radial: Switch = "auto"

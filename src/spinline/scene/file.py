@@ -1,0 +1,428 @@
+"""The scene file: what a user writes, checked, with every quantity in SI.
+
+A scene is TOML. Quantities are text with their unit; unknown keys are refused and the nearest known one is suggested.
+`load_scene` reads a path or the name of a bundled scene; `Scene.model_validate` checks a dictionary.
+"""
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeVar
+
+from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from spinline.base.errors import InputError
+from spinline.base.units import Measured
+from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
+from spinline.scene.quantities import (
+    Conductivity,
+    Density,
+    ElectricField,
+    Exponent,
+    FlowRate,
+    KuhnLength,
+    Length,
+    Lifetime,
+    MassFraction,
+    MolarMass,
+    Number,
+    NumberOrZero,
+    Section,
+    Sheet,
+    Temperature,
+    Time,
+    VapourPressure,
+    Viscosity,
+    VolumeFraction,
+)
+
+__all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
+
+
+_Sheet = TypeVar("_Sheet", bound=Sheet)
+_LONGEST = 1_000_000  # characters of a scene
+
+
+class PolymerData(Section):
+    """A polymer that is not built in."""
+
+    name: str = "polymer"
+    density: Density
+    repeat_unit_molar_mass: MolarMass | None = None
+    backbone_bonds: Annotated[int, Field(ge=1, le=1000)] | None = None
+
+
+class SolventData(Section):
+    """A solvent that is not built in; molar mass and vapour pressure matter to evaporation only."""
+
+    name: str = "solvent"
+    density: Density
+    molar_mass: MolarMass | None = None
+    vapour_pressure: VapourPressure | None = None
+
+
+def _form(value: Any) -> str:
+    """Which of its forms a polymer or solvent is given in."""
+    if isinstance(value, PolymerData | SolventData) or (isinstance(value, Mapping) and "density" in value):
+        return "properties"
+    return "mixture" if isinstance(value, Mapping) else "name"
+
+
+PolymerField = Annotated[
+    Annotated[str, Tag("name")] | Annotated[PolymerData, Tag("properties")] | Annotated[PolymerData, Tag("mixture")],
+    Discriminator(_form),
+]
+SolventField = Annotated[
+    Annotated[str, Tag("name")]
+    | Annotated[dict[str, Annotated[float, Field(gt=0, le=1)]], Tag("mixture")]
+    | Annotated[SolventData, Tag("properties")],
+    Discriminator(_form),
+]
+
+
+class SolutionSection(Section):
+    """``[solution]``: what is spun."""
+
+    polymer: PolymerField
+    solvent: SolventField
+    mass_fraction: MassFraction | None = None
+    volume_fraction: VolumeFraction | None = None
+    molar_mass: MolarMass | None = None
+    kuhn_length: KuhnLength = Measured(1e-9, 0.0, "1 nm")
+    temperature: Temperature = Measured(293.15, 0.0, "293.15 K")
+    polymer_density: Density | None = None
+    solvent_density: Density | None = None
+    viscosity: Viscosity | None = None
+    solvent_viscosity: Viscosity | None = None
+    relaxation_time: Lifetime | None = None
+
+    @model_validator(mode="after")
+    def _one_fraction(self) -> Self:
+        if (self.mass_fraction is None) == (self.volume_fraction is None):
+            raise refusal("mass_fraction", "give one of mass_fraction and volume_fraction, not both and not none")
+        return self
+
+
+class PowerLawJet(Section):
+    """``[jet]`` with ``profile = "power-law"``, Eq. (31)."""
+
+    profile: Literal["power-law"]
+    radius: Length
+    flow_rate: FlowRate
+    length: Length
+    beta: Exponent
+    k: Number | None = None
+    electric_field: ElectricField | None = None
+    conductivity: Conductivity | None = None
+
+    @model_validator(mode="after")
+    def _k_or_process(self) -> Self:
+        process = (self.electric_field, self.conductivity)
+        if self.k is None and None in process:
+            raise refusal("k", "is missing; give k, or electric_field and conductivity for an estimate of it")
+        if self.k is not None and process != (None, None):
+            raise refusal("k", "is given beside electric_field and conductivity; drop one or the other")
+        return self
+
+
+class HyperbolicJet(Section):
+    """``[jet]`` with ``profile = "hyperbolic"``, Fig. 35."""
+
+    profile: Literal["hyperbolic"]
+    radius: Length
+    flow_rate: FlowRate
+    length: Length
+    p: Number
+
+
+class TableJet(Section):
+    """``[jet]`` with ``profile = "table"``: a CSV file of (z, radius) or (z, velocity)."""
+
+    profile: Literal["table"]
+    path: str
+    flow_rate: FlowRate
+    radius: Length | None = None
+    length: Length | None = None
+
+
+class JetspinJet(Section):
+    """``[jet]`` with ``profile = "jetspin"``: a run directory, a file of it, or what ``import-jet`` wrote."""
+
+    profile: Literal["jetspin"]
+    path: str
+    time: Annotated[Time | Literal["all", "last"], Field(union_mode="left_to_right")] = "last"
+    source: str | None = None
+    unit: str | None = None
+
+
+class LagrangianJetFile(Section):
+    """``[jet]`` with ``profile = "lagrangian"``: beads of any simulator in a CSV file."""
+
+    profile: Literal["lagrangian"]
+    path: str
+    radius: Length | None = None
+    time: Annotated[Time | Literal["all", "last"], Field(union_mode="left_to_right")] = "last"
+
+
+JetSection = Annotated[
+    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
+]
+
+
+class NetworkSection(Section):
+    """``[network]``: model of the network, and its parameters."""
+
+    model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
+    closure: Literal["auto", "force", "stretch"] = "auto"
+    spring: Number = Measured(3.0, 0.0, "3")
+    drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
+    coupling: Number | None = None
+    coarse_grain: Number | None = None
+    lateral: bool = False
+    inertia: NumberOrZero = Measured(0.0, 0.0, "0")
+    force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
+    solvent_quality: Literal["theta", "good"] = "theta"
+    crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
+
+    @property
+    def closure_used(self) -> Literal["force", "stretch"]:
+        """What "auto" stands for: "stretch" where a slipping network has a law with a contour, else "force".
+
+        Such a network is solved for its stretch under that very law: ``f_z = f_0 T(w)``, not ``f_0 w``.
+        """
+        if self.closure != "auto":
+            return self.closure
+        return "stretch" if self.model in ("manifold", "chain") and self.force_law != "linear" else "force"
+
+
+class AccuracySection(Section):
+    """``[accuracy]``: how far from the finest model an answer may be, points to write and shells across
+    the jet, strands to walk at each point, steps in time that a chain may take, draws of the inputs that
+    carry ``+/-`` (0: no bands).
+    """
+
+    rtol: Annotated[float, Field(gt=0, lt=1)] = 0.01
+    points: Annotated[int, Field(ge=2, le=10_000_000)] = 401
+    shells: Annotated[int, Field(ge=8, le=1000)] = 100
+    strands: Annotated[int, Field(ge=2, le=100_000_000)] = 10_000
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    steps: Annotated[int, Field(ge=1, le=1_000_000_000)] = 20_000
+    draws: Annotated[int, Field(ge=0, le=100_000)] = 128
+
+
+class Scene(Sheet):
+    """A checked scene. `text` and `folder` say where it came from."""
+
+    title: str = ""
+    solution: SolutionSection
+    jet: JetSection
+    ambient: AmbientSection | None = None
+    rheology: RheologySection | None = None
+    effects: EffectsSection = EffectsSection()
+    network: NetworkSection = NetworkSection()
+    accuracy: AccuracySection = AccuracySection()
+
+
+def scene_from_dict(
+    data: Mapping[str, Any], *, text: str = "", folder: Path | None = None, name: str = "scene"
+) -> Scene:
+    """Check a scene given as nested dictionaries.
+
+    Raises
+    ------
+    InputError
+        With every problem found, one to a line.
+    """
+    return checked(Scene, data, text, folder, name)
+
+
+def checked(model: type[_Sheet], data: Mapping[str, Any], text: str, folder: Path | None, name: str) -> _Sheet:
+    """A sheet from nested dictionaries, or an error with every problem found."""
+    try:
+        sheet = model.model_validate(data)
+    except ValidationError as error:
+        raise explain(error, name, data, model) from None
+    sheet._text, sheet._folder, sheet._name = text, folder or Path(), name
+    return sheet
+
+
+def load_scene(source: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene file, or a bundled scene by its name.
+
+    Parameters
+    ----------
+    source : path or str
+        A TOML file, or a name that `bundled_scenes` lists. A file of that name goes first.
+    overrides : sequence of str
+        ``"jet.k=0.8"``: TOML values that replace the file's; text needs no quotes.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        For an unreadable file, TOML that does not parse, or any key or value that cannot be right.
+    """
+    data, text, path = read_toml(source, bundled_scenes(), overrides)
+    return scene_from_dict(data, text=text, folder=path.resolve().parent, name=path.stem)
+
+
+def read_toml(
+    source: str | Path, bundled: Mapping[str, Path], overrides: Sequence[str], noun: str = "scene"
+) -> tuple[dict[str, Any], str, Path]:
+    """Content, text and path of a TOML file or of a bundled one of that name, overrides applied."""
+    path = Path(source)
+    if not path.exists():
+        path = bundled.get(str(source), path)
+    try:
+        with path.open(encoding="utf-8") as file:
+            text = file.read(_LONGEST + 1)
+    except (OSError, ValueError) as error:
+        near = difflib.get_close_matches(str(source), bundled, n=1)
+        hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
+        raise InputError(str(source), f"cannot be read as a {noun} ({reason})", remedy=hint) from None
+    if len(text) > _LONGEST:
+        raise InputError(str(source), f"is too long for a {noun}", allowed=f"up to {_LONGEST} characters")
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            str(source), f"is not a TOML {noun} ({error})", remedy="see `spinline scenes --copy`"
+        ) from None  # fmt: skip
+    for override in overrides:
+        _override(data, override)
+    if overrides:
+        text = text.rstrip() + "\n" + "".join(f"# --set {override}\n" for override in overrides)
+    return data, text, path
+
+
+def bundled_scenes() -> dict[str, Path]:
+    """Names of the bundled scenes and their files."""
+    folder = Path(str(resources.files("spinline") / "data" / "scenes"))
+    return {file.stem: file for file in sorted(folder.glob("*.toml"))}
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of the scene file, for editors."""
+    schema = Scene.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "spinline scene"}
+
+
+def _override(data: dict[str, Any], override: str) -> None:
+    key, equals, value = override.partition("=")
+    steps = [step.strip() for step in key.split(".")]
+    if not equals or not all(steps):
+        raise InputError("--set", "is not KEY=VALUE", value=override, remedy='for example --set "jet.radius=100 um"')
+    try:
+        parsed = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value.strip()
+    for step in steps[:-1]:
+        data = data.setdefault(step, {})
+        if not isinstance(data, dict):
+            raise InputError("--set", f"{step} is a value, not a section", value=override)
+    data[steps[-1]] = parsed
+
+
+def explain(error: ValidationError, name: str, data: Mapping[str, Any], root: type[BaseModel]) -> InputError:
+    """One InputError from all that pydantic found in a file whose top is `root`."""
+    details = error.errors(include_url=False)
+    lines = list(dict.fromkeys(str(_problem(detail, data, root)) for detail in _foremost(details)))
+    first = _problem(_foremost(details)[0], data, root)
+    if len(lines) == 1:
+        return first
+    return InputError(name, f"has {len(lines)} problems:\n  " + "\n  ".join(lines))
+
+
+def _foremost(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Of the branches of a union keep the one that speaks of the value, not of its type."""
+    best: dict[str, ErrorDetails] = {}
+    for detail in details:
+        key = _key(detail)
+        if key not in best or best[key]["type"] in _TYPE_ERRORS:
+            best[key] = detail
+    return list(best.values())
+
+
+_TYPE_ERRORS = frozenset({"string_type", "literal_error", "model_type", "dict_type", "float_type", "bool_type"})
+_BRANCHES = frozenset(
+    {"power-law", "hyperbolic", "table", "jetspin", "lagrangian", "name", "mixture", "properties"}
+)  # of the unions: no keys of the user's
+
+
+def _key(detail: ErrorDetails) -> str:
+    steps = [str(step) for step in detail["loc"]]
+    kept = [
+        step
+        for i, step in enumerate(steps)
+        if not (step in _BRANCHES and i == (2 if steps[0] == "solution" else 1)) and "[" not in step
+    ]
+    context = detail.get("ctx") or {}
+    return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
+
+
+def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel]) -> InputError:
+    key, kind, context = _key(detail), detail["type"], detail.get("ctx") or {}
+    value = detail["input"]
+    if isinstance(value, Measured):
+        value = value.value
+    if kind in ("quantity", "range", "refusal"):
+        shown = None if kind == "refusal" else value
+        remedy = context["remedy"] or ("" if kind == "refusal" else _change(key, root))
+        return InputError(key, detail["msg"], value=shown, allowed=context["allowed"], remedy=remedy)
+    if kind == "missing":
+        return InputError(key, "is missing", remedy=f"add it to [{key.rpartition('.')[0]}]" if "." in key else "add it")
+    if kind == "extra_forbidden":
+        known = _known_keys(key, data, root)
+        near = difflib.get_close_matches(key.rpartition(".")[2], known, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "take it out"
+        return InputError(key, "is not a known key", value=value, allowed=", ".join(known), remedy=hint)
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        section = value if isinstance(value, Mapping) else {}
+        problem = "is not known" if "profile" in section else "is missing"
+        profiles = '"power-law", "hyperbolic", "table", "jetspin", "lagrangian"'
+        return InputError(
+            f"{key}.profile",
+            problem,
+            value=section.get("profile"),
+            allowed=profiles,
+            remedy=_change(f"{key}.profile", root),
+        )
+    allowed = str(context.get("expected", "")).replace("True", "true").replace("False", "false")
+    if not allowed:
+        words = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+        allowed = ", ".join(f"{words[k]} {v}" for k, v in context.items() if k in words)
+    message = "is not known" if kind == "literal_error" else detail["msg"].replace("Input should be", "should be")
+    return InputError(key, message, value=value, allowed=allowed, remedy=_change(key, root))
+
+
+def _change(key: str, root: type[BaseModel]) -> str:
+    return f"change it in the {'scene' if root is Scene else 'file'}, or with --set {key}=VALUE"
+
+
+def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> list[str]:
+    models: dict[str, type[BaseModel]] = {
+        "solution": SolutionSection,
+        "solution.polymer": PolymerData,
+        "solution.solvent": SolventData,
+        "jet power-law": PowerLawJet,
+        "jet hyperbolic": HyperbolicJet,
+        "jet table": TableJet,
+        "jet jetspin": JetspinJet,
+        "jet lagrangian": LagrangianJetFile,
+        "ambient": AmbientSection,
+        "rheology": RheologySection,
+        "effects": EffectsSection,
+        "network": NetworkSection,
+        "accuracy": AccuracySection,
+    }
+    section = key.rpartition(".")[0]
+    if section == "jet":
+        section = f"jet {data['jet']['profile']}"
+    return list(models.get(section, root).model_fields)

@@ -1,0 +1,1 @@
+"""From a scene to physics objects: solution, jet, air, material."""

@@ -1,0 +1,211 @@
+"""The air of a scene and the solvents on their way into it: what evaporation needs, from the library or given.
+
+Relative humidity is that of the air at its own temperature, and of water alone: other solvents find none of their vapour
+in the room. Vapour leaves at the temperature of the jet, ``solution.temperature``; it spreads in air of
+``ambient.temperature``, by default the same. Cooling by evaporation is left out.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+from spinline.rheology.solution import Solution
+from spinline.scene.air_and_rheology import AmbientSection, RheologySection
+from spinline.scene.file import Scene, SolventData
+from spinline.setup.build import given
+
+if TYPE_CHECKING:
+    from spinline.rheology._evaporation_balance import Activity
+    from spinline.rheology.element_path import ElementPath
+    from spinline.rheology.evaporation import Evaporation
+    from spinline.rheology.volatile import Volatile
+
+__all__ = ["Air", "build_air"]
+
+_ATMOSPHERE = 101325.0
+
+
+@dataclass(frozen=True, eq=False)
+class Air:
+    """What a jet dries into.
+
+    Attributes
+    ----------
+    volatiles : tuple of Volatile
+        One per solvent.
+    shares : ndarray, (solvent,)
+        Their volume shares in the solvent at the nozzle.
+    viscosity, velocity : float
+        Kinematic viscosity of air (m2/s), and its speed along the jet (m/s).
+    activity : str
+        Law of the solvents' activity.
+    polymer_molar_volume : float or None
+        Of a repeat unit, m3/mol; for Raoult's law.
+    floor : float
+        Least Sherwood number.
+    convention : str
+        What stands for C in Eq. (43a).
+    """
+
+    volatiles: "tuple[Volatile, ...]"
+    shares: FloatArray
+    viscosity: float
+    velocity: float
+    activity: "Activity"
+    polymer_molar_volume: float | None
+    floor: float
+    convention: str
+
+    def evaporate(self, path: "ElementPath", volume_fraction: float) -> "Evaporation":
+        """Evaporation along a path, flat across the jet; its warnings are in its notes."""
+        import warnings
+
+        from spinline.base.errors import SpinlineWarning
+        from spinline.rheology.evaporation import evaporate
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SpinlineWarning)
+            return evaporate(
+                path, volume_fraction, self.volatiles, self.shares, air_viscosity=self.viscosity,
+                air_velocity=self.velocity, activity=self.activity, polymer_molar_volume=self.polymer_molar_volume,
+                sherwood_floor=self.floor,
+            )  # fmt: skip
+
+    @property
+    def equilibrium(self) -> float:
+        """Polymer fraction at which drying ends; 1 where a solvent has no vapour in the air."""
+        from spinline.rheology.vapour import equilibrium_fraction
+
+        if self.activity != "flory-huggins" or len(self.volatiles) != 1:
+            return 1.0 if all(v.ambient == 0 for v in self.volatiles) or self.activity == "unit" else float("nan")
+        (only,) = self.volatiles
+        return equilibrium_fraction(only.ambient, only.chi)
+
+    def __str__(self) -> str:
+        parts = [
+            f"{v.name}: C {v.saturation:.4g}, D_a {v.diffusivity:.4g} m2/s, in the air {v.ambient:.4g} of saturation, "
+            f"chi {v.chi:g}"
+            for v in self.volatiles
+        ]
+        floor = f", Sherwood floor {self.floor:g}" if self.floor else ""
+        return (
+            f"{'; '.join(parts)}; air {self.viscosity:.4g} m2/s, {self.velocity:g} m/s; activity {self.activity}, "
+            f'convention "{self.convention}"{floor}'
+        )
+
+
+def build_air(scene: Scene, solution: Solution) -> Air:
+    """Air and solvents of a scene.
+
+    Raises
+    ------
+    InputError
+        For what is missing or cannot be, by the key of the scene that gives it.
+    """
+    from spinline.rheology.vapour import air_kinematic_viscosity
+
+    ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
+    air_temperature = given(ambient.temperature, solution.temperature)
+    pressure = given(ambient.pressure, _ATMOSPHERE)
+    names = [_builtin(name) for name in solution.solvent]
+    if len(names) > 1 and (ambient.vapour_diffusivity is not None or ambient.saturation is not None):
+        key = "saturation" if ambient.saturation is not None else "vapour_diffusivity"
+        raise InputError(f"ambient.{key}", "is one number, and the solvent is a mixture", remedy="drop it")
+    volatiles = tuple(_volatile(scene, solution, name, air_temperature, pressure) for name in names)
+    masses = np.array(list(solution.solvent.values()))
+    densities = np.array([_density(scene, solution, name) for name in names])
+    molar_volume = solution.polymer.repeat_unit_molar_mass / solution.polymer.density
+    if laws.activity == "raoult" and not molar_volume > 0:
+        raise InputError(
+            "solution.polymer.repeat_unit_molar_mass", "is missing: Raoult's law needs it", remedy="give it"
+        )
+    if laws.activity == "unit" and len(names) > 1:
+        raise InputError("rheology.activity", "cannot be 1 in a mixture", value="unit", remedy='take "flory-huggins"')
+    return Air(
+        volatiles=volatiles,
+        shares=masses / densities / np.sum(masses / densities),
+        viscosity=given(ambient.air_viscosity, None) or air_kinematic_viscosity(air_temperature, pressure),
+        velocity=given(ambient.air_velocity, 0.0),
+        activity=laws.activity,
+        polymer_molar_volume=molar_volume if molar_volume > 0 else None,
+        floor=laws.sherwood_floor.value,
+        convention=laws.convention,
+    )
+
+
+def _builtin(name: str) -> str:
+    """Library spelling of a solvent's name, or the name itself."""
+    from spinline.rheology.vapour import VAPOURS
+
+    return {key.lower(): key for key in VAPOURS}.get(name.strip().lower(), name)
+
+
+def _density(scene: Scene, solution: Solution, name: str) -> float:
+    from spinline.rheology.materials import solvent_density
+
+    if len(solution.solvent) == 1:
+        return solution.solvent_density
+    return solvent_density(name, solution.temperature, "solution.solvent")
+
+
+def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: float, pressure: float) -> "Volatile":
+    from spinline.rheology import vapour
+    from spinline.rheology.volatile import Volatile
+
+    ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
+    own = scene.solution.solvent if isinstance(scene.solution.solvent, SolventData) else None
+    known = name in vapour.VAPOURS
+    chi = laws.chi if laws.chi is not None else (0.5 if scene.network.solvent_quality == "theta" else 0.0)
+    humidity = 0.0
+    if name == "water":
+        if ambient.relative_humidity is None:
+            raise InputError(
+                "ambient.relative_humidity", "is missing: how fast water evaporates depends on it",
+                remedy='give it, for example "40 %"',
+            )  # fmt: skip
+        humidity = ambient.relative_humidity.value
+        if air_temperature != solution.temperature:
+            humidity *= vapour.vapour_pressure(name, air_temperature) / vapour.vapour_pressure(
+                name, solution.temperature
+            )
+        if humidity >= 1:
+            raise InputError(
+                "ambient.relative_humidity", "lets water condense on the jet: nothing evaporates",
+                value=ambient.relative_humidity.value, allowed="below saturation at the jet's temperature",
+                remedy='lower it, or set effects.evaporation = false',
+            )  # fmt: skip
+    spread = given(ambient.vapour_diffusivity, None)
+    mass = given(own.molar_mass, None) if own is not None else None
+    if spread is None:
+        if not known:
+            raise InputError(
+                "ambient.vapour_diffusivity", f"is missing: {name} is not built in", remedy="give it, in m2/s"
+            )
+        spread = vapour.vapour_diffusivity(name, air_temperature, pressure)
+    if mass is None and not known:
+        mass = _needed("solution.solvent.molar_mass", name, None if ambient.saturation is None else 0.1)
+    pull = given(own.vapour_pressure, None) if own is not None else None
+    if pull is None and not known and ambient.saturation is None:
+        pull = _needed("solution.solvent.vapour_pressure", name, None)
+    density = _density(scene, solution, name)
+    try:
+        if ambient.saturation is not None:
+            molar = mass if mass is not None else vapour.molar_mass(name)
+            return Volatile(name, ambient.saturation.value, spread, humidity, chi, molar / density)
+        return Volatile.build(
+            name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention, pressure=pressure,
+            density=density, vapour_pressure=pull, molar_mass=mass, diffusivity=spread,
+        )  # fmt: skip
+    except InputError as error:
+        keys = {"temperature": "solution.temperature", f"{name}.ambient": "ambient.relative_humidity"}
+        raise InputError(keys.get(error.field, error.field), error.problem, value=error.value, allowed=error.allowed,
+                         remedy=error.remedy) from None  # fmt: skip
+
+
+def _needed(field: str, name: str, otherwise: float | None) -> float:
+    if otherwise is None:
+        raise InputError(field, f"is missing: {name} is not built in", remedy="give it, or ambient.saturation")
+    return otherwise

@@ -1,0 +1,54 @@
+"""The structure in numbers: what the network is at the crossover, at the end of the jet, and the fibre it would make.
+
+Of the fibre only the radius can be said without a model of the rest of the flight: that of the polymer in the last
+cross-section, ``r (phi_mean)^(1/2)``, if nothing were stretched any more.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from spinline.base.checks import FloatArray
+
+__all__ = ["SUMMARISED", "structure_summary", "summarised"]
+
+SUMMARISED = ("axial_stretch", "relative_extension", "orientation", "core_polymer_fraction", "network_radius")
+
+
+def structure_summary(result: xr.Dataset) -> dict[str, Any]:
+    """Numbers of a result: `SUMMARISED` with ``crossover_`` and ``end_`` before them, and ``fibre_radius``.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Profiles along the jet, crossover among the numbers; may have times.
+
+    Returns
+    -------
+    dict
+        Name to number, or to an array along time; NaN where the crossover is not reached.
+    """
+    if "time" in result.dims:
+        moments = [structure_summary(result.isel(time=i)) for i in range(result.sizes["time"])]
+        return {name: np.array([moment[name] for moment in moments]) for name in moments[0]}
+    place = result["arc_length" if "element" in result.dims else "z"].values
+    names = (*SUMMARISED, "stretch_ratio", "radius", "mean_polymer_fraction")
+    return summarised(place, {name: result[name].values for name in names}, float(result["crossover_position"]))
+
+
+def summarised(place: FloatArray, fields: Mapping[str, FloatArray], crossover: float) -> dict[str, float]:
+    """`structure_summary` of arrays along the jet, at one time; `crossover` is its position, m."""
+    known = np.flatnonzero(np.isfinite(fields["stretch_ratio"]) & np.isfinite(place))
+    found: dict[str, float] = {}
+    if not known.size:
+        names = [*(f"{where}_{name}" for where in ("crossover", "end") for name in SUMMARISED), "fibre_radius"]
+        return dict.fromkeys(names, float("nan"))
+    x, end = place[known], known[-1]
+    for name in SUMMARISED:
+        there = float(np.interp(crossover, x, fields[name][known])) if np.isfinite(crossover) else float("nan")
+        found[f"crossover_{name}"] = there
+    found |= {f"end_{name}": float(fields[name][end]) for name in SUMMARISED}
+    found["fibre_radius"] = float(fields["radius"][end] * np.sqrt(fields["mean_polymer_fraction"][end]))
+    return found

@@ -1,0 +1,1 @@
+"""Many scenes: sweeps, designs, stores, operating windows, the trade of error against cost, comparisons."""

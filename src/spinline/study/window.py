@@ -1,0 +1,254 @@
+"""Operating window: crossover, orientation and dryness against voltage, gap, flow rate and concentration.
+
+The prefactor k of Eq. (31) is estimated from the process (`estimate_k`, with ``E = voltage / gap``), to a factor of order one:
+every point is computed at k and at k times the two ends of `k_factor`, and what that moves is shown as a band. The viscosity
+follows the concentration by the law of the scene's [rheology], by the scaling law of an entangled solution where there is none,
+through the viscosity of the scene.
+
+Dryness is the share of the solvent that the jet has lost at its end, by the closed form of Eqs. (43a), (44) for a power-law jet
+in still air (`power_law_loss`), activity 1: an upper estimate, good while little is lost. The network is that of the scene's
+model; orientation is at the end of the jet.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
+from spinline.jetprofile.k_estimate import estimate_k
+from spinline.rheology.solution import Solution, volume_fraction
+from spinline.scene.air_and_rheology import RheologySection
+from spinline.scene.file import PowerLawJet, Scene
+from spinline.setup.build import build_solution
+from spinline.setup.material import build_material
+from spinline.study.design import Axis, Design
+from spinline.study.sweep import Progress, run_sweep
+from spinline.study.sweep_file import Sweep, scene_tables
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["AXES", "operating_window"]
+
+# name: (unit, what it is)
+AXES = {
+    "voltage": ("V", "voltage between nozzle and collector"),
+    "gap": ("m", "distance between nozzle and collector"),
+    "flow_rate": ("m3 s-1", "flow rate"),
+    "mass_fraction": ("1", "polymer mass fraction of the solution"),
+}
+_OUT = {
+    "k": ("1", "prefactor of Eq. (31), estimated"),
+    "viscosity": ("Pa s", "zero-shear viscosity of the solution"),
+    "crossover_position": ("m", "where the network is fully stretched, Eq. (38); NaN beyond the end of the jet"),
+    "crossover_radius": ("m", "jet radius there"),
+    "full_stretch": (
+        "1",
+        "stretch at the end of the jet over that of full stretch, V / V_S; the crossover is where it is 1",
+    ),
+    "orientation": ("1", "Hermans orientation at the end of the jet"),
+    "core_polymer_fraction": ("1", "polymer volume fraction of the core at the end of the jet, no drying"),
+    "dryness": ("1", "share of the solvent lost at the end of the jet; 1 is dry"),
+    "strands_per_chain": ("1", "strands that a chain makes: no network below about 2"),
+}
+
+
+def operating_window(
+    scene: Scene,
+    *,
+    voltage: ArrayLike,
+    gap: ArrayLike,
+    flow_rate: ArrayLike | None = None,
+    mass_fraction: ArrayLike | None = None,
+    conductivity: float | None = None,
+    relative_humidity: float | None = None,
+    k_factor: tuple[float, float] = (0.5, 2.0),
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> "xr.Dataset":
+    """Map of what a process does to the network.
+
+    Parameters
+    ----------
+    scene : Scene
+        From `load_scene`: a power-law jet; its solution's viscosity is that of its own concentration.
+    voltage, gap, flow_rate, mass_fraction : array_like
+        V, m, m3/s, -; one number or many; flow rate and mass fraction are the scene's if left out.
+    conductivity : float, optional
+        S/m; the scene's ``jet.conductivity`` if left out.
+    relative_humidity : float, optional
+        In [0, 1); the scene's if left out. Air is free of other vapours.
+    k_factor : tuple of float
+        Ends of the band, (0, 1] and [1, inf).
+    workers, progress : optional
+        As for `run_sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along `k_factor` (low, 1, high), `voltage`, `gap`, `flow_rate` and `mass_fraction`.
+
+    Raises
+    ------
+    InputError
+        For another jet, or what the estimates need and was not given.
+    """
+    import xarray as xr
+
+    jet = scene.jet
+    if not isinstance(jet, PowerLawJet):
+        raise InputError(
+            "jet.profile", "has no k to estimate", value=jet.profile, allowed='"power-law"', remedy="take one"
+        )
+    low, high = (float(real("k_factor", end, above=0.0, most=1e3)) for end in k_factor)
+    if not low <= 1 <= high:
+        raise InputError(
+            "k_factor", "does not hold 1", value=(low, high), allowed="low <= 1 <= high", remedy="for example 0.5, 2"
+        )
+    solution = build_solution(scene)
+    sigma = jet.conductivity.value if conductivity is None and jet.conductivity is not None else conductivity
+    if sigma is None:
+        raise InputError(
+            "conductivity", "is missing: the estimate of k needs it", remedy='give it, for example "0.01 S/m"'
+        )
+    if solution.viscosity is None:
+        raise InputError("solution.viscosity", "is missing: the estimate of k needs it", remedy="give it in the scene")
+    axes = {
+        "voltage": _axis("voltage", voltage, 1e-3, 1e7),
+        "gap": _axis("gap", gap, 1e-6, 1e3),
+        "flow_rate": _axis("flow_rate", jet.flow_rate.value if flow_rate is None else flow_rate, 1e-25, 1.0),
+        "mass_fraction": _axis(
+            "mass_fraction", solution.mass_fraction if mass_fraction is None else mass_fraction, 1e-6, 1.0
+        ),
+    }
+    if jet.length.value > axes["gap"].min():
+        raise InputError("gap", "is shorter than the jet of the scene", value=float(axes["gap"].min()),
+                         allowed=f">= jet.length = {jet.length.value:g} m", remedy="shorten jet.length")  # fmt: skip
+    factors = np.array([low, 1.0, high])
+    u, g, q, w = (x[np.newaxis] for x in np.meshgrid(*axes.values(), indexing="ij"))
+    mu, law = _viscosity(scene, solution, w)
+    k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
+        radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
+    )
+    q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
+    rows = _rows(
+        scene,
+        {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu},
+        workers,
+        progress,
+    )
+    phi = np.reshape(rows["volume_fraction"].values, k.shape)
+    dry, air = _dryness(scene, solution, jet, k, q, phi, relative_humidity)
+    found = {
+        "k": k,
+        "viscosity": mu,
+        **{name: rows[name].values for name in ("crossover_position", "crossover_radius")},
+        "full_stretch": rows["end_velocity_ratio"].values / rows["crossover_velocity_ratio"].values,
+        "orientation": rows["end_orientation"].values,
+        "core_polymer_fraction": rows["end_core_polymer_fraction"].values,
+        "dryness": dry,
+        "strands_per_chain": _strands(scene, solution, phi),
+    }
+    dims = ("k_factor", *axes)
+    variables = {name: (dims, np.reshape(np.broadcast_to(v, k.size if np.ndim(v) == 1 else k.shape), k.shape).copy(),
+                        {"units": _OUT[name][0], "long_name": _OUT[name][1]}) for name, v in found.items()}  # fmt: skip
+    variables["status"] = (
+        dims,
+        rows["status"].values.reshape(k.shape),
+        {"long_name": rows["status"].attrs["long_name"]},
+    )
+    variables["reason"] = (
+        dims,
+        rows["reason"].values.astype(str).reshape(k.shape),
+        {"long_name": "why a point has no numbers"},
+    )
+    coordinates = {name: (name, x, {"units": AXES[name][0], "long_name": AXES[name][1]}) for name, x in axes.items()}
+    return xr.Dataset(
+        variables,
+        {"k_factor": ("k_factor", factors, {"long_name": "k over its estimate"}), **coordinates},
+        {
+            "title": scene.title or scene.name,
+            "scene": scene.text,
+            "spinline_version": rows.attrs["spinline_version"],
+            "conductivity": sigma,
+            "jet_length": jet.length.value,
+            "viscosity_law": law,
+            "air": air,
+            "k_estimate": f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
+        },
+    )
+
+
+def _axis(name: str, values: ArrayLike, low: float, high: float) -> FloatArray:
+    array = np.atleast_1d(real(name, values, above=low, below=high, unit=AXES[name][0]))
+    if array.ndim != 1 or not array.size or np.any(np.diff(array) <= 0):
+        raise InputError(name, "is not a rising list", value=array.tolist(), remedy="sort it")
+    return array
+
+
+def _viscosity(scene: Scene, solution: Solution, mass: FloatArray) -> tuple[FloatArray, str]:
+    """Zero-shear viscosity at other concentrations, and the law in words."""
+    assert solution.viscosity is not None
+    if np.all(mass == solution.mass_fraction):
+        return np.full(mass.shape, solution.viscosity), "that of the scene"
+    if scene.rheology is None:
+        scene = scene.model_copy(update={"rheology": RheologySection(law="scaling")})
+    material = build_material(scene, solution)
+    phi = volume_fraction(mass, solution.polymer.density, solution.solvent_density)
+    return material.viscosity(phi), material.words
+
+
+def _rows(
+    scene: Scene, columns: Mapping[str, FloatArray], workers: int | None, progress: Progress | None
+) -> "xr.Dataset":
+    """The points as a sweep of a table."""
+    design = Design("table", [Axis(key, np.ascontiguousarray(values).ravel()) for key, values in columns.items()])
+    sweep = Sweep(title="", text="", base=scene_tables(scene.text), folder=scene.folder, design=design)
+    return run_sweep(sweep, workers=workers, progress=progress)
+
+
+def _dryness(
+    scene: Scene,
+    solution: Solution,
+    jet: PowerLawJet,
+    k: FloatArray,
+    q: FloatArray,
+    phi: FloatArray,
+    humidity: float | None,
+) -> tuple[FloatArray, str]:
+    """Share of the solvent lost at the end of the jet, and the air in words; NaN where it is not known."""
+    from spinline.rheology.evaporation import power_law_loss, sherwood
+    from spinline.rheology.vapour import air_kinematic_viscosity
+    from spinline.rheology.volatile import Volatile
+
+    if len(solution.solvent) > 1:
+        return np.full(k.shape, np.nan), "dryness is not estimated for a mixture of solvents"
+    (name,) = solution.solvent
+    given = None if scene.ambient is None else scene.ambient.relative_humidity
+    wet = given.value if humidity is None and given is not None else humidity
+    if name == "water" and wet is None:
+        return np.full(k.shape, np.nan), "dryness is not estimated: the relative humidity is not given"
+    ambient = 0.0 if wet is None or name != "water" else float(real("relative_humidity", wet, least=0.0, below=1.0))
+    try:
+        volatile = Volatile.build(name, solution.temperature, ambient=ambient, density=solution.solvent_density)
+    except InputError as error:
+        return np.full(k.shape, np.nan), f"dryness is not estimated: {error}"
+    nu, r0 = air_kinematic_viscosity(solution.temperature), jet.radius.value
+    start = sherwood(2 * q / (np.pi * r0) / nu, nu / volatile.diffusivity)  # Re = 2 r_0 v_0 / nu
+    rate = np.pi * volatile.diffusivity * start * volatile.saturation * (1 - ambient) * r0 / q
+    usable = np.isfinite(phi)
+    lost = power_law_loss(jet.length.value / r0, k, jet.beta.value, rate)
+    share = np.where(usable, lost / (1 - np.where(usable, phi, 0.5)), np.nan)
+    air = f"{name} into still air" + (f", relative humidity {ambient:g}" if name == "water" else "")
+    return np.where(usable, np.fmin(np.where(np.isnan(lost), 1.0, share), 1.0), np.nan), air
+
+
+def _strands(scene: Scene, solution: Solution, phi: FloatArray) -> FloatArray:
+    from spinline.network.mesh import network_at_rest
+
+    usable = np.isfinite(phi)
+    segments = network_at_rest(np.where(usable, phi, 0.5), scene.network.solvent_quality).segments
+    return np.where(usable, solution.segments_per_chain / segments, np.nan)

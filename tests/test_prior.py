@@ -1,0 +1,116 @@
+"""Estimates of viscosity and relaxation time, intrinsic viscosities, other names."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from spinline.base.errors import InputError
+from spinline.rheology import POLYMERS, SOLVENTS, Solution
+from spinline.rheology.intrinsic import intrinsic_viscosity
+from spinline.rheology.names import ALIASES, known_as
+from spinline.rheology.prior import VISCOSITY_FACTOR, estimated_relaxation_time, estimated_viscosity, specific_viscosity
+
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+
+
+def test_published_viscosities_are_within_the_band() -> None:
+    spec = importlib.util.spec_from_file_location("published_viscosity", BENCHMARKS / "published_viscosity.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found = module.compare()
+    assert found == json.loads((BENCHMARKS / "published_viscosity.json").read_text())
+    ratios = np.array([row["viscosity_ratio"] for row in found["rows"]])
+    assert len({row["polymer"] for row in found["rows"]}) >= 3
+    inside = np.abs(np.log(ratios)) < np.log(VISCOSITY_FACTOR)
+    assert inside.mean() >= 0.95  # two standard deviations
+    assert np.exp(2 * np.sqrt(np.mean(np.log(ratios) ** 2))) < VISCOSITY_FACTOR
+
+
+@pytest.mark.parametrize("quality", ["good", "theta"])
+def test_martin_meets_the_power_law_with_its_slope(quality: str) -> None:
+    k, power = {"good": (0.4, 3 / 0.764), "theta": (0.5, 14 / 3)}[quality]
+    turn = (power - 1) / k
+    x = turn * np.array([1 - 1e-6, 1.0, 1 + 1e-6])
+    y = specific_viscosity(x, quality)
+    slopes = np.diff(np.log(y)) / np.diff(np.log(x))
+    np.testing.assert_allclose(slopes, power, rtol=1e-5)
+    small = np.array([1e-8, 1e-4])
+    np.testing.assert_allclose(specific_viscosity(small, quality), small + k * small**2, rtol=1e-8)
+    assert specific_viscosity(0.0) == 0.0
+    assert np.isfinite(specific_viscosity(1e6))
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.floats(1.0, 1e4), st.floats(1e-4, 0.3))
+def test_estimates_grow_with_chain_and_concentration(molar_mass: float, w: float) -> None:
+    make = lambda m, c: Solution.build("PEO", "water", mass_fraction=c, molar_mass=m)  # noqa: E731
+    here, longer, thicker = make(molar_mass, w), make(2 * molar_mass, w), make(molar_mass, 1.5 * w)
+    for estimate in (estimated_viscosity, estimated_relaxation_time):
+        value = estimate(here).value
+        assert value > 0
+        assert estimate(longer).value > value
+        assert estimate(thicker).value >= value * (1 - 1e-12)
+        low, high = estimate(here).band
+        assert low < value < high
+    assert estimated_viscosity(here).value > here.require("solvent_viscosity")
+
+
+def test_zimm_time_of_a_dilute_solution() -> None:
+    """PEO of 1000 kg/mol in water: [eta] M mu/(zeta(3 nu) R T), zeta by mpmath."""
+    dilute = Solution.build("PEO", "water", mass_fraction=1e-5, molar_mass=1000.0, temperature=298.15)
+    expected = 12.5e-6 * 1e6**0.78 * 1000.0 * dilute.require("solvent_viscosity") / (8.314462618 * 298.15)
+    expected /= float(mpmath.zeta(3 * 0.588))
+    assert estimated_relaxation_time(dilute).value == pytest.approx(expected, rel=1e-9)
+    assert 1e-4 < expected < 1.2e-4
+
+
+def test_intrinsic_viscosity_by_the_table_and_by_the_chain() -> None:
+    assert intrinsic_viscosity("PAN", "dimethylformamide", 150.0).value == pytest.approx(
+        24.3e-6 * 150e3**0.75, rel=1e-12
+    )
+    # DMF hardly swells PCL
+    for name, solvent, mass, quality in (
+        ("PS", "toluene", 100.0, "good"),
+        ("PMMA", "chloroform", 200.0, "good"),
+        ("PCL", "DMF", 80.0, "theta"),
+    ):
+        table = intrinsic_viscosity(name, solvent, mass)
+        chain = intrinsic_viscosity(name, "nothing known", mass, quality)
+        assert table.factor < chain.factor
+        assert 1 / 2.5 < chain.value / table.value < 2.5
+    with pytest.raises(InputError, match="molar_mass"):
+        intrinsic_viscosity("PEO", "water", -1.0)
+    with pytest.raises(InputError, match="solvent_quality"):
+        intrinsic_viscosity("PEO", "water", 1.0, "poor")
+
+
+def test_what_is_missing_is_named() -> None:
+    with pytest.raises(InputError, match="molar_mass"):
+        estimated_viscosity(Solution.build("PEO", "water", mass_fraction=0.05))
+    for bad in (-1.0, np.nan, np.inf, 1e7, "x"):
+        with pytest.raises(InputError, match="coil_overlap"):
+            specific_viscosity(bad)
+    mixed = Solution.build("PVP", {"ethanol": 0.8, "water": 0.2}, mass_fraction=0.05, molar_mass=1300.0)
+    assert estimated_viscosity(mixed).factor > VISCOSITY_FACTOR
+
+
+def test_other_names() -> None:
+    assert known_as("Polyacrylonitrile", POLYMERS) == "PAN"
+    assert known_as("poly(ε-caprolactone)", POLYMERS) == "PCL"
+    assert known_as("Nylon-6", POLYMERS) == "nylon 6"
+    assert known_as("N,N-dimethylformamide", SOLVENTS) == "DMF"
+    assert known_as("1,1,1,3,3,3-hexafluoro-2-propanol", SOLVENTS) == "HFIP"
+    assert known_as("limonene", SOLVENTS) is None
+    every = {**POLYMERS, **SOLVENTS}
+    for alias, meant in ALIASES.items():
+        assert meant in every
+        assert known_as(alias, every) == meant
+    a = Solution.build("polyethylene oxide", "H2O", mass_fraction=0.05)
+    b = Solution.build("PEO", "water", mass_fraction=0.05)
+    assert a == b

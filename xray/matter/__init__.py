@@ -1,0 +1,1 @@
+"""What solution, solvent and air do to a beam: attenuation, refraction, spectra."""

@@ -1,0 +1,1 @@
+"""Fresnel fringes: their likelihood, their detection, phase retrieval."""
