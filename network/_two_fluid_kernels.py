@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 
 from spinline.base.checks import FloatArray
-from spinline.network.chain._kernels import compliance_kernel
 from spinline.network._force_kernels import LINEAR, extension_kernel
+from spinline.network.chain._kernels import compliance_kernel
 
 __all__ = ["BELOW", "assemble"]
 

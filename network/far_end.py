@@ -31,7 +31,18 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.network.tension import Tension
 
-__all__ = ["End", "check_end", "continued", "influence", "reach", "root_of", "slow_root"]
+__all__ = [
+    "End",
+    "beyond",
+    "check_end",
+    "continued",
+    "elastic_reach",
+    "influence",
+    "influence_of",
+    "reach",
+    "root_of",
+    "slow_root",
+]
 
 End = Literal["take-up", "free", "extended"]
 Profile = Callable[[FloatArray], FloatArray]
@@ -164,40 +175,51 @@ def influence(velocity_ratio: FloatArray, slope: FloatArray, eps: float, law: Te
     w = 2 * velocity_ratio / (1 + np.sqrt(share))
     if law.bounded:
         w = np.minimum(w, 0.99 * law.full_stretch)
-    _, compliance = law.state(law.tension(w))
-    rate: FloatArray = velocity_ratio * compliance / (eps * w**2)
+    return influence_of(velocity_ratio, law.tension(w), eps, law)
+
+
+def influence_of(velocity_ratio: FloatArray, tension: FloatArray, eps: float, law: Tension) -> FloatArray:
+    """The same where the tension is known, ``V lam'(T) / (eps lam^2)``."""
+    lam, compliance = law.state(tension)
+    rate: FloatArray = velocity_ratio * compliance / (eps * lam**2)
     return rate
 
 
-def reach(profile: Profile, length: float, eps: float, law: Tension) -> float:
-    """Where the two marches begin: so far beyond `length` that their difference is forgotten there, if that can be.
+def beyond(length: float) -> FloatArray:
+    """Places from `length` to ten times that, dense at the beginning."""
+    places: FloatArray = length * (1 + np.concatenate(([0.0], np.geomspace(1e-14, _FARTHEST, 800))))
+    return places
+
+
+def reach(s: FloatArray, rate: FloatArray, limit: float = np.inf) -> float:
+    """Where the two marches begin: so far beyond the last station that their difference is forgotten there, if that can be.
 
     Parameters
     ----------
-    profile : callable
-        V(s) everywhere (`continued`).
-    length : float
-        Last station, in initial radii.
-    eps, law
-        Of the network.
+    s : ndarray
+        Places from the last station on (`beyond`).
+    rate : ndarray
+        `influence` there.
+    limit : float, optional
+        No farther than that.
 
     Returns
     -------
     float
-        At least `length`; at most ten times that, and no farther than V reaches 0.95 of a contour.
+        At least the last station; at most the last of the places.
     """
-    beyond = length * np.concatenate(([0.0], np.geomspace(1e-14, _FARTHEST, 1200)))
-    s = length + beyond
-    v, step = profile(s), 1e-5 * s
-    slope = (profile(s + step) - v) / step
-    passed = np.concatenate(([0.0], np.cumsum(np.diff(s) * _mean(influence(v, slope, eps, law)))))
+    passed = np.concatenate(([0.0], np.cumsum(np.diff(s) * _mean(rate))))
     far = np.flatnonzero(passed >= _FORGOTTEN)
-    end = float(s[far[0]]) if far.size else float(s[-1])
-    if law.bounded:
-        over = np.flatnonzero(v >= _SHARE * law.full_stretch)
-        if over.size:
-            end = min(end, float(s[max(int(over[0]) - 1, 0)]))
-    return end
+    return max(min(float(s[far[0] if far.size else -1]), limit), float(s[0]))
+
+
+def elastic_reach(profile: Profile, length: float, eps: float, law: Tension) -> float:
+    """`reach` of a network that does not relax; no farther than V reaches 0.95 of a contour."""
+    s = beyond(length)
+    v, step = profile(s), 1e-5 * s
+    over = np.flatnonzero(v >= _SHARE * law.full_stretch)
+    limit = float(s[max(int(over[0]) - 1, 0)]) if over.size else np.inf
+    return reach(s, influence(v, (profile(s + step) - v) / step, eps, law), limit)
 
 
 def _mean(values: FloatArray) -> FloatArray:

@@ -215,8 +215,6 @@ def steady_network(
     >>> round(float(network.stretch(20.0)), 6)
     3.030615
     """
-    if not callable(velocity_ratio):
-        raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
     far, alpha = number("length", length, above=0.0, most=_LONGEST), positive("coupling", coupling)
     eps = positive("spring", spring) / alpha
     mass = number("inertia", inertia, least=0.0)
@@ -233,7 +231,7 @@ def steady_network(
             "inertia", "is as large as the elastic coupling: no march of the steady network is stable", value=mass,
             allowed=f"< c/alpha_v = {eps:g}", remedy="use the chain in time, or lower I",
         )  # fmt: skip
-    begin = far_end.reach(profile, far, eps, chosen) if upstream and held != "free" else far
+    begin = far_end.elastic_reach(profile, far, eps, chosen) if upstream and held != "free" else far
     named = set(real("breaks", breaks).ravel().tolist())
     edges = [0.0, *sorted(b for b in named if 0 < b < begin), begin]
 
@@ -265,6 +263,8 @@ def steady_network(
 
 def checked_profile(velocity_ratio: Profile) -> Profile:
     """The jet's V(s), refused where it is not one positive number for each place."""
+    if not callable(velocity_ratio):
+        raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
 
     def profile(s: FloatArray) -> FloatArray:
         v = real("velocity_ratio", velocity_ratio(s), above=0.0, remedy="the jet must move forward everywhere")

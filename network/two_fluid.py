@@ -46,7 +46,7 @@ from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.network import far_end
 from spinline.network._objects import instance
-from spinline.network._two_fluid_box import Box
+from spinline.network._two_fluid_box import Box, start_of
 from spinline.network._two_fluid_march import March
 from spinline.network.far_end import End
 from spinline.network.manifold import checked_profile
@@ -234,7 +234,7 @@ def two_fluid_network(
     )
     kinks = real("breaks", breaks).ravel()
     eps = float(box.eps(np.array([far]))[0])
-    begin = far if held == "free" else far_end.reach(profile, far, eps, chosen)
+    begin = far if held == "free" else _reach(box, far, eps)
     march = March(box, begin, np.append(at, far), kinks[(kinks > 0) & (kinks < begin)], tol)
     th = float(box.relaxation(np.array([begin]))[0])
     gone = float(march.guess.state[-1, 1]) if np.isfinite(th) else 0.0
@@ -278,3 +278,13 @@ def _along(field: str, value: float | Profile, *, endless: bool = False, end: fl
         return of_place
     one = np.inf if endless and isinstance(value, float) and value == np.inf else positive(field, value)
     return lambda s: np.full(s.shape, one)
+
+
+def _reach(box: Box, length: float, eps: float) -> float:
+    """Where the marches begin; strands taken as they relax in a network that moves with the flow."""
+    places = far_end.beyond(length)
+    if np.isinf(box.relaxation(places[:1])).all():
+        return far_end.elastic_reach(box.profile, length, eps, box.law)
+    before = np.linspace(0.0, length, 201)[:-1]
+    tension = start_of(box, np.concatenate((before, places)))[2 * before.size :: 2, 0]
+    return far_end.reach(places, far_end.influence_of(box.profile(places), tension, eps, box.law))
