@@ -19,6 +19,7 @@ module                 law
 `tension`              tension of the network for every force-extension law
 `manifold`             Eqs. (32a), (33): the steady network at finite coupling
 `two_fluid`            the same with strands that relax: the rung ``two-fluid``
+`disentanglement`      entanglements that let go: Rolie-Poly and the fraction left
 `far_end`              how much of the network's far end is felt upstream
 `flow`                 V(s, t) as the chain sees it
 `chain`                Eq. (32a) in full: every bead, in time (`chain_model`, `chain_state`, `chain_step`, ...)
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
     from spinline.network.chain.model import Chain, ChainError
     from spinline.network.chain.profile import ChainProfile
     from spinline.network.chain.state import ChainState, affine_start, empty_start, start_from
+    from spinline.network.disentanglement import Disentangled, disentangle, rouse_time, strand_fraction
     from spinline.network.lateral import LateralNetwork, lateral_network
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
@@ -97,6 +99,7 @@ _NAMES = {
     "ChainProfile": "chain.profile",
     "ChainResult": "chain.march",
     "ChainState": "chain.state",
+    "Disentangled": "disentanglement",
     "ExactLaw": "walk.law",
     "Flow": "chain.flow",
     "FlowStrand": "walk.flow",
@@ -113,6 +116,7 @@ _NAMES = {
     "affine_start": "chain.state",
     "affine_strand": "walk.strand",
     "coarse_graining_error": "chain.coarse",
+    "disentangle": "disentanglement",
     "empty_start": "chain.state",
     "eq33": "manifold",
     "exact_law": "walk.law",
@@ -121,6 +125,7 @@ _NAMES = {
     "hydrodynamic_strand": "walk.strand",
     "lateral_network": "lateral",
     "radial_mesh": "radial",
+    "rouse_time": "disentanglement",
     "run_chain": "chain.march",
     "sample_average": "walk.estimate",
     "sample_histogram": "walk.estimate",
@@ -130,6 +135,7 @@ _NAMES = {
     "solve_radial_mesh": "radial",
     "start_from": "chain.state",
     "steady_network": "manifold",
+    "strand_fraction": "disentanglement",
     "two_fluid_network": "two_fluid",
     "uniform_strand": "walk.strand",
     "varying_strand": "walk.strand",
@@ -144,6 +150,7 @@ __all__ = [
     "ChainResult",
     "ChainState",
     "Conformation",
+    "Disentangled",
     "ExactLaw",
     "Flow",
     "FlowStrand",
@@ -169,6 +176,7 @@ __all__ = [
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
+    "disentangle",
     "dried_state",
     "elastic_coupling",
     "empty_start",
@@ -194,6 +202,7 @@ __all__ = [
     "relative_contraction",
     "relative_extension",
     "rest_force",
+    "rouse_time",
     "run_chain",
     "sample_average",
     "sample_histogram",
@@ -206,6 +215,7 @@ __all__ = [
     "start_from",
     "steady_network",
     "strand_force",
+    "strand_fraction",
     "stretched_walk",
     "two_fluid_network",
     "uniform_strand",
