@@ -40,6 +40,8 @@ if __name__ != "spinline.network":
 from spinline.network.concentration import (
     compaction_velocity_ratio,
     conservative_radius_ratio,
+    flux_fraction,
+    flux_radius_ratio,
     fraction_conservative,
     fraction_eq40,
     fraction_walk,
@@ -72,7 +74,7 @@ if TYPE_CHECKING:
     from spinline.network.chain.profile import ChainProfile
     from spinline.network.chain.state import ChainState, affine_start, empty_start, start_from
     from spinline.network.disentanglement import Disentangled, disentangle, rouse_time, strand_fraction
-    from spinline.network.lateral import LateralNetwork, lateral_network
+    from spinline.network.lateral import LateralNetwork, lateral_limit, lateral_network, lateral_time
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
     from spinline.network.tension import Tension
@@ -123,7 +125,9 @@ _NAMES = {
     "flow_strand": "walk.flow",
     "force_laws": "force_laws:",
     "hydrodynamic_strand": "walk.strand",
+    "lateral_limit": "lateral",
     "lateral_network": "lateral",
+    "lateral_time": "lateral",
     "radial_mesh": "radial",
     "rouse_time": "disentanglement",
     "run_chain": "chain.march",
@@ -184,12 +188,16 @@ __all__ = [
     "exact_law",
     "extension_velocity_ratio",
     "flow_strand",
+    "flux_fraction",
+    "flux_radius_ratio",
     "force_laws",
     "fraction_conservative",
     "fraction_eq40",
     "fraction_walk",
     "hydrodynamic_strand",
+    "lateral_limit",
     "lateral_network",
+    "lateral_time",
     "log_fraction_conservative",
     "log_fraction_eq40",
     "log_fraction_walk",
