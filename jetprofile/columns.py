@@ -1,33 +1,49 @@
-"""Columns with units from a CSV file: ``z [mm], radius [um]``.
+"""Columns with units from a table: ``z [mm], radius [um]``.
 
-Every header names its quantity and, in square or round brackets, its unit; comment lines start with ``#``; comma,
-semicolon, tab or blanks separate. A header without a unit is refused: a bare number is not a length.
+Every header names its quantity and its unit: ``z [mm]``, ``z (mm)``, ``z/mm``, ``z_mm``, or a row of units below. Names that
+people use for the same thing are known (`ALIASES`). A column without a unit is refused: a bare number is not a length.
 """
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
-
-import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.base.units import parse_unit
+from spinline.jetprofile.table_text import Header, TextTable, read_table_text
 
-__all__ = ["read_columns"]
+__all__ = ["ALIASES", "read_columns"]
 
-_HEADER = re.compile(r"\s*(?P<name>[A-Za-z_]\w*)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*")
+# other name: (column, factor)
+ALIASES = {
+    "r": ("radius", 1.0),
+    "jet_radius": ("radius", 1.0),
+    "d": ("radius", 0.5),
+    "diameter": ("radius", 0.5),
+    "jet_diameter": ("radius", 0.5),
+    "diameter_std": ("radius_std", 0.5),
+    "r_std": ("radius_std", 1.0),
+    "d_std": ("radius_std", 0.5),
+    "distance": ("z", 1.0),
+    "position": ("z", 1.0),
+    "axial_position": ("z", 1.0),
+    "v": ("velocity", 1.0),
+    "speed": ("velocity", 1.0),
+    "t": ("time", 1.0),
+    "stretch": ("stretch_ratio", 1.0),
+}
 
 
 def read_columns(
     path: str | Path, kinds: Mapping[str, str], *, required: tuple[str, ...] = ()
 ) -> dict[str, FloatArray]:
-    """Read the named columns of a CSV file in SI units.
+    """Read the named columns of a table in SI units.
 
     Parameters
     ----------
     path : path
-        CSV file with one header line.
+        Text table (CSV; columns between commas, semicolons, tabs or blanks; comments behind ``#``, ``%`` or ``!``) or an
+        Excel workbook, with one header line.
     kinds : mapping
         Column name to the kind of quantity (a key of `spinline.base.units.QUANTITIES`).
     required : tuple of str
@@ -41,56 +57,57 @@ def read_columns(
     Raises
     ------
     InputError
-        For an unreadable file, an unknown or repeated column, a missing unit or text among the numbers.
+        For an unreadable file, an unknown or repeated column, a missing unit or text among the numbers; the format that was
+        seen is named.
     """
-    import pandas as pd
-
     file = str(path)
-    allowed = ", ".join(f"{name} [{_unit_example(kind)}]" for name, kind in kinds.items())
-    if Path(path).exists() and not Path(path).is_file():
-        raise InputError(file, "is not a file", remedy="give a CSV file")
-    try:
-        with Path(path).open(encoding="utf-8-sig") as stream:
-            first = next((line for line in stream if line.strip() and not line.startswith("#")), "")
-        separator = next((mark for mark in (",", ";", "\t") if mark in first), r"\s{2,}|(?<=[\])])\s+")
-        engine = "c" if len(separator) == 1 else "python"
-        frame = pd.read_csv(path, sep=separator, engine=engine, comment="#", encoding="utf-8-sig")  # type: ignore[call-overload]
-    except OSError as error:
-        raise InputError(file, f"cannot be read ({error.strerror})", remedy="check the path") from None
-    except (UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError, ValueError) as error:
-        reason = str(error).splitlines()[0]
-        raise InputError(
-            file, f"is not a CSV table ({reason})", allowed=allowed, remedy="give columns with units in the header"
-        ) from None
+    allowed = ", ".join(
+        f"{name} [{_unit_example(kind)}]" if _unit_example(kind) else name for name, kind in kinds.items()
+    )
+    table = read_table_text(path, allowed=allowed)
     columns: dict[str, FloatArray] = {}
-    for header in frame.columns:
-        match = _HEADER.fullmatch(str(header))
-        name = match["name"] if match else str(header)
-        if match is None or name not in kinds:
-            raise InputError(file, "has a column that is not known", value=str(header), allowed=allowed)
+    for header, values in zip(table.headers, table.columns, strict=True):
+        name, unit, factor = _meaning(header, kinds, file, table, allowed)
         if name in columns:
-            raise InputError(file, "has a column twice", value=name)
-        columns[name] = _scaled(frame[header], kinds[name], match["unit"], f"{file}: {name}")
+            raise InputError(file, f"has a column twice ({table.seen})", value=header.name)
+        columns[name] = factor * _scaled(values, kinds[name], unit, f"{file}: {header.name}")
     for name in required:
         if name not in columns:
-            raise InputError(file, f"has no column {name}", value=list(map(str, frame.columns)), allowed=allowed)
+            found = [header.name for header in table.headers]
+            raise InputError(file, f"has no column {name} ({table.seen})", value=found, allowed=allowed)
     return columns
 
 
-def _scaled(values: object, kind: str, unit: str | None, field: str) -> FloatArray:
-    try:
-        numbers = np.asarray(values, dtype=np.float64)
-    except ValueError as error:
-        raise InputError(field, f"holds text among its numbers ({error})") from None
+def _meaning(
+    header: Header, kinds: Mapping[str, str], file: str, table: TextTable, allowed: str
+) -> tuple[str, str, float]:
+    """Column, unit and factor of a header."""
+    for text, unit in ((header.name, header.unit), _split(header)):
+        for name in (text, text.lower()):
+            if name in kinds:
+                return name, unit, 1.0
+            column, factor = ALIASES.get(name, ("", 1.0))
+            if column in kinds:
+                return column, unit, factor
+    raise InputError(file, f"has a column that is not known ({table.seen})", value=header.name, allowed=allowed)
+
+
+def _split(header: Header) -> tuple[str, str]:
+    """``x_mm`` is x in mm, where no other unit stands."""
+    name, _, unit = header.name.rpartition("_")
+    return (name, unit) if name and not header.unit else (header.name, header.unit)
+
+
+def _scaled(values: FloatArray, kind: str, unit: str, field: str) -> FloatArray:
     example = _unit_example(kind)
     if not example:
-        if unit not in (None, "", "1", "%"):
+        if unit not in ("", "1", "-", "%"):
             raise InputError(field, "has a unit, but a pure number has none", value=unit, allowed="[%] or none")
-        return numbers * 0.01 if unit == "%" else numbers
+        return values * 0.01 if unit == "%" else values
     if not unit:
         raise InputError(field, "needs a unit in its header", remedy=f'for example "{field.split()[-1]} [{example}]"')
     scale, offset = parse_unit(unit, kind, field)
-    return numbers * scale + offset
+    return values * scale + offset
 
 
 def _unit_example(kind: str) -> str:

@@ -80,8 +80,10 @@ class Table(StraightJet):
 
     @classmethod
     def from_csv(cls, path: str | Path, *, flow_rate: float, initial_radius: float | None = None) -> Self:
-        """Read columns ``z [unit]`` and ``radius [unit]`` or ``velocity [unit]`` from a CSV file."""
+        """Read columns ``z [unit]`` and ``radius [unit]`` or ``velocity [unit]`` from a table, z rising or falling."""
         columns = read_columns(path, {"z": "length", "radius": "length", "velocity": "velocity"}, required=("z",))
+        if columns["z"].size > 1 and (np.diff(columns["z"]) < 0).all():  # written from the far end to the nozzle
+            columns = {name: values[::-1] for name, values in columns.items()}
         return cls(
             z=columns["z"],
             radius=columns.get("radius"),

@@ -14,6 +14,11 @@ module                   law
 `concentration_laws`     Eq. (45): viscosity, relaxation time and modulus against concentration
 `vapour`                 vapour pressures, diffusion in air, activities, where drying ends
 `volatile`               a solvent on its way into the air; conventions of Eq. (44)
+`thermal`                heats, vapour pressures at any temperature, the air's conductivity
+`transfer`               Sherwood and Nusselt numbers
+`evaporant`              a liquid with its heat, against temperature
+`heat`                   a drying jet that cools and takes up water
+`wet_bulb`               where a wet jet's temperature settles
 `element_path`           what a material element of a straight or bead jet goes through
 `evaporation`            Eqs. (43a), (44): loss of solvent along the jet
 `conformation`           stretch and stress of the polymer: Maxwell, Oldroyd-B, Giesekus, FENE-P
@@ -80,16 +85,27 @@ if TYPE_CHECKING:
     from spinline.rheology.diffusion_laws import ConstantDiffusion, ExponentialDiffusion, FreeVolumeDiffusion
     from spinline.rheology.drying import RadialDrying, dry_radially, drying_peclet
     from spinline.rheology.element_path import ElementPath, bead_path, straight_path
+    from spinline.rheology.evaporant import Evaporant
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
+    from spinline.rheology.heat import HeatedJet, dry_with_heat
     from spinline.rheology.intrinsic import Intrinsic, intrinsic_viscosity
     from spinline.rheology.prior import Estimate, estimated_relaxation_time, estimated_viscosity, specific_viscosity
+    from spinline.rheology.transfer import transfer_number
     from spinline.rheology.volatile import Volatile
+    from spinline.rheology.wet_bulb import WetBulb, adiabatic_saturation, wet_bulb
 
 # name: module; loaded when first asked for, since the solvers are heavier than the closed forms
 _NAMES = {
     "ConstantDiffusion": "diffusion_laws",
     "ElementConformation": "conformation",
     "Estimate": "prior",
+    "Evaporant": "evaporant",
+    "HeatedJet": "heat",
+    "WetBulb": "wet_bulb",
+    "adiabatic_saturation": "wet_bulb",
+    "dry_with_heat": "heat",
+    "transfer_number": "transfer",
+    "wet_bulb": "wet_bulb",
     "Intrinsic": "intrinsic",
     "estimated_relaxation_time": "prior",
     "estimated_viscosity": "prior",
@@ -127,10 +143,12 @@ __all__ = [
     "ElementPath",
     "Entanglement",
     "Estimate",
+    "Evaporant",
     "Evaporation",
     "ExponentialDiffusion",
     "FreeVolumeDiffusion",
     "Giesekus",
+    "HeatedJet",
     "Intrinsic",
     "Maxwell",
     "OldroydB",
@@ -139,9 +157,12 @@ __all__ = [
     "ScalingExponents",
     "Solution",
     "Volatile",
+    "WetBulb",
+    "adiabatic_saturation",
     "bead_path",
     "cylinder_series",
     "dry_radially",
+    "dry_with_heat",
     "drying_peclet",
     "entanglement_fraction",
     "equilibrium_fraction",
@@ -179,11 +200,13 @@ __all__ = [
     "steady_fenep",
     "straight_path",
     "tensile_force",
+    "transfer_number",
     "vapour_diffusivity",
     "vapour_pressure",
     "viscosity",
     "vitrification_fraction",
     "volume_fraction",
+    "wet_bulb",
 ]
 
 __getattr__, __dir__ = lazily(__name__, _NAMES)

@@ -5,12 +5,12 @@ Beside it a ledger that nothing depends on: mass given off and enthalpy taken up
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.rheology._drying_kernels import MU, STAGES
 
-__all__ = ["GAS", "attempt_heat", "rates", "surface"]
+__all__ = ["GAS", "LEDGER", "activities", "attempt_heat", "dense", "rates", "surface"]
 
 GAS = 8.31446261815324
 _AIR_MASS = 0.0289644
@@ -19,6 +19,8 @@ _S6 = 6.0**0.5
 _ERROR = np.array([-13 - 7 * _S6, -13 + 7 * _S6, -1.0]) / 3
 _LOW, _STEP = 120.0, 3.0  # evaporant.GRID
 LEDGER = 2
+_NODES = np.array([(4 - _S6) / 10, (4 + _S6) / 10, 1.0])
+_DENSE = np.linalg.inv(_NODES[:, np.newaxis] ** np.arange(1, 4))
 
 
 @njit(cache=True, error_model="numpy")
@@ -41,7 +43,7 @@ def _number(law: int, along: float, across: float, schmidt: float, floor: float)
 
 
 @njit(cache=True, error_model="numpy")
-def _activities(
+def activities(
     volumes: FloatArray, phi0: float, sub: FloatArray, pairs: FloatArray, unit: float, out: FloatArray
 ) -> float:
     """Activities of the liquids, Flory-Huggins (or Raoult with the polymer's molar volume `unit`); returns the volume
@@ -172,7 +174,7 @@ def rates(
     for i in range(n):
         volumes[i] = np.exp(sub[i, 8] + y[i]) if sub[i, 7] > 0 else y[i]
         heat += volumes[i] * sub[i, 0] * sub[i, 2]
-    left = _activities(volumes, air[3], sub, pairs, air[9], activity)
+    left = activities(volumes, air[3], sub, pairs, air[9], activity)
     if not left > 0:
         return False
     warmed, carried, _ = surface(activity, left, kelvin, sub, tables, air, place, flux)
@@ -320,3 +322,17 @@ def attempt_heat(
     for i in range(n):
         size += (error[i] / scale[i]) ** 2
     return done, float(np.sqrt(size / n))
+
+
+@njit(cache=True, error_model="numpy")
+def dense(stages: FloatArray, theta: FloatArray, start: FloatArray, out: FloatArray) -> None:
+    """`start` and its change at fractions of a step, by the collocation polynomial: (theta, n) into `out`."""
+    for k in range(theta.size):
+        t = theta[k]
+        for i in range(start.size):
+            total = 0.0
+            for p in range(2, -1, -1):
+                total = t * (
+                    total + _DENSE[p, 0] * stages[0, i] + _DENSE[p, 1] * stages[1, i] + _DENSE[p, 2] * stages[2, i]
+                )
+            out[k, i] = start[i] + total

@@ -191,7 +191,7 @@ def test_citation_has_what_the_format_requires():
 def test_packages_in_the_project_file_are_those_of_the_tree():
     tool = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
     found = {"spinline": "src/spinline"}
-    for top in ("network", "xray", "rheology", "jetprofile"):
+    for top in ("network", "xray", "rheology", "jetprofile", "deposit"):
         for file in sorted((ROOT / top).rglob("__init__.py")):
             folder = file.parent.relative_to(ROOT).as_posix()
             found[f"spinline.{folder.replace('/', '.')}"] = folder

@@ -341,9 +341,13 @@ def test_a_checkpoint_of_other_data_is_not_used(frames_of, tmp_path) -> None:
     )
     fresh = reduce_images(images, checkpoint=tmp_path / "p")
     assert fresh.identical(reduce_images(images))
-    (tmp_path / "q").mkdir()
-    with pytest.raises(InputError, match="no checkpoint"):
-        reduce_images(images, checkpoint=tmp_path / "q")
+    (tmp_path / "q").mkdir()  # empty: left by a kill, nothing to lose
+    (tmp_path / "r").mkdir()
+    (tmp_path / "r" / "notes.txt").write_text("mine")
+    assert fresh.identical(reduce_images(images, checkpoint=tmp_path / "q"))
+    with pytest.raises(InputError, match=r"in the way.*notes\.txt|notes\.txt.*in the way"):
+        reduce_images(images, checkpoint=tmp_path / "r")
+    assert (tmp_path / "r" / "notes.txt").read_text() == "mine"
 
 
 def test_a_sum_goes_on_where_it_stopped(tmp_path) -> None:

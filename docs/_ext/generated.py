@@ -29,6 +29,7 @@ PACKAGES = [
     "spinline.network",
     "spinline.jetprofile",
     "spinline.jetprofile.jetspin",
+    "spinline.jetprofile.readers",
     "spinline.rheology",
     "spinline.xray",
     "spinline.scene",

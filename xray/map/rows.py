@@ -7,9 +7,9 @@ amplitude, slope and blur, lengths in pixels.
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["expected_rows", "row_curvature"]
 

@@ -4,10 +4,10 @@ Work is done only where the jet is: outside it nothing is absorbed, and a blurre
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["absorbed_columns", "beam_counts", "blurred_columns", "damped_step", "poisson_curvature"]
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from spinline.base.checks import BoolArray, FloatArray
-from spinline.base.files import replacing
+from spinline.base.files import write_text
 from spinline.images.experiment import FRINGES, Experiment, nuisances
 from spinline.images.methods import METHODS
 from spinline.xray.frame.blocks import FRAME_FLAGS, FrameFit
@@ -321,6 +321,4 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
             flat = values.reshape(-1, values.shape[-1])
             for j, r in enumerate(result["relative_radius"].values):
                 table[f"{name}(r/R={r:.4g}){label}"] = flat[:, j]
-    with replacing(path, force=force) as part:
-        pd.DataFrame(table).to_csv(part, index=False)
-    return Path(path)
+    return write_text(path, str(pd.DataFrame(table).to_csv(None, index=False)), force=force)

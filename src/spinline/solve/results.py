@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from spinline.base.errors import InputError
-from spinline.base.files import replacing
-from spinline.base.netcdf import open_dataset
+from spinline.base.files import write_text
+from spinline.base.netcdf import open_dataset, save_dataset
 from spinline.solve.summary import SUMMARISED
 
 if TYPE_CHECKING:
@@ -231,10 +231,7 @@ def save(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     -------
     Path
     """
-    encoding = {name: {"_FillValue": None} for name in result.variables}
-    with replacing(path, force=force) as part:
-        result.to_netcdf(part, engine="h5netcdf", encoding=encoding)
-    return Path(path)
+    return save_dataset(result, path, force=force)
 
 
 def open_result(path: str | Path) -> xr.Dataset:
@@ -270,9 +267,7 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
     flags = {name: table[name].astype(int) for name in table.columns if table[name].dtype == bool}
     table = table.assign(**flags)
     table.columns = [f"{name} [{units[name]}]" if units[name] not in ("", "1") else str(name) for name in table.columns]
-    with replacing(path, force=force) as part:
-        table.to_csv(part, index=False)
-    return Path(path)
+    return write_text(path, str(table.to_csv(None, index=False)), force=force)
 
 
 def _spread(result: xr.Dataset) -> xr.Dataset:

@@ -1,0 +1,30 @@
+"""netCDF files that this package writes: imported runs, and jets of its own solver."""
+
+from pathlib import Path
+
+from spinline.base.errors import InputError
+from spinline.base.netcdf import open_dataset
+from spinline.jetprofile.lagrangian import LagrangianJet
+
+__all__ = ["JetFile"]
+
+
+class JetFile:
+    """Reader of jet files."""
+
+    name = "jet file (netCDF-4)"
+
+    def claims(self, path: Path, head: bytes) -> bool:
+        """By HDF5's signature."""
+        return head.startswith(b"\x89HDF\r\n\x1a\n")
+
+    def read(self, path: Path, *, unit: str | None = None, initial_radius: float | None = None) -> LagrangianJet:
+        """Its units are in it."""
+        if unit is not None:
+            raise InputError(
+                "unit", f"is not asked for: a {self.name} carries its units", value=unit, remedy="leave it out"
+            )
+        if initial_radius is not None:
+            raise InputError("initial_radius", f"is not asked for: a {self.name} carries it", value=initial_radius,
+                             remedy="leave it out")  # fmt: skip
+        return LagrangianJet.from_dataset(open_dataset(path))

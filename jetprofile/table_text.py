@@ -1,0 +1,318 @@
+"""Rows and columns of a text table, whichever program wrote it: separators, decimal commas, header, unit row, exponents.
+
+What is found out of the text itself, never guessed where two readings are possible: the header (first line that is no
+comment, or the last comment line above the numbers), the separator (that of the header: tab, semicolon, comma or blanks), a
+row of units below the header, decimal commas (only where something else separates), Fortran exponents ``1.0D-03``.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+from spinline.base.text import read_text
+
+__all__ = ["Header", "TextTable", "read_table_text"]
+
+_MARKS = ("#", "%", "!")
+_TOKEN = re.compile(
+    r"""\s*"?(?P<name>[^\W\d][\w]*)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]|/\s*(?P<over>[^\s,;"]+))?"?\s*"""
+)
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3})?|[-+]?(?:inf|nan)", re.IGNORECASE)
+_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eEdD][-+]?\d+)?")
+_NAMES = {",": "commas", ";": "semicolons", "\t": "tabs", None: "blanks"}
+
+
+@dataclass(frozen=True)
+class Header:
+    """One column's name and unit, as written; the unit is "" where none stands."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table as read.
+
+    Attributes
+    ----------
+    headers : tuple of Header
+    columns : tuple of ndarray
+        float64; NaN where a field is empty.
+    seen : str
+        What the file was taken for, in words, for messages.
+    """
+
+    headers: tuple[Header, ...]
+    columns: tuple[FloatArray, ...]
+    seen: str
+
+
+def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
+    """Read a text table.
+
+    Parameters
+    ----------
+    path : path
+        Text file, or an Excel workbook (its first sheet; needs ``pip install openpyxl``).
+    allowed : str
+        The columns that would be understood, for messages.
+
+    Returns
+    -------
+    TextTable
+
+    Raises
+    ------
+    InputError
+        For a file that is no table, has no header, or holds rows that do not fit it; it names the format that was seen.
+    """
+    name = str(path)
+    if Path(path).suffix.lower() in (".xlsx", ".xlsm", ".xls", ".ods"):
+        lines, kind = _sheet(path), "Excel workbook"
+    else:
+        try:
+            text, encoding = read_text(path)
+        except InputError as error:
+            raise InputError(
+                name, f"is not a CSV table: it {error.problem}", allowed=allowed, remedy=error.remedy
+            ) from None
+        lines, kind = text.splitlines(), f"text table, {encoding}"
+    return _parse(lines, name, kind, allowed)
+
+
+def _sheet(path: str | Path) -> list[str]:
+    """First sheet of a workbook as tab-separated lines."""
+    name = str(path)
+    if Path(path).suffix.lower() in (".xls", ".ods"):
+        raise InputError(
+            name, "is an old Excel or an OpenDocument workbook", remedy="save it as .xlsx or as CSV (UTF-8)"
+        )
+    try:
+        import openpyxl
+    except ImportError:
+        raise InputError(
+            name, "is an Excel workbook, and openpyxl is not installed",
+            remedy="pip install openpyxl, or save the sheet as CSV (UTF-8)",
+        ) from None  # fmt: skip
+    if not Path(path).is_file():
+        raise InputError(name, "cannot be read (No such file or directory)", remedy="check the path")
+    try:
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
+        book.close()
+    except Exception as error:  # of a damaged archive: whatever its parts raise
+        raise InputError(
+            name, f"is not a readable Excel workbook ({type(error).__name__})", remedy="save it again"
+        ) from None
+    return ["\t".join("" if cell is None else str(cell) for cell in row) for row in rows]
+
+
+def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
+    start, title = _first_row(lines)
+    if start is None:
+        raise InputError(name, f"is not a CSV table ({kind}: no line but comments)", allowed=allowed,
+                         remedy="give columns with units in the header")  # fmt: skip
+    if title is None:
+        raise InputError(
+            name, f"has no header ({kind}): line {start + 1} is numbers already, and no comment above names them",
+            value=lines[start].strip(), allowed=allowed, remedy=f'put a first line above it, for example "{_example(allowed)}"',
+        )  # fmt: skip
+    headers, mark = _headers(title, name, kind, allowed)
+    body = [(i, line) for i, line in enumerate(lines[start:], start + 1) if line.strip() and not _comment(line)]
+    if body and _is_units(body[0][1], mark, len(headers)):
+        units = _fields(body[0][1], mark)
+        headers = tuple(Header(h.name, h.unit or u.strip(" []()\"'")) for h, u in zip(headers, units, strict=False))
+        body = body[1:]
+    seen = f"{kind}, {_NAMES[mark]} between {len(headers)} columns"
+    if not body:
+        raise InputError(name, f"holds no numbers ({seen})", remedy="give at least one row below the header")
+    columns = _numbers(body, mark, headers, name, seen)
+    return TextTable(headers, columns, seen)
+
+
+def _comment(line: str) -> bool:
+    return line.lstrip().startswith(_MARKS)
+
+
+def _first_row(lines: list[str]) -> tuple[int | None, str | None]:
+    """Where the numbers begin, and the line that names their columns; a workbook's ``sep=;`` is no line of the table."""
+    above = None
+    for i, line in enumerate(lines):
+        if not line.strip() or line.strip().lower().startswith("sep="):
+            continue
+        if _comment(line):
+            words = line.lstrip().lstrip("".join(_MARKS)).strip()
+            above = words if words else above
+            continue
+        if _numeric(line):
+            return i, above if above is not None and _looks_like_header(above) else None
+        return i + 1, line.strip().lstrip("﻿")
+    return None, None
+
+
+def _numeric(line: str) -> bool:
+    parts = [part for part in re.split(r"[,;\s]+", line.strip()) if part]
+    return bool(parts) and all(_NUMBER.fullmatch(part.strip('"')) for part in parts)
+
+
+def _looks_like_header(text: str) -> bool:
+    return _tokens(text) is not None
+
+
+def _tokens(text: str) -> tuple[list[Header], str] | None:
+    """Names and units of a header line, and what stands between the first two; None if it is no header."""
+    found, at, marks = [], 0, []
+    text = text.rstrip()
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None or match.end() == at:
+            return None
+        found.append(Header(match["name"], match["unit"] or match["over"] or ""))
+        at = match.end()
+        if at < len(text):
+            if text[at] in ",;\t":
+                marks.append(text[at])
+                at += 1
+                while at < len(text) and text[at] == marks[-1] and not text[at + 1 :].strip(marks[-1]).strip():
+                    at += 1  # separators behind the last name
+            elif text[at - 1].isspace():
+                marks.append("\t" if "\t" in match[0] else " ")
+            else:
+                return None
+    return (found, marks[0] if marks else " ") if len(set(marks)) <= 1 else None
+
+
+def _headers(title: str, name: str, kind: str, allowed: str) -> tuple[tuple[Header, ...], str | None]:
+    mark = next((m for m in ("\t", ";", ",") if m in re.sub(r"[\[(].*?[\])]", "", title)), None)
+    headers = []
+    for part in _fields(title, mark) if mark else []:
+        match = _TOKEN.fullmatch(part)
+        if part.strip() and match is None:
+            raise InputError(name, f"has a column that is not known ({kind})", value=part.strip(), allowed=allowed,
+                             remedy="a header is a name and its unit, z [mm]")  # fmt: skip
+        if match is not None:
+            headers.append(Header(match["name"], match["unit"] or match["over"] or ""))
+    if mark is None:
+        tokens = _tokens(title)
+        if tokens is None:
+            raise InputError(name, f"is not a CSV table ({kind}): its first line is no header", value=title, allowed=allowed,
+                             remedy="give columns with units in the header")  # fmt: skip
+        headers = tokens[0]
+    return tuple(headers), mark
+
+
+def _fields(line: str, mark: str | None) -> list[str]:
+    if mark is None:
+        return line.split()
+    return [part.strip().strip('"') for part in line.split(mark)]
+
+
+def _is_units(line: str, mark: str | None, count: int) -> bool:
+    fields = [field.strip(" []()") for field in _fields(line, mark)]
+    return (
+        len(fields) == count
+        and any(fields)
+        and not any(_NUMBER.fullmatch(f) or _COMMA.fullmatch(f) for f in fields if f)
+    )
+
+
+def _numbers(
+    body: list[tuple[int, str]], mark: str | None, headers: tuple[Header, ...], name: str, seen: str
+) -> tuple[FloatArray, ...]:
+    count = len(headers)
+    quick = _at_once([line for _, line in body], mark, count)
+    if quick is not None:
+        return tuple(quick.T.copy())
+    rows = _even([(i, _fields(line, mark)) for i, line in body], mark, count, name, seen)
+    commas = mark != "," and any(_COMMA.fullmatch(field) for _, fields in rows for field in fields)
+    if commas and any("." in field for _, fields in rows for field in fields):
+        line = next(i for i, fields in rows if any("." in field for field in fields))
+        raise InputError(name, f"has both points and commas in its numbers ({seen}), line {line}: which is the decimal?",
+                         remedy="write decimals one way, and no marks between thousands")  # fmt: skip
+    columns = []
+    for j, header in enumerate(headers):
+        texts = [fields[j].replace(",", ".") if commas else fields[j] for _, fields in rows]
+        try:
+            column = _floats(texts)
+        except ValueError:
+            line, text = next((rows[i][0], text) for i, text in enumerate(texts) if not _readable(text))
+            problem = f"holds text among its numbers ({seen}): line {line}, column {header.name}"
+            raise InputError(name, problem, value=text, remedy="write a number, or leave the field empty") from None
+        columns.append(column)
+    return tuple(columns)
+
+
+def _at_once(lines: list[str], mark: str | None, count: int) -> FloatArray | None:
+    """Numbers of a plain table, some million fields a second; None where a row is anything else."""
+    if mark is None:
+        if any(len(line.split()) != count for line in lines):
+            return None
+        fields = " ".join(lines).split()
+    else:
+        if any(line.count(mark) != count - 1 for line in lines):
+            return None
+        fields = mark.join(lines).split(mark)
+    try:
+        return np.array(fields, dtype=np.float64).reshape(-1, count)
+    except ValueError:
+        return None
+
+
+def _even(
+    rows: list[tuple[int, list[str]]], mark: str | None, count: int, name: str, seen: str
+) -> list[tuple[int, list[str]]]:
+    """Rows of as many fields as the header has names; empty fields behind the last column are dropped where all have them."""
+    longest = max(len(fields) for _, fields in rows)
+    if longest > count and all(not field for _, fields in rows for field in fields[count:]):
+        rows, longest = [(i, fields[:count]) for i, fields in rows], count
+    for line, fields in rows:
+        if len(fields) == count:
+            continue
+        more = len(fields) > count
+        problem = f"has {'more' if more else 'fewer'} fields in line {line} ({len(fields)}) than the header has names"
+        if not more:
+            remedy = "leave a field empty between separators"
+        elif mark == "," and len(fields) == 2 * count:
+            remedy = "if its decimals are commas, separate the columns by semicolons"
+        else:
+            remedy = "give every column a name"
+        raise InputError(name, f"{problem} ({count}; {seen})", value=(mark or " ").join(fields), remedy=remedy)
+    return rows
+
+
+def _floats(texts: list[str]) -> FloatArray:
+    try:
+        return np.array(texts, dtype=np.float64)  # some ten million fields a second
+    except ValueError:
+        return np.array([_number(text) for text in texts])
+
+
+def _number(text: str) -> float:
+    if not text or text.lower() in ("na", "n/a", "-", "null", "none"):
+        return float("nan")
+    try:
+        return float(text)
+    except ValueError:
+        if not _NUMBER.fullmatch(text):
+            raise
+        text = re.sub("[dD]", "e", text)
+        return float(
+            re.sub(r"(?<=[\d.])([-+]\d{3})$", r"e\1", text)
+        )  # Fortran drops the letter of three-digit exponents
+
+
+def _readable(text: str) -> bool:
+    try:
+        _number(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _example(allowed: str) -> str:
+    return ", ".join(allowed.split(", ")[:2])

@@ -1,0 +1,161 @@
+"""Text files as people's programs write them: with or without a byte order mark, UTF-8, UTF-16, or a Windows code page."""
+
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+from spinline.base.errors import InputError
+from spinline.base.files import note_input, readable
+from spinline.base.naming import kind_of, reason_of
+
+__all__ = ["LONGEST_TEXT", "decoded", "parsed_toml", "read_text", "read_toml_text"]
+
+LONGEST_TEXT = 2**31  # bytes of a file that is read whole
+_MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+
+
+def decoded(data: bytes, name: str) -> tuple[str, str]:
+    """Text of a file's bytes, and the encoding it was written in.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+    name : str
+        Of the file, for the error.
+
+    Returns
+    -------
+    text : str
+        Line ends are those of the file; a byte order mark is gone.
+    encoding : str
+        "UTF-8", "UTF-16" or "Windows-1252" (taken where the bytes are no UTF-8: the micro sign of older spreadsheets).
+
+    Raises
+    ------
+    InputError
+        For bytes that are text in none of them.
+    """
+    for mark, codec in _MARKS:
+        if data.startswith(mark):
+            return _as(data, codec, name), "UTF-8" if codec == "utf-8-sig" else "UTF-16"
+    head = data[:400]
+    if head.count(0) > len(head) // 4:  # Latin letters in UTF-16 without its mark
+        codec = "utf-16-le" if head[1::2].count(0) > head[0::2].count(0) else "utf-16-be"
+        return _as(data, codec, name), "UTF-16"
+    if b"\0" in data:
+        raise InputError(name, "is not text: it holds zero bytes", remedy="save it as text, UTF-8")
+    try:
+        return data.decode("utf-8"), "UTF-8"
+    except UnicodeDecodeError:
+        text = _as(data, "cp1252", name)
+        if any(ord(letter) < 32 and letter not in "\t\n\r\f\v" for letter in text):
+            raise InputError(name, "is not text", remedy="save it as text, UTF-8") from None
+        return text, "Windows-1252"
+
+
+def _as(data: bytes, codec: str, name: str) -> str:
+    try:
+        text = data.decode(codec)
+    except UnicodeDecodeError:
+        raise InputError(
+            name, f"is not text, in {codec.removesuffix('-sig').upper()}", remedy="save it as UTF-8"
+        ) from None
+    if "\0" in text:
+        raise InputError(name, "is not text: it holds zero bytes", remedy="save it as text, UTF-8")
+    if (
+        text and codec.startswith("utf-16") and not any(letter.isascii() for letter in text)
+    ):  # a table has digits or line ends
+        raise InputError(name, "is not text, in UTF-16", remedy="save it as UTF-8")
+    return text
+
+
+def read_text(path: str | Path, *, most: int = LONGEST_TEXT) -> tuple[str, str]:
+    """Text of a file and its encoding, as `decoded`.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is no regular file, is longer than `most` bytes, or is no text.
+    """
+    file, name = readable(path), str(path)
+    try:
+        size = file.stat().st_size
+        if size > most:
+            raise InputError(name, f"is {size} bytes long", allowed=f"up to {most}", remedy="give a shorter file")
+        data = file.read_bytes()
+    except OSError as error:
+        raise InputError(name, f"cannot be read ({error.strerror})", remedy="check the path") from None
+    return decoded(data, name)
+
+
+def read_toml_text(
+    path: str | Path, noun: str, longest: int, remedy: str = "check the path"
+) -> tuple[dict[str, Any], str]:
+    """Tables and text of a TOML file, or of the shell's ``/dev/stdin`` and ``<(...)``; what it names counts as input.
+
+    Parameters
+    ----------
+    path : path
+    noun : str
+        What it should be, for errors: "scene".
+    longest : int
+        Characters.
+    remedy : str
+        For a file that cannot be read.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is too long, or is no TOML.
+    """
+    name = str(path)
+    from_shell = name.startswith(("/dev/stdin", "/dev/fd/", "/proc/self/fd/"))
+    try:
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode) and not (from_shell and stat.S_ISFIFO(mode)):
+            raise InputError(name, f"cannot be read as a {noun} (it is {kind_of(mode)})", remedy=remedy)
+        with Path(path).open("rb") as file:
+            text, _ = decoded(file.read(4 * longest + 1), name)
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(name, f"cannot be read as a {noun} ({reason_of(error)})", remedy=remedy) from None
+    if len(text) > longest:
+        raise InputError(name, f"is too long for a {noun}", allowed=f"up to {longest} characters")
+    data = parsed_toml(text, name, noun)
+    note_input(path)
+    _note_named(data, Path(path).resolve().parent)
+    return data, text
+
+
+def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
+    """Tables of TOML text.
+
+    Raises
+    ------
+    InputError
+        For text that is no TOML, or nested without end.
+    """
+    import tomllib
+
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        reason = "nested too deeply"
+    except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
+        reason = str(error)
+    raise InputError(name, f"is not a TOML {noun} ({reason})", remedy="see `spinline scenes --copy`")
+
+
+def _note_named(data: Any, folder: Path) -> None:
+    """Files that a scene names are inputs of the command, whether they are read yet or not."""
+    if isinstance(data, dict):
+        for value in data.values():
+            _note_named(value, folder)
+    elif isinstance(data, list):
+        for value in data[:1000]:
+            _note_named(value, folder)
+    elif isinstance(data, str) and 0 < len(data) < 4096:
+        note_input(folder / data.partition(":/")[0])

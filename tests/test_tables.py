@@ -1,0 +1,245 @@
+"""Tables as people's programs write them: each kind read to the same jet, or refused by the name of what it is."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from spinline.base.errors import InputError
+from spinline.base.text import decoded
+from spinline.jetprofile.columns import read_columns
+
+TABLES = Path(__file__).parent / "data" / "tables"
+KINDS = {"z": "length", "radius": "length", "radius_std": "length"}
+Z = np.array([0.55, 0.95, 1.55, 2.05, 3.15, 4.25, 5.35, 6.45, 7.55, 8.65]) * 1e-3
+R = np.array([62.2999, 48.1867, 38.2826, 33.5686, 27.4316, 23.8295, 21.3861, 19.5869, 18.1896, 17.0632]) * 1e-6
+
+
+def read(tmp_path, text, encoding="utf-8", name="t.csv"):
+    file = tmp_path / name
+    file.write_bytes(text if isinstance(text, bytes) else text.encode(encoding))
+    return read_columns(file, KINDS, required=("z", "radius"))
+
+
+def same(columns):
+    assert columns["z"] == pytest.approx(Z, rel=1e-12)
+    assert columns["radius"] == pytest.approx(R, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "plain.csv",
+        "shifted.csv",
+        "profile-cp1252.csv",
+        "profile-utf16.csv",
+        "comsol.txt",
+        "savetxt.csv",
+        "blanks.txt",
+        "fortran.csv",
+    ],
+)
+def test_one_jet_in_many_formats(name):
+    same(read_columns(TABLES / name, KINDS, required=("z", "radius")))
+
+
+def test_the_command_reads_them_too(spinline):
+    for name in ("blanks.txt", "profile-utf16.csv"):
+        ran = spinline("fit-jet", TABLES / name, "--radius", "125 um")
+        assert ran.code == 0
+        assert ran.out.startswith("k = 1 ")
+    assert spinline("check", TABLES / "scene-bom.toml").code == 0
+
+
+def test_decimal_commas_between_commas_are_refused():
+    with pytest.raises(
+        InputError, match=r"more fields in line 2 \(4\) than the header has names \(2; text table, UTF-8, commas"
+    ) as told:
+        read_columns(TABLES / "profile.csv", KINDS)
+    assert "semicolons" in str(told.value)
+
+
+def test_no_header_is_said():
+    with pytest.raises(InputError, match="no header"):
+        read_columns(TABLES / "noheader.csv", KINDS)
+
+
+def written(
+    separator=",", decimal=".", header="z [mm]{s}radius [um]", before="", number="{:.6f}", tail="", newline="\n"
+):
+    rows = [
+        separator.join(number.format(x).replace(".", decimal) for x in (1e3 * z, 1e6 * r)) + tail
+        for z, r in zip(Z, R, strict=True)
+    ]
+    return newline.join([before + header.format(s=separator), *rows]) + newline
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        written(";", ","),
+        written("\t", ","),
+        written("   ", ","),
+        written(";", ".", tail=";"),
+        written(",", tail=",,"),
+        written("; "),
+        written(", ", number="{:.10E}"),
+        written(newline="\r\n"),
+        written(newline="\r"),
+        written(before="sep=;\n", separator=";"),
+        written(before="# measured by hand\n\n"),
+        written(header="z (mm){s}radius (µm)"),
+        written(header="z/mm{s}radius/um"),
+        written(header='"z [mm]"{s}"radius [um]"'),
+        written(header="z_mm{s}r_um"),
+        written(header="Z [mm]{s}Radius [um]"),
+        written(header="z{s}radius\nmm{s}um"),
+        written(header="z{s}r\n[mm]{s}[um]"),
+        written(header="% z (mm){s}radius (um)"),
+        written(header="! z [mm]{s}radius [um]"),
+        written(header="z [mm]{s}jet_radius [um]"),
+    ],
+    ids=[str(i) for i in range(21)],
+)
+def test_every_way_of_writing_it(tmp_path, text):
+    same(read(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    "header", ["z [mm],diameter [um]", "z [mm],d [um]", "z_mm,diameter_um", "distance [mm],D [um]"]
+)
+def test_a_diameter_is_twice_the_radius(tmp_path, header):
+    columns = read(tmp_path, written(header=header))
+    assert columns["radius"] == pytest.approx(0.5 * R, rel=1e-5)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
+def test_encodings(tmp_path, encoding):
+    same(read(tmp_path, written(header="z [mm]{s}radius [µm]"), encoding))
+
+
+def test_fortran_exponents(tmp_path):
+    text = "z [mm], radius [um]\n1.0D-103, 2.0D+00\n1.0-103, 0.2E+01\n-1.5d0, 3.\n"
+    columns = read(tmp_path, text)
+    assert columns["z"].tolist() == pytest.approx([1e-106, 1e-106, -1.5e-3], rel=1e-12)
+    assert columns["radius"].tolist() == pytest.approx([2e-6, 2e-6, 3e-6], rel=1e-12)
+
+
+def test_a_workbook(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.append(["z [mm]", "radius [um]", None])
+    for z, r in zip(Z, R, strict=True):
+        sheet.append([1e3 * z, 1e6 * r])
+    book.save(tmp_path / "t.xlsx")
+    same(read_columns(tmp_path / "t.xlsx", KINDS, required=("z", "radius")))
+
+
+def test_a_workbook_without_its_library_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    (tmp_path / "t.xlsx").write_bytes(b"PK")
+    with pytest.raises(InputError, match="Excel workbook, and openpyxl is not installed"):
+        read_columns(tmp_path / "t.xlsx", KINDS)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (b"", "is not a CSV table"),
+        (b"# only words\n", "no line but comments"),
+        (b"z [mm],radius [um]\n", "holds no numbers"),
+        (b"z [mm],radius [um]\n1,2,3\n", r"more fields in line 2 \(3\).*give every column a name"),
+        (b"z [mm],radius [um]\n1,2\n1\n", "fewer fields in line 3"),
+        (b"z [mm],radius [um]\n1,two\n", r"text among its numbers.*line 2, column radius"),
+        (b"z [mm];radius [um]\n1,5;2.5\n", "which is the decimal"),
+        (b"z [mm];radius [um]\n1.234,5;2,5\n", "which is the decimal"),
+        (b"z [mm],radius [um]\n1,*****\n", "text among its numbers"),
+        (b"z [mm],radius\n1,2\n", "needs a unit"),
+        (b"z [mm],radius [um],colour\n1,2,3\n", "not known.*commas between 3 columns"),
+        (b"z [mm],radius [um],r [um]\n1,2,3\n", "twice"),
+        (b"z [mm],width [um]\n1,2\n", "not known"),
+        (b"z [mm],radius [s]\n1,2\n", "radius"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0d", "zero bytes"),
+        (b"PK\x03\x04\x01\x02", "is not a CSV table"),
+        (b"\xff\xfe\x00", "not text"),
+        (b"z [mm],radius [um]\n\x01\x02,\xff\n", "is not text"),
+    ],
+)
+def test_refusals_name_what_was_seen(tmp_path, text, words):
+    with pytest.raises(InputError, match=f"(?s){words}"):
+        read(tmp_path, text)
+
+
+def test_old_workbooks_are_named(tmp_path):
+    (tmp_path / "t.xls").write_bytes(b"\xd0\xcf\x11\xe0")
+    with pytest.raises(InputError, match="old Excel"):
+        read_columns(tmp_path / "t.xls", KINDS)
+    (tmp_path / "bad.xlsx").write_bytes(b"not a zip")
+    with pytest.raises(InputError, match="not a readable Excel workbook"):
+        read_columns(tmp_path / "bad.xlsx", KINDS)
+
+
+def test_empty_fields_are_nan(tmp_path):
+    columns = read(tmp_path, "z [mm],radius [um],radius_std [um]\n1,2,\n2,,0.1\n3,NA,0.1\n")
+    assert np.isnan(columns["radius_std"]).tolist() == [True, False, False]
+    assert np.isnan(columns["radius"]).tolist() == [False, True, True]
+
+
+def refused(file):
+    try:
+        read_columns(file, KINDS)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+@given(data=st.binary(max_size=200))
+@settings(max_examples=300, deadline=None)
+def test_any_bytes_are_a_table_or_one_refusal(tmp_path_factory, data):
+    file = tmp_path_factory.mktemp("t") / "t.csv"
+    file.write_bytes(data)
+    refusal = refused(file)
+    assert refusal is None or "t.csv" in refusal
+
+
+@given(st.text(alphabet='z[]m ,;\tr0123456789.eED+-\n#%"()µ', max_size=120))
+@settings(max_examples=500, deadline=None)
+def test_any_text_is_a_table_or_one_refusal(tmp_path_factory, text):
+    file = tmp_path_factory.mktemp("t") / "t.csv"
+    file.write_text("z [mm],radius [um]\n" + text, encoding="utf-8", newline="")
+    refusal = refused(file)
+    assert refusal is None or "t.csv" in refusal
+
+
+def test_decoding_says_the_encoding():
+    assert decoded(b"abc", "x") == ("abc", "UTF-8")
+    assert decoded("µ".encode("cp1252"), "x") == ("µ", "Windows-1252")
+    assert decoded("abcµ".encode("utf-16"), "x") == ("abcµ", "UTF-16")
+    assert decoded(b"", "x") == ("", "UTF-8")
+
+
+def test_a_million_rows(tmp_path):
+    file = tmp_path / "long.csv"
+    z = np.linspace(1e-3, 10.0, 1_000_000)
+    with file.open("w") as out:
+        out.write("z [mm],radius [um]\n")
+        np.savetxt(out, np.column_stack([z, 100 / z]), delimiter=",", fmt="%.9g")
+    columns = read_columns(file, KINDS)
+    assert columns["z"].size == 1_000_000
+    assert columns["z"][-1] == pytest.approx(0.01)
+
+
+def test_a_profile_written_from_its_far_end(tmp_path):
+    from spinline.jetprofile import Table
+
+    (tmp_path / "a.csv").write_text(written())
+    (tmp_path / "b.csv").write_text("\n".join([written().splitlines()[0], *written().splitlines()[:0:-1]]) + "\n")
+    one, two = (Table.from_csv(tmp_path / name, flow_rate=1e-9) for name in ("a.csv", "b.csv"))
+    assert one == two or one.velocity_ratio(2e-3) == two.velocity_ratio(2e-3)
+    (tmp_path / "c.csv").write_text("z [mm],radius [um]\n1,3\n0.5,2\n2,1\n")
+    with pytest.raises(InputError, match="strictly increase"):
+        Table.from_csv(tmp_path / "c.csv", flow_rate=1e-9)
