@@ -21,7 +21,7 @@ from spinline.network._two_fluid_kernels import BELOW, assemble
 from spinline.network.force_laws import law_code
 from spinline.network.tension import Tension
 
-__all__ = ["Box", "refined", "remeshed", "start_of", "thinned"]
+__all__ = ["Box", "halved", "refined", "remeshed", "start_of", "thinned"]
 
 Profile = Callable[[FloatArray], FloatArray]
 
@@ -143,6 +143,13 @@ def refined(s: FloatArray) -> FloatArray:
     fine = np.empty(2 * s.size - 1)
     fine[::2], fine[1::2] = s, 0.5 * (s[1:] + s[:-1])
     return fine
+
+
+def halved(s: FloatArray) -> FloatArray:
+    """Nodes, and the middles of all cells but those that rounding would not let halve."""
+    middle = 0.5 * (s[1:] + s[:-1])
+    fresh: FloatArray = np.sort(np.concatenate((s, middle[np.diff(s) > 1e-13 * s[-1]])))
+    return fresh
 
 
 def remeshed(s: FloatArray, values: list[FloatArray], count: int, keep: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.network._two_fluid_box import Box, refined, remeshed, start_of, thinned
+from spinline.network._two_fluid_box import Box, halved, refined, remeshed, start_of, thinned
 
 __all__ = ["March", "Solved"]
 
@@ -68,7 +68,7 @@ class March:
             now = self._solved(remeshed(now.nodes, self._curves(now), _CELLS, self.breaks), now, end)
         now = self._solved(thinned(now.nodes, self.keep), now, end)
         while True:
-            finer = self._solved(refined(now.nodes), now, end)
+            finer = self._solved(halved(now.nodes), now, end)
             error = self._difference(finer, now) / 7
             now = replace(finer, error=error)
             if error <= self.rtol or now.nodes.size > _MOST_CELLS:
