@@ -35,7 +35,7 @@ class SlippingRung(Rung):
 
     slips = True
     holds = ("elastic coupling", "inertia", "finite extensibility")
-    needs = ("straight jet", "alpha_v")
+    needs: tuple[str, ...] = ("straight jet", "alpha_v")
 
     def remarks(self, context: "Context") -> list[str]:
         """A closure that does not know the force law."""
