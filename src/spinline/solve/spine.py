@@ -11,6 +11,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.named_arrays import NamedArrays
 from spinline.network_models.registry import rung_of, simplest
 from spinline.network_models.rung import Network
 from spinline.plan.choice import Plan, plan_of, resolved
@@ -29,7 +30,18 @@ if TYPE_CHECKING:
 
     from spinline.jetprofile.jet import Jet
 
-__all__ = ["Crossover", "Solved", "build_jet", "build_solution", "chosen", "crossover", "evaluate", "examine", "run"]
+__all__ = [
+    "Crossover",
+    "Solved",
+    "build_jet",
+    "build_solution",
+    "chosen",
+    "crossover",
+    "evaluate",
+    "examine",
+    "run",
+    "solved",
+]
 
 
 def run(scene: Scene) -> "xr.Dataset":
@@ -60,6 +72,20 @@ def run(scene: Scene) -> "xr.Dataset":
     Closed forms: about 1 ms for 401 points. Errors against Eqs. (36)-(40) are of rounding; those of the affine model
     itself are estimated in the attribute ``model_reason``.
     """
+    result = solved(scene)
+    for remark in str(result.attrs["warnings"]).splitlines():
+        warnings.warn(remark, SpinlineWarning, stacklevel=2)
+    return result.dataset()
+
+
+def solved(scene: Scene) -> NamedArrays:
+    """`run` without Dataset and warnings: what the command line writes and words.
+
+    Raises
+    ------
+    InputError
+        As `run`.
+    """
     from spinline.solve import results
     from spinline.solve.bands import banded
     from spinline.solve.uncertainty import propagated, uncertain_inputs
@@ -79,19 +105,17 @@ def run(scene: Scene) -> "xr.Dataset":
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
     result.attrs["warnings"] = "\n".join(remarks)
-    for remark in remarks:
-        warnings.warn(remark, SpinlineWarning, stacklevel=2)
     return result
 
 
-def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":
+def _solved(scene: Scene) -> tuple[NamedArrays, Scene]:
     """Result of a scene, its remarks in its attribute, and the scene with the rung and the effects that were taken."""
     from spinline.solve import results
     from spinline.solve.summary import structure_summary
 
-    solved = evaluate(scene)
-    result = results.assemble(solved.fields, solved.scalars, solved.attributes, solved.jet)
-    return results.with_numbers(result, structure_summary(result)), solved.scene
+    found = evaluate(scene)
+    result = results.assemble(found.fields, found.scalars, found.attributes, found.jet)
+    return results.with_numbers(result, structure_summary(result)), found.scene
 
 
 class Solved(NamedTuple):
