@@ -113,7 +113,7 @@ def network_motion(
 ) -> tuple[FloatArray, FloatArray]:
     """Stretch of the strands and velocity w of a network that slips, at the places of a profile."""
     if context.straight:
-        s = along(network, profile["z"])
+        s = along(context, network, profile["z"])
         stretch, velocity = network.stretch(s), velocity_of(network, s)
     else:
         stretch = solved_on(context, network, lambda one, s: one.stretch(s))
