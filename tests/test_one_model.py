@@ -87,7 +87,7 @@ def test_a_fit_is_held_against_what_a_run_shows(variant):
     assert model.model == result.attrs["model"]
     seen = model.predict(result["z"].values)
     for name, field in (("radius", "radius"), ("mean", "mean_polymer_fraction"), ("core", "core_polymer_fraction"),
-                        ("velocity_ratio", "velocity_ratio"), ("stretch", "network_velocity_ratio"),
+                        ("velocity_ratio", "velocity_ratio"), ("stretch", "strand_stretch"),
                         ("relative_extension", "relative_extension")):  # fmt: skip
         same(getattr(seen, name), result[field].values)
     same(seen.orientation + 1, result["orientation"].values + 1)

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.base.errors import InputError
 from spinline.network_models.rung import Network
-from spinline.setup.coupling import build_coupling
 
 if TYPE_CHECKING:
     from spinline.setup.context import Context
@@ -120,25 +118,11 @@ def course_of(context: "Context") -> Course:
     arc = np.asarray(beads.arc_length[beads.usable], dtype=np.float64) / r0
     level = np.log(np.asarray(beads.stretch[beads.usable], dtype=np.float64))
     nodes, levels = np.concatenate(([0.0], arc)), np.concatenate(([0.0], level))
-    rate = context.bead_flow_rate
-    velocity = rate / (np.pi * r0**2) if np.isfinite(rate) else float(beads.bead_velocity[0])
-    if not velocity > 0:
-        raise InputError("jet", "has no velocity at the nozzle: alpha_v and theta v_0/r_0 are not known", value=velocity,
-                         remedy="give the velocities of the beads")  # fmt: skip
-    coupling = build_coupling(context.scene, context.solution, _Pace(r0, velocity), context.rest.size)
     length = float(arc[-1])
     return Course(
-        lambda s: np.exp(np.interp(s, nodes, levels)), length, length, arc, tuple(arc.tolist()), coupling.required(),
-        velocity / r0,
+        lambda s: np.exp(np.interp(s, nodes, levels)), length, length, arc, tuple(arc.tolist()), context.coupling.required(),
+        context.feed.initial_velocity / r0,
     )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class _Pace:
-    """What `build_coupling` asks of a jet."""
-
-    initial_radius: float
-    initial_velocity: float
 
 
 def velocity_of(network: Network, s: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from spinline.rheology.materials import solvent_viscosity
 from spinline.rheology.solution import Solution
 from spinline.scene.file import Scene, SolventData
 
-__all__ = ["Coupling", "Paced", "build_coupling", "drag_of_solvent"]
+__all__ = ["Coupling", "Feed", "Paced", "build_coupling", "drag_of_solvent"]
 
 
 class Paced(Protocol):
@@ -25,6 +25,14 @@ class Paced(Protocol):
     @property
     def initial_velocity(self) -> float:
         """v_0, m/s."""
+
+
+@dataclass(frozen=True)
+class Feed:
+    """What is known of the nozzle of a bead jet."""
+
+    initial_radius: float
+    initial_velocity: float
 
 
 @dataclass(frozen=True)
