@@ -23,7 +23,8 @@ __all__ = ["PairNoise", "pair_noise"]
 
 _PAIRS = 16
 _REACH = 6  # pixels: farther, light is a tail, whose noise is little
-_LEAST = 12  # rows or columns of a part whose neighbours can be compared
+_BEYOND = 10  # and as many more, for the level of a beam that changes its shape
+_LEAST = 20  # rows or columns of a part whose neighbours can be compared
 _SURE = 4.0  # standard deviations
 
 
@@ -73,14 +74,14 @@ def pair_noise(
     Notes
     -----
     Pairs are scaled to the same mean (a beam that flickers is no noise), and pixels 6 robust standard deviations off left out.
-    Up to 16 pairs, spread over the stack. Neighbours are compared where the part has 12 rows and columns.
+    Up to 16 pairs, spread over the stack. Neighbours are compared where the part has 20 rows and columns.
     """
     if stack.frames < 2:
         return None
     pairs = np.unique(np.linspace(0, stack.frames - 2, _PAIRS).astype(int))
     variance = level = 0.0
     samples = 0
-    lags = np.zeros((2 * _REACH + 5, 2 * _REACH + 5))
+    lags = np.zeros((2 * (_REACH + _BEYOND) + 1,) * 2)
     weight = np.zeros_like(lags)
     for i in pairs.tolist():
         first, second = np.asarray(stack.read(i, i + 2), dtype=np.float64)
@@ -134,7 +135,7 @@ def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float
     near = float(covariance[(far == 1)].mean()) - level
     if near < _SURE * noise / np.sqrt(4.0):  # of eight neighbours, four are independent
         return variance, np.sqrt(2.0 / max(float(weight[reach, reach]), 1.0)), (1.0,)
-    best = variance
+    best = variance - level
     count = 1
     for width in range(1, _REACH + 1):
         ring = far == width
@@ -144,6 +145,7 @@ def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float
             break
         best += added
         count += number
-    power = best - level
+    power = best
     along = (covariance[reach : reach + _REACH + 1, reach] - level) / power
-    return power, float(noise * np.sqrt(2.0 * count) / best), tuple(along.tolist())
+    patches = max(float(weight[reach, reach]) / count, 1.0)  # of the size that is summed over: each tells the power once
+    return power, float(np.sqrt(2.0 / patches)), tuple(along.tolist())
