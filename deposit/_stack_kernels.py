@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["drape_all"]
 

@@ -8,10 +8,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.base.kernels import njit
 from spinline.deposit.segments import Segments
 
 __all__ = ["DensityMap", "add_segments", "density_map"]

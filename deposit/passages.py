@@ -7,11 +7,11 @@ wraps them (no edges: for generated mats); an open one takes what crosses it and
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray, number, positive
 from spinline.base.errors import InputError
+from spinline.base.kernels import njit
 from spinline.deposit.segments import Segments
 
 __all__ = ["Passages", "Window", "passages"]

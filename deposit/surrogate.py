@@ -21,11 +21,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.base.kernels import njit
 from spinline.deposit.segments import Segments
 
 __all__ = ["Laydown", "laid_length", "surrogate_fibre"]

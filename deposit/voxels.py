@@ -8,11 +8,11 @@ resolutions always. Overlaps count once.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from spinline.base.checks import BoolArray, FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.base.kernels import njit
 from spinline.deposit.stack import Stack
 
 __all__ = ["VoxelBox", "stamp", "voxelise"]

@@ -1,9 +1,9 @@
 """A jet computed bead by bead: any simulator's beads, bent or not, drive the network through the material stretch.
 
 An element of length l that had the length l_0 when it left the nozzle has the material stretch ``Lambda = l / l_0``
-and, volume being conserved, the radius ``r = r_0 Lambda^(-1/2)``; with its volume Omega, ``l_0 = Omega / (pi r_0^2)`` and
-``r = (Omega / (pi l))^(1/2)``. That stretch, along the arc from the nozzle, takes the place of V; the laboratory velocity
-does not (once a jet bends, dv_x/dx underestimates the strain rate several times).
+and, volume being conserved, the radius ``r = r_0 Lambda^(-1/2)``; with its volume Omega, ``l_0 = Omega / (pi r_0^2)``
+and ``r = (Omega / (pi l))^(1/2)``. That stretch, along the arc from the nozzle, takes the place of V; the laboratory
+velocity does not (once a jet bends, dv_x/dx underestimates the strain rate several times).
 
 Bead 0 is the nozzle point; element i joins beads i and i + 1. Arrays are (bead,) or (time, bead), NaN-padded at the far
 end.
@@ -53,6 +53,8 @@ class LagrangianJet:
         False for padding, deposited or damaged elements.
     attributes : dict
         Where the jet came from.
+    cross_velocity : ndarray, (..., element), or None
+        Speed across the jet's own axis, m/s; None where the velocity is not known by components.
     """
 
     initial_radius: float
@@ -67,6 +69,7 @@ class LagrangianJet:
     time: FloatArray | None
     usable: BoolArray
     attributes: dict[str, Any]
+    cross_velocity: FloatArray | None = None
 
     @classmethod
     def from_arrays(
@@ -139,6 +142,7 @@ class LagrangianJet:
             time=moments,
             usable=usable,
             attributes=dict(attributes or {}),
+            cross_velocity=_across(velocity, px, py, pz),
         )
 
     @classmethod
@@ -148,9 +152,9 @@ class LagrangianJet:
         Parameters
         ----------
         path : path
-            Columns ``x``, optionally ``y``, ``z``, ``velocity`` and ``time`` (rows grouped by time), and one of ``radius``,
-            ``volume``, ``stretch_ratio`` (no unit). A row's element is the one towards the *next* bead; the last bead's is
-            left empty.
+            Columns ``x``, optionally ``y``, ``z``, ``velocity`` and ``time`` (rows grouped by time), and one of
+            ``radius``, ``volume``, ``stretch_ratio`` (no unit). A row's element is the one towards the *next* bead;
+            the last bead's is left empty.
         initial_radius : float, optional
             r_0, m. Default: the radius of the first element, if radii are given.
 
@@ -231,6 +235,7 @@ class LagrangianJet:
             time=time if x.ndim == 2 else None,
             usable=usable,
             attributes=dict(dataset.attrs),
+            cross_velocity=_dataset_across(dataset, x, get("y"), get("z")),
         )
 
     def at(self, time: float | None = None) -> Self:
@@ -250,8 +255,29 @@ class LagrangianJet:
             initial_radius=self.initial_radius,
             time=None,
             attributes=self.attributes | {"time": float(self.time[index])},
+            cross_velocity=None if self.cross_velocity is None else self.cross_velocity[index],
             **picked,
         )
+
+    @property
+    def start(self) -> float:
+        """The nozzle, m along the arc."""
+        return 0.0
+
+    @property
+    def end(self) -> float:
+        """Middle of the last element that counts, m along the arc."""
+        return float(np.max(self.arc_length[self.usable]))
+
+    def fields(self, place: FloatArray) -> dict[str, FloatArray]:
+        """Further variables along the jet, by their names in a result; none."""
+        return {}
+
+    def residence_time(self, arc: ArrayLike) -> FloatArray:
+        """Age in s of the element at an arc length in m, linear between elements; NaN without velocities."""
+        from spinline.jetprofile.bead_age import bead_ages
+
+        return self._along(arc, bead_ages(self)[0][self.usable], 0.0)
 
     def stretch_ratio(self, arc: ArrayLike) -> FloatArray:
         """Material stretch at an arc length in m: linear in its logarithm between elements, 1 at the nozzle."""
@@ -392,3 +418,29 @@ def _groups(time: FloatArray, path: str) -> list[Any]:
         raise InputError(f"{path}: time", "is not finite")
     starts = np.flatnonzero(np.diff(time, prepend=np.nan) != 0)
     return np.split(np.arange(time.size), starts[1:])
+
+
+def _across(velocity: ArrayLike | None, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray | None:
+    if velocity is None or np.ndim(velocity) == x.ndim:
+        return None
+    return across_axis(np.array(velocity, dtype=np.float64), x, y, z)
+
+
+def across_axis(velocity: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    """Speed of elements across their own axis, (..., element): the mean velocity of its two beads less its part along
+    it.
+    """
+    step = np.stack([np.diff(p) for p in (x, y, z)], axis=-1)
+    mean = 0.5 * (velocity[..., 1:, :] + velocity[..., :-1, :])
+    square = np.sum(step**2, axis=-1)
+    along = np.divide(np.sum(mean * step, axis=-1), square, out=np.full_like(square, np.nan), where=square > 0)
+    value: FloatArray = np.sqrt(np.sum((mean - along[..., np.newaxis] * step) ** 2, axis=-1))
+    return value
+
+
+def _dataset_across(dataset: "xr.Dataset", x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray | None:
+    parts = [f"velocity_{axis}" for axis in "xyz"]
+    if not all(name in dataset for name in parts):
+        return None
+    velocity = [np.asarray(dataset[name].transpose(*dataset["x"].dims).values, dtype=np.float64) for name in parts]
+    return across_axis(np.stack(velocity, axis=-1), x, y, z)

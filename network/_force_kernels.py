@@ -11,9 +11,8 @@ Kroeger, J. Non-Newton. Fluid Mech. 223, 77 (2015): starting value of the invers
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = [
     "FENE",

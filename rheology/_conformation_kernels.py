@@ -5,9 +5,9 @@ Jacobian at its start, and is judged by Hairer and Wanner's embedded formula, fi
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["FENEP_KIND", "GIESEKUS_KIND", "follow"]
 

@@ -9,9 +9,9 @@ tridiagonal system a step.
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["NODES", "STAGES", "attempt", "fluxes", "interpolate"]
 

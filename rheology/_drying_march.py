@@ -27,7 +27,9 @@ def tabulated(law: DiffusionLaw) -> FloatArray:
 
 @dataclass(frozen=True)
 class March:
-    """At the places asked for: u in the cells and what has left (n, m + 1), and the time; place and time of events, or NaN."""
+    """At the places asked for: u in the cells and what has left (n, m + 1), and the time; place and time of events, or
+    NaN.
+    """
 
     values: FloatArray
     time: FloatArray
@@ -46,6 +48,7 @@ def march(
     rtol: float,
     atol: FloatArray,
     events: tuple[tuple[int, float], ...] = (),
+    attempt: Callable[..., tuple[int, float, float]] = attempt,
 ) -> March:
     """Solve from `start` to the last position.
 
@@ -62,6 +65,9 @@ def march(
     rtol, atol : float, ndarray (m + 1,)
     events : tuple of (cell, u)
         First place where u of a cell falls to a value.
+    attempt : callable
+        One step; that of `_drying_kernels` or another with its arguments, whose state is the cells first and the loss
+        last.
 
     Raises
     ------
@@ -80,7 +86,7 @@ def march(
     for stop in [*marks, end]:
         guess, known, old_h, old_size = np.zeros_like(stages), False, 0.0, 0.0
         if not h:
-            h = _first_step(stop - x, y, x, share, table, air, along, rtol, atol)
+            h = _first_step(stop - x, y, x, share, table, air, along, rtol, atol, attempt)
         while x < stop:
             taken += 1
             if taken > _MOST_STEPS or h < max(16 * np.spacing(abs(x)), _SHORTEST * (end - start)):
@@ -123,7 +129,7 @@ def march(
                 guess = np.zeros_like(stages)
                 continue
             after = y + trial[2]
-            left = air[6] * ((y + trial)[:, :-1] + 1) @ share if kept else 1.0
+            left = air[6] * ((y + trial)[:, : share.size] + 1) @ share if kept else 1.0
             ticks = step * (STAGES @ (places[1:, 2] * amount / (places[1:, 0] * left)))
             inside = np.flatnonzero((positions > x) & (positions <= (stop if last else x + step)))
             if inside.size:
@@ -155,6 +161,7 @@ def _first_step(
     along: Callable[[FloatArray], FloatArray],
     rtol: float,
     atol: FloatArray,
+    attempt: Callable[..., tuple[int, float, float]],
 ) -> float:
     """A hundredth of what the outermost cell changes by in scale, no more than the way to go."""
     places = along(np.full(4, x + 1e-9 * span))

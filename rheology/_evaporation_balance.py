@@ -1,9 +1,9 @@
 """The volume balance of a drying jet as an initial-value problem: right-hand side and solution.
 
-The unknowns are logarithms of the solvent volumes over their starts (plain volumes for solvents that are only in the air), so
-that nothing becomes negative and drying can go on for ever. In still air, or with the velocity kept, Re is a function of
-position times a power of F: then ``J = int Re(F = 1)^(1/3) Lambda dt / r_0^2`` takes the place of the position, one
-equation without it remains, and profiles with kinks cost nothing.
+The unknowns are logarithms of the solvent volumes over their starts (plain volumes for solvents that are only in the
+air), so that nothing becomes negative and drying can go on for ever. In still air, or with the velocity kept, Re is a
+function of position times a power of F: then ``J = int Re(F = 1)^(1/3) Lambda dt / r_0^2`` takes the place of the
+position, one equation without it remains, and profiles with kinks cost nothing.
 """
 
 import math
@@ -17,6 +17,7 @@ from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
 from spinline.rheology import vapour
 from spinline.rheology.element_path import ElementPath
+from spinline.rheology.transfer import Transfer, law_index, transfer_number
 from spinline.rheology.volatile import Volatile
 
 __all__ = ["Activity", "Balance"]
@@ -29,7 +30,7 @@ _MOST_CALLS = 200_000  # of the right-hand side
 class Balance:
     """Balance along one path; `set_air` completes it."""
 
-    floor = 0.0
+    floor, law = 0.0, "kase-matsuo"
 
     def __init__(
         self, path: ElementPath, phi0: float, volatiles: Sequence[Volatile], start: FloatArray, activity: str,
@@ -49,8 +50,12 @@ class Balance:
         self.origin = np.where(self.inside, np.log(np.where(self.inside, start, 1.0)), 0.0)
         self.kept = path.given == "radius"
 
-    def set_air(self, viscosity: float, velocity: float, floor: float) -> None:
-        """Kinematic viscosity, velocity and least Sherwood number; wider than any air, within what a double can square."""
+    def set_air(self, viscosity: float, velocity: float, floor: float, law: Transfer = "kase-matsuo") -> None:
+        """Kinematic viscosity, velocity, least Sherwood number and transfer; wider than any air, within what a double
+        squares.
+        """
+        law_index(law)
+        self.law = law
         self.nu = number("air_viscosity", viscosity, least=1e-20, most=1e20, unit="m2/s")
         self.wind = number("air_velocity", velocity, least=-1e20, most=1e20, unit="m/s")
         self.floor = number("sherwood_floor", floor, least=0.0, most=1e12)
@@ -58,7 +63,7 @@ class Balance:
 
     @property
     def separable(self) -> bool:
-        return self.floor == 0 and not (self.kept and self.wind != 0)
+        return self.floor == 0 and not (self.kept and self.wind != 0) and self.law != "churchill-bernstein"
 
     def volumes(self, y: FloatArray) -> FloatArray:
         origin, inside = (a.reshape((-1,) + (1,) * (y.ndim - 1)) for a in (self.origin, self.inside))
@@ -86,16 +91,40 @@ class Balance:
         value: FloatArray = self.phi0 + self.volumes(y).sum(axis=0)
         return value
 
+    def effective(self, x: FloatArray, left: FloatArray | float) -> FloatArray:
+        """Re with what the cross-flow adds to it in the transfer law: 8 times itself in Kase and Matsuo's."""
+        weight = {"kase-matsuo": 8.0, "churchill-bernstein": 1.0, "yarin": 0.0}[self.law]
+        along = self.reynolds(x, left)
+        if not weight or self.path.cross_flow is None:
+            return along
+        value: FloatArray = np.hypot(along, weight * self.across(x, left))
+        return value
+
+    def across(self, x: FloatArray, left: FloatArray | float) -> FloatArray:
+        """Re of the speed across the jet."""
+        radius = self.path.initial_radius * np.sqrt((1.0 if self.kept else left) / self.path.stretch(x))
+        value: FloatArray = 2 * radius * self.path.across(x) / self.nu
+        return value
+
     def reynolds(self, x: FloatArray, left: FloatArray | float) -> FloatArray:
-        stretch, speed = self.path.stretch(x), self.path.speed(x)
+        stretch = self.path.stretch(x)
+        speed = self.path.speed(x) if self.law == "yarin" else self.path.axial(x)
         if self.kept:
             return 2 * self.path.initial_radius / np.sqrt(stretch) * np.abs(left * speed - self.wind) / self.nu
         return 2 * self.path.initial_radius * np.sqrt(left / stretch) * np.abs(speed - self.wind) / self.nu
 
+    def sherwood(self, x: FloatArray, left: FloatArray | float) -> FloatArray:
+        """(solvent, n)."""
+        along, sc = self.reynolds(x, left), self.schmidt[:, np.newaxis]
+        if self.law == "churchill-bernstein":
+            return transfer_number(along, sc, self.across(x, left), "churchill-bernstein", self.floor)
+        value: FloatArray = np.maximum(0.495 * np.cbrt(self.effective(x, left)) * np.sqrt(sc), self.floor)
+        return value
+
     def autonomous(self) -> FloatArray:
         """Along ``J = int Re(F = 1)^(1/3) Lambda dt / r_0^2``, in which the air drops out."""
         path = self.path
-        j = path.integral(lambda x: path.exposure(x) * np.cbrt(self.reynolds(x, 1.0))) / path.initial_radius**2
+        j = path.integral(lambda x: path.exposure(x) * np.cbrt(self.effective(x, 1.0))) / path.initial_radius**2
         factor = 0.495 * np.sqrt(self.schmidt) * self.spread
         power = 1 / 3 if self.kept else 1 / 6
         if self.activity == "unit":  # dF/dJ = -c F^power, in closed form until no solvent is left
@@ -144,10 +173,8 @@ class Balance:
 
         def pace(x: float, left: float) -> FloatArray:
             at = np.asarray([x])
-            number = np.cbrt(self.reynolds(at, left)) * 0.495 * np.sqrt(self.schmidt)
-            value: FloatArray = (
-                self.spread * np.maximum(number, self.floor) * path.exposure(at) / path.initial_radius**2
-            )
+            number = self.sherwood(at, left)[:, 0]
+            value: FloatArray = self.spread * number * path.exposure(at) / path.initial_radius**2
             return value
 
         def slope(x: float, y: FloatArray) -> FloatArray:

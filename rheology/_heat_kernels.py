@@ -5,9 +5,9 @@ Beside it a ledger that nothing depends on: mass given off and enthalpy taken up
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.rheology._drying_kernels import MU, STAGES
 
 __all__ = ["GAS", "LEDGER", "activities", "attempt_heat", "dense", "rates", "surface"]

@@ -5,12 +5,13 @@ In the polymer coordinate ``y = 2 Lambda int phi_p r dr``, in [0, phi_0 r_0^2], 
 
     u_t = d/dy (4 Lambda D phi_p^2 X u_y)          surface: 4 D phi_p^2 X u_y = -D_a Sh dC
 
-In ``dsigma = Lambda dt`` the stretch drops out of the equation and stays in Sh alone; along a steady jet ``dsigma = dx/v_0``.
+In ``dsigma = Lambda dt`` the stretch drops out of the equation and stays in Sh alone; along a steady jet ``dsigma =
+dx/v_0``.
 
 Finite volumes: polymer does not leave its cell, solvent leaves one cell for the next or for the air, and the loss is
-integrated with them, so that both masses are conserved to rounding. Cells shrink towards the surface as the square of their
-number; the outermost one (1.2e-4 of the polymer, of 100 cells) is taken as the surface. Face diffusivities are Simpson means
-over phi. Along the jet Radau's method, order 5, in compiled loops (`_drying_kernels`).
+integrated with them, so that both masses are conserved to rounding. Cells shrink towards the surface as the square of
+their number; the outermost one (1.2e-4 of the polymer, of 100 cells) is taken as the surface. Face diffusivities are
+Simpson means over phi. Along the jet Radau's method, order 5, in compiled loops (`_drying_kernels`).
 
 Two numbers: ``drying_peclet = D_a Sh C_sat/(2 D)``, evaporation against diffusion (below 0.1: flat profiles, use
 `evaporate`; above 10: a skin), and the Fourier number ``pi D z/Q``.
@@ -55,11 +56,14 @@ class RadialDrying:
     polymer_share : ndarray, (m,)
         Share of the polymer in each cell.
     mean_fraction, remaining, lost : ndarray, (n,)
-        Cross-section mean of phi_p, volume left over volume at the start, and volume lost by integrating the surface flux.
+        Cross-section mean of phi_p, volume left over volume at the start, and volume lost by integrating the surface
+        flux.
     vitrified_at : tuple of float
         Positions (m) where the surface and the centre reach the vitrification fraction; NaN where they do not.
     vitrified_after : tuple of float
         The times (s) of the same.
+    temperature : ndarray, (n,), or None
+        K, uniform across the jet; None where it is held.
     """
 
     position: FloatArray
@@ -72,6 +76,18 @@ class RadialDrying:
     lost: FloatArray
     vitrified_at: tuple[float, float]
     vitrified_after: tuple[float, float]
+    temperature: FloatArray | None = None
+
+    @property
+    def axis_fraction(self) -> FloatArray:
+        """phi_p on the axis, (n,): a parabola in r through the means of the two innermost cells, second order in their
+        width.
+        """
+        area = self.edges[:, :3] ** 2
+        inner, outer = 0.5 * (area[:, 0] + area[:, 1]), 0.5 * (area[:, 1] + area[:, 2])
+        rise = (self.polymer_fraction[:, 1] - self.polymer_fraction[:, 0]) / (outer - inner)
+        value: FloatArray = np.clip(self.polymer_fraction[:, 0] - rise * inner, 0.0, 1.0)  # rounding only
+        return value
 
     def skin_thickness(self, volume_fraction: float) -> FloatArray:
         """Depth in m, from the surface, down to which phi_p is at least a value; 0 where the surface is below it."""
@@ -144,16 +160,14 @@ def dry_radially(
         For values out of range, or where the equations cannot be followed.
     """
     phi0 = number("volume_fraction", volume_fraction, least=1e-12, below=1.0)
-    if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or not 8 <= cells <= 1000:
-        raise InputError("cells", "is out of range", value=cells, allowed="integers, 8 to 1000")
+    cells = check_cells(cells)
     accuracy = number("rtol", rtol, least=1e-12, most=1e-2)
     glass = np.nan
     if vitrification_fraction is not None:
         glass = number("vitrification_fraction", vitrification_fraction, above=phi0, below=1.0)
     balance = Balance(path, phi0, [volatile], np.array([1 - phi0]), "flory-huggins", None)
     balance.set_air(air_viscosity, air_velocity, sherwood_floor)
-    sample = np.asarray(diffusion(np.linspace(0.0, 1.0, 11)), dtype=np.float64)
-    real("diffusion", sample, above=0.0, most=1e3, unit="m2/s", remedy="D must be positive from phi = 0 to 1")
+    check_diffusion(diffusion)
     edges = np.sin(0.5 * np.pi * np.linspace(0, 1, cells + 1))
     share = np.diff(edges)
     first = (1 - phi0) / phi0
@@ -165,7 +179,10 @@ def dry_radially(
     ])  # fmt: skip
 
     def along(x: FloatArray) -> FloatArray:
-        return np.column_stack((path.stretch(x), path.speed(x), path.exposure(x) / amount))
+        # a cross-flow counts as so much more speed along the jet, as Kase and Matsuo have it
+        own, wind = path.axial(x), balance.wind
+        speed = own if path.cross_flow is None else wind + np.hypot(own - wind, 8 * path.across(x))
+        return np.column_stack((path.stretch(x), speed, path.exposure(x) / amount))
 
     dry = 1 / glass - 1 if np.isfinite(glass) else -np.inf
     marched = march(
@@ -184,3 +201,16 @@ def dry_radially(
         1 / volume[-1], left, phi0 * values[cells], (marched.events[0][0], marched.events[1][0]),
         (marched.events[0][1], marched.events[1][1]),
     )  # fmt: skip
+
+
+def check_cells(cells: int) -> int:
+    """Refuse a number of cells that is none."""
+    if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or not 8 <= cells <= 1000:
+        raise InputError("cells", "is out of range", value=cells, allowed="integers, 8 to 1000")
+    return int(cells)
+
+
+def check_diffusion(diffusion: DiffusionLaw) -> None:
+    """Refuse a law that is not positive on [0, 1]."""
+    sample = np.asarray(diffusion(np.linspace(0.0, 1.0, 11)), dtype=np.float64)
+    real("diffusion", sample, above=0.0, most=1e3, unit="m2/s", remedy="D must be positive from phi = 0 to 1")

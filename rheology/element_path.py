@@ -4,8 +4,9 @@ An element whose stretch is Lambda loses volume in proportion to its length: wit
 ``dW/dt = -(D_a Sh dC / r_0^2) Lambda``. In a steady jet ``Lambda dt = dx / v_0`` exactly, straight or bent, x being the
 distance along the jet: what passes is what was fed. So one path serves both.
 
-A jet is *given* by its velocity (power laws, velocity tables, bead jets) or by its radius (measured profiles). When it dries,
-what was given is kept and the other follows: a measured radius already shows the loss, and then ``v = F Q/(pi r^2)``.
+A jet is *given* by its velocity (power laws, velocity tables, bead jets) or by its radius (measured profiles). When it
+dries, what was given is kept and the other follows: a measured radius already shows the loss, and then ``v = F Q/(pi
+r^2)``.
 """
 
 from collections.abc import Callable
@@ -58,6 +59,10 @@ class BeadJet(Protocol):
     def usable(self) -> BoolArray:
         """Elements that count."""
 
+    @property
+    def cross_velocity(self) -> FloatArray | None:
+        """Speed of each element across its own axis, m/s; None where it is not known."""
+
     def stretch_ratio(self, arc: ArrayLike, /) -> FloatArray:
         """Material stretch at an arc length (m)."""
 
@@ -98,10 +103,18 @@ class ElementPath:
         """Speed across the axis at positions, m/s; 0 where there is none."""
         return np.zeros_like(position) if self.cross_flow is None else self.cross_flow(position)
 
+    def axial(self, position: FloatArray) -> FloatArray:
+        """Speed along the axis at positions, m/s: what `across` leaves of `speed`."""
+        if self.cross_flow is None:
+            return self.speed(position)
+        value: FloatArray = np.sqrt(np.maximum(self.speed(position) ** 2 - self.across(position) ** 2, 0.0))
+        return value
+
     def integral(self, integrand: Along, rtol: float = 1e-13) -> FloatArray:
         """Integral of a function of position from `start` to every position, adaptive Gauss-Legendre.
 
-        Ten points a panel, panels halved until the halves agree with the whole to `rtol` of the total; 45 halvings at most.
+        Ten points a panel, panels halved until the halves agree with the whole to `rtol` of the total; 45 halvings at
+        most.
         """
         inside = self.breaks[(self.breaks > self.start) & (self.breaks < self.position[-1])]
         edges = np.unique(np.concatenate(([self.start], self.position, inside)))
@@ -176,8 +189,8 @@ def bead_path(jet: BeadJet, *, flow_rate: float | None = None, residence_time: A
     flow_rate : float, optional
         Q in m3/s: elements are then as old as the volume between them and the nozzle, over Q.
     residence_time : array_like, (element,), optional
-        Age of the usable elements in s, strictly increasing, > 0; in place of `flow_rate`. With neither, the time it takes at
-        the speed of the beads.
+        Age of the usable elements in s, strictly increasing, > 0; in place of `flow_rate`. With neither, the time it
+        takes at the speed of the beads.
 
     Returns
     -------
@@ -186,8 +199,8 @@ def bead_path(jet: BeadJet, *, flow_rate: float | None = None, residence_time: A
 
     Notes
     -----
-    A simulator that lets its beads dry must give their stretch itself: volumes would count the loss as stretch. The elements of
-    one moment stand for the history of one element: exact in a steady jet, the usual reading otherwise.
+    A simulator that lets its beads dry must give their stretch itself: volumes would count the loss as stretch. The
+    elements of one moment stand for the history of one element: exact in a steady jet, the usual reading otherwise.
     """
     usable: BoolArray = np.asarray(jet.usable, dtype=bool)
     if usable.ndim != 1:
@@ -229,7 +242,15 @@ def bead_path(jet: BeadJet, *, flow_rate: float | None = None, residence_time: A
             return np.interp(x, nodes, np.concatenate((beads[:1], speeds)))
         return first * jet.stretch_ratio(x)
 
-    return ElementPath(position, 0.0, radius, jet.stretch_ratio, speed, exposure, position, "velocity")
+    cross = getattr(jet, "cross_velocity", None)
+    blown: Along | None = None
+    if known and cross is not None and np.isfinite(cross[usable]).all():
+        sideways = np.concatenate(([0.0], np.minimum(cross[usable], speeds)))  # none at the nozzle
+
+        def blown(x: FloatArray) -> FloatArray:
+            return np.interp(x, nodes, sideways)
+
+    return ElementPath(position, 0.0, radius, jet.stretch_ratio, speed, exposure, position, "velocity", blown)
 
 
 def _positions(field: str, values: ArrayLike, start: float, end: float) -> FloatArray:

@@ -5,24 +5,24 @@ Steady, an element with the part F of its volume left (``f = pi r^2``, ``F = f v
     d(f v)/dz = -pi D_a Sh [C_eq - C_inf]      Sh = 0.495 Re^(1/3) Sc^(1/2)
     Re = 2 r |v - v_air| / nu_air              Sc = nu_air / D_a
 
-For both sides to agree C is the vapour's *mass concentration over the liquid's density* (1.73e-5 for water at 293 K); that is
-the default. The 2001 paper and simulators that follow it put in the mole ratio p_v/p (0.023), 1300 times as much: it is there
-as ``convention="yarin2001"``. Above a solution C_eq is the saturated value times the activity, so that drying slows down and
-ends where the activity meets the humidity. Solvents of a mixture leave one by one, volumes additive; jet, vapour and air share
-one temperature (evaporative cooling is left out).
+For both sides to agree C is the vapour's *mass concentration over the liquid's density* (1.73e-5 for water at 293 K);
+that is the default. The 2001 paper and simulators that follow it put in the mole ratio p_v/p (0.023), 1300 times as
+much: it is there as ``convention="yarin2001"``. Above a solution C_eq is the saturated value times the activity, so
+that drying slows down and ends where the activity meets the humidity. Solvents of a mixture leave one by one, volumes
+additive; jet, vapour and air share one temperature (evaporative cooling is left out).
 
-Range: the correlation is that of threads in melt spinning, 0.5 < Re < 50. On electrospinning jets Re is near 0.3 at the nozzle
-and the correlation, which vanishes with Re, is then on the low side: outside the range a warning is given and kept in the
-result. `sherwood_floor` sets a least Sh.
+Range: the correlation is that of threads in melt spinning, 0.5 < Re < 50. On electrospinning jets Re is near 0.3 at
+the nozzle and the correlation, which vanishes with Re, is then on the low side: outside the range a warning is given
+and kept in the result. `sherwood_floor` sets a least Sh.
 
-Cost: one quadrature along the jet and one autonomous stiff equation (LSODA on log volumes), a few milliseconds; relative error
-1e-10 of what is lost. With a floor, or a measured radius in moving air, the equation is not autonomous and takes ten times
-as long; relative error 1e-8.
+Cost: one quadrature along the jet and one autonomous stiff equation (LSODA on log volumes), a few milliseconds;
+relative error 1e-10 of what is lost. With a floor, or a measured radius in moving air, the equation is not autonomous
+and takes ten times as long; relative error 1e-8.
 
 References
 ----------
-Yarin, Koombhongse, Reneker, J. Appl. Phys. 89, 3018 (2001); Ziabicki, Fundamentals of Fibre Formation (1976); Kase, Matsuo,
-J. Polym. Sci. A 3, 2541 (1965); review Eqs. (43a), (44).
+Yarin, Koombhongse, Reneker, J. Appl. Phys. 89, 3018 (2001); Ziabicki, Fundamentals of Fibre Formation (1976); Kase,
+Matsuo, J. Polym. Sci. A 3, 2541 (1965); review Eqs. (43a), (44).
 """
 
 import warnings
@@ -37,11 +37,10 @@ from spinline.base.checks import FloatArray, number, real
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.rheology._evaporation_balance import Activity, Balance
 from spinline.rheology.element_path import ElementPath, Given
+from spinline.rheology.transfer import RE_RANGE, Transfer, transfer_range
 from spinline.rheology.volatile import Volatile
 
 __all__ = ["RE_RANGE", "Activity", "Evaporation", "evaporate", "power_law_loss", "sherwood"]
-
-RE_RANGE = (0.5, 50.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +137,7 @@ def evaporate(
     activity: Activity = "flory-huggins",
     polymer_molar_volume: float | None = None,
     sherwood_floor: float = 0.0,
+    transfer: Transfer = "kase-matsuo",
 ) -> Evaporation:
     """Volume, composition and radius of a drying jet.
 
@@ -161,6 +161,8 @@ def evaporate(
         m3/mol of a repeat unit, for Raoult's law.
     sherwood_floor : float, optional
         Least Sherwood number.
+    transfer : {"kase-matsuo", "churchill-bernstein", "yarin"}
+        How vapour passes into the air (`transfer`): the same for the first and the last along a straight jet.
 
     Returns
     -------
@@ -185,7 +187,7 @@ def evaporate(
     if share.shape != (len(volatiles),) or abs(float(share.sum()) - 1) > 1e-9:
         raise InputError("shares", "must be one per solvent and sum to 1", value=share.tolist(), remedy="scale them")
     balance = Balance(path, phi0, volatiles, (1 - phi0) * share / share.sum(), activity, polymer_molar_volume)
-    balance.set_air(air_viscosity, air_velocity, sherwood_floor)
+    balance.set_air(air_viscosity, air_velocity, sherwood_floor, transfer)
     return _result(balance, balance.autonomous() if balance.separable else balance.along())
 
 
@@ -197,16 +199,13 @@ def _result(balance: Balance, y: FloatArray) -> Evaporation:
     number = balance.reynolds(path.position, left)
     notes: tuple[str, ...] = ()
     every = np.concatenate((balance.reynolds(np.asarray([path.start]), 1.0), number))
-    low, high = float(every.min()), float(every.max())
-    if low < RE_RANGE[0] or high > RE_RANGE[1]:
-        text = (
-            f"Re is {low:.3g} to {high:.3g}, outside the {RE_RANGE[0]:g} to {RE_RANGE[1]:g} of the Sherwood correlation"
-        )
+    text = transfer_range(balance.law, every, float(balance.schmidt.min()))
+    if text:
         warnings.warn(text, SpinlineWarning, stacklevel=3)
         notes = (text,)
     radius = path.initial_radius * np.sqrt((1.0 if balance.kept else left) / stretch)
     return Evaporation(
         position=path.position, remaining=left, lost=change.sum(axis=0), solvent_volume=u,
         polymer_fraction=balance.phi0 / left, radius=radius, velocity=speed * (left if balance.kept else 1.0),
-        reynolds=number, sherwood=sherwood(number, balance.schmidt[:, np.newaxis], balance.floor), notes=notes,
+        reynolds=number, sherwood=balance.sherwood(path.position, left), notes=notes,
     )  # fmt: skip

@@ -222,7 +222,8 @@ def _solve(path: ElementPath, given: Inputs, y: FloatArray, rtol: float) -> tupl
         cross = 64.0 if air[7] == 0 else 0.0
 
         def speed(x: FloatArray) -> FloatArray:
-            past = np.sqrt((path.speed(x) - wind) ** 2 + cross * path.across(x) ** 2)
+            own = path.speed(x) if air[7] == 2 else path.axial(x)
+            past = np.sqrt((own - wind) ** 2 + cross * path.across(x) ** 2)
             value: FloatArray = path.exposure(x) * np.cbrt(2 * r0 / np.sqrt(path.stretch(x)) * past)
             return value
 
@@ -236,9 +237,9 @@ def _solve(path: ElementPath, given: Inputs, y: FloatArray, rtol: float) -> tupl
     return _march(path.start, path.position, breaks, y, given, path, np.empty((4, 4)), rtol)
 
 
-def _places(path: ElementPath, x: FloatArray) -> FloatArray:
+def _places(path: ElementPath, x: FloatArray, yarin: bool) -> FloatArray:
     pace = path.exposure(x) / path.initial_radius**2
-    return np.column_stack((path.stretch(x), path.speed(x), path.across(x), pace))
+    return np.column_stack((path.stretch(x), path.speed(x) if yarin else path.axial(x), path.across(x), pace))
 
 
 def _march(
@@ -266,7 +267,9 @@ def _march(
             last = x + h >= stop or stop - x - h < 0.05 * h
             step = stop - x if last else h
             if path is not None:
-                places = _places(path, np.concatenate(([x], x + NODES[:2] * step, [x + (1 - 1e-12) * step])))
+                places = _places(
+                    path, np.concatenate(([x], x + NODES[:2] * step, [x + (1 - 1e-12) * step])), given.air[7] == 2
+                )
             scale = floor + rtol * np.append(np.abs(y[:-1]), 0.0)
             if known:
                 dense(stages, 1 + NODES * step / old, -stages[2], guess)
@@ -293,7 +296,7 @@ def _march(
 def _first(x: float, stop: float, y: FloatArray, given: Inputs, path: ElementPath | None, places: FloatArray) -> float:
     """A step over which nothing changes by more than a thousandth of its scale."""
     if path is not None:
-        places = _places(path, np.array([x + 1e-9 * (stop - x)] * 4))
+        places = _places(path, np.array([x + 1e-9 * (stop - x)] * 4), given.air[7] == 2)
     slope, ledger = np.empty(y.size), np.empty(LEDGER)
     if not rates(y, given.sub, given.tables, given.pairs, given.air, places[0], slope, ledger):
         raise _cannot(y, given, x, path)
@@ -332,7 +335,8 @@ def _result(
     film = 0.5 * (kelvin + air[1])
     density = air[0] * _AIR_MASS / (8.31446261815324 * film)
     nu = thermal.air_viscosity(film) / density
-    along, side = 2 * radius * np.abs(velocity - air[5]) / nu, 2 * radius * across / nu
+    own = velocity if transfer == "yarin" else path.axial(path.position) * (left if kept else 1.0)
+    along, side = 2 * radius * np.abs(own - air[5]) / nu, 2 * radius * across / nu
     schmidt = nu / (sub[:, 4:5] * (film / REFERENCE) ** 1.75)
     prandtl = thermal.air_viscosity(film) * thermal.AIR_HEAT_CAPACITY / thermal.air_conductivity(film)
     numbers = [transfer_number(along, sc, side, transfer, air[2]) for sc in (*schmidt, prandtl)]

@@ -3,13 +3,13 @@
 Volumes are taken as additive, polymer with solvent and solvents among themselves: within 1 % for the bundled pairs, and
 within what the network model resolves. 5 wt% of PEO in water is ``phi = 0.0444``, not 0.05: the network knows volumes.
 
-A network needs entanglements. With strands of ``N_s`` Kuhn segments a chain of contour ``L = n_bonds l_p M / M_0`` makes
-``L / (b N_s)`` strands (l_p = 0.126 nm, the projection of a C-C bond on an all-trans chain); fewer than two make no network.
-`Solution.entanglement` says so by overlap and by the entanglements of the melt.
+A network needs entanglements. With strands of ``N_s`` Kuhn segments a chain of contour ``L = n_bonds l_p M / M_0``
+makes ``L / (b N_s)`` strands (l_p = 0.126 nm, the projection of a C-C bond on an all-trans chain); fewer than two make
+no network. `Solution.entanglement` says so by overlap and by the entanglements of the melt.
 
-What is measured on the solution itself (viscosity, relaxation time, surface tension, conductivity) is given, never guessed:
-`Solution.require` returns it or says which is missing and how to give it. What belongs to the solvent comes from `solvents`
-unless given.
+What is measured on the solution itself (viscosity, relaxation time, surface tension, conductivity) is given, never
+guessed: `Solution.require` returns it or says which is missing and how to give it. What belongs to the solvent comes
+from `solvents` unless given.
 """
 
 from collections.abc import Mapping
@@ -244,7 +244,8 @@ class Solution:
         ----------
         name : str
             "molar_mass", "viscosity", "relaxation_time", "surface_tension", "conductivity", "solvent_viscosity",
-            "solvent_surface_tension" or "solvent_molar_mass". The last three come from the library where they are not given.
+            "solvent_surface_tension" or "solvent_molar_mass". The last three come from the library where they are not
+            given.
 
         Returns
         -------
@@ -296,7 +297,8 @@ class Solution:
         return entanglement(self.volume_fraction, segments, self.kuhn_length, chain, melt, solvent_quality)
 
     def vitrification_fraction(self, solvent_glass_transition: float | None = None) -> float:
-        """Polymer volume fraction that turns to glass at the solution's temperature, by Fox's equation, within about 0.05.
+        """Polymer volume fraction that turns to glass at the solution's temperature, by Fox's equation, within about
+        0.05.
 
         Parameters
         ----------

@@ -4,8 +4,8 @@
 property              source
 ====================  ==================================================================================================
 density               IAPWS-95 (water), DIPPR 105 (Perry's Handbook, 8th ed.); HFIP 1596 kg/m3 at 298 K (Sigma-Aldrich
-                      specification), within 1.5 % over 288 to 308 K; DMAc, NMP and TFA lines through handbook values near
-                      room temperature (CRC Handbook), within 0.5 %
+                      specification), within 1.5 % over 288 to 308 K; DMAc, NMP and TFA lines through handbook values
+                      near room temperature (CRC Handbook), within 0.5 %
 viscosity             IAPWS (water), DIPPR 101 (Perry's Handbook, 8th ed.); HFIP 1.619 mPa s at 298 K (Krumgalz, J. Chem. Soc.
                       Faraday Trans. 1 79, 571 (1983)), within 15 % over 293 to 303 K; DMSO and DMAc Viswanath and
                       Natarajan (1989); NMP and TFA handbook values at 298 K, within 15 % over 293 to 303 K
@@ -18,12 +18,12 @@ glass transition      water 136 K (Johari et al., Nature 330, 552 (1987)), ethan
                       9, 815 (1977)); the others 2/3 of the melting point (Boyer's rule), within a fifth
 ====================  ==================================================================================================
 
-The CRC Handbook (97th ed.) prints 1460 kg/m3 for HFIP, and so does the `chemicals` library: that is 9 % under what the molar
-volumes of ethanol, trifluoroethanol and isopropanol lead to (1611), and is not used here.
+The CRC Handbook (97th ed.) prints 1460 kg/m3 for HFIP, and so does the `chemicals` library: that is 9 % under what the
+molar volumes of ethanol, trifluoroethanol and isopropanol lead to (1611), and is not used here.
 
-Mixtures: volumes add; ``ln mu`` is averaged by mass, good for like with like, too low where water meets alcohols, amides or
-ethers (water-ethanol: up to 2.6 times); surface tensions by Winterfeld, Scriven and Davis, AIChE J. 24, 1010 (1978), too high
-where one liquid covers the surface of water. Measured values can be given instead everywhere.
+Mixtures: volumes add; ``ln mu`` is averaged by mass, good for like with like, too low where water meets alcohols,
+amides or ethers (water-ethanol: up to 2.6 times); surface tensions by Winterfeld, Scriven and Davis, AIChE J. 24, 1010
+(1978), too high where one liquid covers the surface of water. Measured values can be given instead everywhere.
 """
 
 import difflib
@@ -192,7 +192,9 @@ def solvent_glass_transition(name: str, field: str = "solvent") -> float:
 
 
 def solvent_molar_mass(name: str, field: str = "solvent") -> float:
-    """Molar mass of a solvent in kg/mol, from its atoms (the keys of `vapour.VAPOURS`, which are those of `SOLVENTS`)."""
+    """Molar mass of a solvent in kg/mol, from its atoms (the keys of `vapour.VAPOURS`, which are those of
+    `SOLVENTS`).
+    """
     from chemicals.elements import molecular_weight
 
     from spinline.rheology.vapour import VAPOURS

@@ -29,11 +29,12 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, number, real
 from spinline.base.errors import InputError
 
-__all__ = ["LAWS", "Transfer", "law_index", "transfer_number", "transfer_range"]
+__all__ = ["LAWS", "RE_RANGE", "Transfer", "law_index", "transfer_number", "transfer_range"]
 
 Transfer = Literal["kase-matsuo", "churchill-bernstein", "yarin"]
 LAWS: tuple[str, ...] = get_args(Transfer)
 _PREFACTOR, _CROSS = 0.495, 64.0
+RE_RANGE = (0.5, 50.0)  # of the threads of Kase and Matsuo's measurements
 
 
 def transfer_number(
@@ -96,6 +97,8 @@ def transfer_range(law: str, reynolds: FloatArray, schmidt: float) -> str:
         if low * schmidt < 0.2:
             return f"Re Sc is {low * schmidt:.3g} at the least, under the 0.2 of Churchill and Bernstein's correlation"
         return ""
-    if low < 0.5 or high > 50:
-        return f"Re is {low:.3g} to {high:.3g}, outside the 0.5 to 50 of the Sherwood correlation"
+    if low < RE_RANGE[0] or high > RE_RANGE[1]:
+        return (
+            f"Re is {low:.3g} to {high:.3g}, outside the {RE_RANGE[0]:g} to {RE_RANGE[1]:g} of the Sherwood correlation"
+        )
     return ""

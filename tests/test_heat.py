@@ -376,3 +376,73 @@ def test_refusals() -> None:
     own = Evaporant.build("limonene", ROOM, density=840.0, molar_mass=0.136, vapour_pressure=200.0, latent_heat=3.6e5,
                           heat_capacity=1800.0, diffusivity=6e-6)  # fmt: skip
     assert own.pressure(ROOM) == pytest.approx(200.0, rel=1e-6)
+
+
+def bent(turn: float):
+    """Beads on a straight line whose velocity has a part `turn` across it."""
+    from spinline.jetprofile import LagrangianJet
+    from spinline.rheology import bead_path
+
+    x = np.linspace(0, 0.02, 201)
+    middle = 0.5 * (x[1:] + x[:-1])
+    speed = FAST.velocity(x)
+    v = np.stack([speed, turn * speed, np.zeros_like(x)], axis=-1)
+    jet = LagrangianJet.from_arrays(x, initial_radius=100e-6, stretch_ratio=FAST.stretch_ratio(middle), velocity=v)
+    np.testing.assert_allclose(jet.cross_velocity, turn * 0.5 * (speed[1:] + speed[:-1]), rtol=1e-12, atol=1e-12)
+    return bead_path(jet, flow_rate=FAST.flow_rate)
+
+
+def test_a_bending_jet_dries_in_its_cross_flow() -> None:
+    still, blown = bent(0.0), bent(1.0)
+    v = Volatile.build("ethanol", ROOM, chi=0.5)
+    nu = vapour.air_kinematic_viscosity(ROOM)
+    for law, more in (("kase-matsuo", 65 ** (1 / 6)), ("churchill-bernstein", None), ("yarin", 2 ** (1 / 6))):
+        cold = [evaporate(path, 0.1, [v], air_viscosity=nu, transfer=law) for path in (still, blown)]
+        hot = [dry_with_heat(path, 0.1, [liquid("ethanol")], temperature=ROOM, transfer=law) for path in (still, blown)]
+        for pair in (cold, hot):
+            assert pair[1].lost[-1] > pair[0].lost[-1]
+            if more is not None and pair is cold:  # yarin: of the whole speed
+                np.testing.assert_allclose(pair[1].sherwood[0][1:40] / pair[0].sherwood[0][1:40] / more, 1.0, rtol=0.02)
+    straight_one = evaporate(still, 0.1, [v], air_viscosity=nu, transfer="yarin")
+    np.testing.assert_allclose(straight_one.lost, evaporate(still, 0.1, [v], air_viscosity=nu).lost, rtol=1e-12)
+
+
+def test_map_with_heat_meets_the_flat_balance_and_conserves() -> None:
+    from spinline.rheology import ConstantDiffusion
+    from spinline.rheology.heat_map import dry_radially_with_heat
+
+    jet = PowerLaw(radius=50e-6, flow_rate=0.3e-6 / 3600, k=0.5, beta=0.47)
+    path, e = straight(jet, 0.04, 60), liquid("acetone")
+    flat = dry_with_heat(path, 0.0683, [e], temperature=ROOM, polymer_density=1190.0)
+    gaps = []
+    for d in (1e-7, 1e-6):
+        found = dry_radially_with_heat(
+            path, 0.0683, e, ConstantDiffusion(d), temperature=ROOM, polymer_density=1190.0, rtol=1e-7
+        )
+        gaps.append(np.abs(found.lost - flat.lost).max())
+        np.testing.assert_allclose(found.lost + found.remaining, 1.0, rtol=1e-12)
+        assert np.abs(found.temperature - flat.temperature).max() < 5e-9 / d
+    assert gaps[1] < 1e-5
+    assert gaps[0] / gaps[1] == pytest.approx(10.0, rel=0.2)  # first order in 1/D
+    skin = dry_radially_with_heat(path, 0.0683, e, ConstantDiffusion(1e-9), temperature=ROOM, polymer_density=1190.0)
+    assert skin.temperature.min() < ROOM - 30
+    assert (skin.polymer_fraction[:, -1] >= skin.axis_fraction - 1e-12).all()
+
+
+def test_axis_fraction_is_second_order() -> None:
+    """The mean of the innermost cell is first order: 1 % off at 60 cells."""
+    from spinline.rheology import ExponentialDiffusion
+    from spinline.rheology.drying import dry_radially
+
+    path, v = straight(FAST, 0.02, 3), Volatile.build("acetone", ROOM, chi=0.5)
+    law = ExponentialDiffusion(1e-9, 3.0)
+
+    def run(cells: int):
+        return dry_radially(path, 0.07, v, law, air_viscosity=1.5e-5, cells=cells, rtol=1e-9)
+
+    exact = run(800).axis_fraction[0]
+    errors = [abs(run(n).axis_fraction[0] / exact - 1) for n in (30, 60, 120)]
+    means = [abs(run(n).polymer_fraction[0, 0] / exact - 1) for n in (60, 120)]
+    assert errors[1] < 1e-3
+    assert np.log2(errors[0] / errors[1]) > 1.7
+    assert means[0] / means[1] < 3.0 < errors[0] / errors[1]

@@ -9,7 +9,8 @@ import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
-from spinline.base.errors import InputError
+from spinline.base.files import Sink, streaming
+from spinline.base.netcdf import OLD_READERS, save_dataset
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.reading import Time, Unit, open_reading
 from spinline.jetprofile.jetspin.run import read_jetspin
@@ -27,6 +28,7 @@ def write_jet(
     time: Time = None,
     unit: Unit = None,
     progress: Callable[[int, int], object] | None = None,
+    force: bool = True,
 ) -> Path:
     """Read a JETSPIN run piece by piece and write it as netCDF.
 
@@ -38,6 +40,8 @@ def write_jet(
         File to write; what is there is replaced once the new file is whole.
     progress : callable, optional
         Called with the number of frames written and their total.
+    force : bool
+        False refuses a file that is there.
 
     Returns
     -------
@@ -50,28 +54,20 @@ def write_jet(
         As `read_jetspin`, and if `out` cannot be written.
     """
     out, given = Path(out), Path(path_or_run)
-    part = out.with_name(out.name + ".part")
-    try:
-        if given.is_file() and file_kind(given) not in ("xyz", "beads"):
-            table = read_jetspin(given, source=source, time=time, unit=unit)
-            table.to_netcdf(part, engine="h5netcdf")
-            if progress is not None:
-                progress(1, 1)
-        else:
-            _stream(given, part, source, time, unit, progress)
-        part.replace(out)
-    except OSError as error:
-        raise InputError(
-            str(out), f"cannot be written ({error.strerror or error})", remedy="choose another place for it"
-        ) from None
-    finally:
-        part.unlink(missing_ok=True)
+    if given.is_file() and file_kind(given) not in ("xyz", "beads"):
+        table = read_jetspin(given, source=source, time=time, unit=unit)
+        save_dataset(table, out, force=force)
+        if progress is not None:
+            progress(1, 1)
+    else:
+        with streaming(out, force=force, sealing=True) as sink:
+            _stream(given, sink, source, time, unit, progress)
     return out
 
 
 def _stream(
     given: Path,
-    part: Path,
+    sink: Sink,
     source: str | None,
     time: Time,
     unit: Unit,
@@ -79,13 +75,14 @@ def _stream(
 ) -> None:
     reading = open_reading(given, source=source, time=time, unit=unit)
     total, done = len(reading.frames), 0
-    with h5netcdf.File(part, "w") as file:
+    with h5netcdf.File(sink, "w", libver=OLD_READERS) as file:
         attrs: dict[str, Any] = {}
         for frames in reading.pieces(None):
             data = reading.dataset(frames)
             if done == 0:
                 _define(file, data)
             _append(file, data, done)
+            sink.check()
             done += len(frames)
             attrs = data.attrs
             if progress is not None:
@@ -103,7 +100,7 @@ def _define(file: Any, data: xr.Dataset) -> None:
         chunks = (1024,) if variable.ndim == 1 else _CHUNK
         dtype = np.dtype("i1") if flag else variable.dtype
         fill = np.nan if dtype.kind == "f" and name != "time" else None
-        made = file.create_variable(str(name), variable.dims, dtype, chunks=chunks, fillvalue=fill)
+        made = file.create_variable(str(name), variable.dims, dtype, chunks=chunks, fillvalue=fill, fletcher32=True)
         for key, value in variable.attrs.items():
             made.attrs[key] = value
         if flag:

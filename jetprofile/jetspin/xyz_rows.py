@@ -7,7 +7,8 @@ them. Each number is read as an integer of 1e-5, so that it equals ``float(text)
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from spinline.base.kernels import njit
 
 __all__ = ["DAMAGED", "OVERFLOW", "UNREADABLE", "parse_rows"]
 

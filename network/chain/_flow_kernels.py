@@ -9,9 +9,9 @@ with a straight cell before and after the table.
 """
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["pack", "place", "reference", "search", "speed_now"]
 

@@ -8,9 +8,8 @@ iteration is two passes: forward it looks up the flow and eliminates, backward i
 
 import math
 
-from numba import njit
-
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.network._force_kernels import FENE, LATTICE, LINEAR, extension_kernel
 from spinline.network.chain._flow_kernels import place, reference, search, speed_now
 

@@ -4,16 +4,16 @@ Beads are counted from the far end; the last one, where beads enter, is still in
 with it at V = 1 until it passes x = 0 at the time ``newest * h``.
 """
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
+from spinline.base.checkpoint import pack, unpack
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
+from spinline.base.files import readable, write_bytes
 from spinline.network._objects import instance
 from spinline.network.chain.model import Chain
 
@@ -138,23 +138,19 @@ def save_states(path: str | Path, states: list[ChainState], fingerprint: str) ->
     for i, state in enumerate(states):
         for name in _ARRAYS + _NUMBERS:
             content[f"{name}_{i}"] = np.asarray(getattr(state, name))
-    target = Path(path)
-    part = target.with_name(target.name + ".part")
-    with part.open("wb") as file:
-        np.savez(file, **content)  # type: ignore[arg-type]
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(target)
+    write_bytes(path, pack(content), force=True)
 
 
 def load_states(path: str | Path, fingerprint: str) -> list[ChainState]:
     """Read what `save_states` wrote; refuse a file of another run."""
     try:
-        with np.load(Path(path), allow_pickle=False) as file:
-            content = {name: file[name] for name in file.files}
-        owner, count = str(content["fingerprint"]), int(content["count"])
-    except (OSError, EOFError, KeyError, ValueError, BadZipFile) as error:
-        raise InputError("checkpoint", f"cannot be read ({error})", value=str(path)) from None
+        content = unpack(readable(path, "checkpoint").read_bytes())
+    except OSError as error:
+        raise InputError("checkpoint", f"cannot be read ({error.strerror})", value=str(path)) from None
+    if content is None or not {"fingerprint", "count"} <= set(content):
+        raise InputError("checkpoint", "cannot be read: it is damaged, or no checkpoint", value=str(path),
+                         remedy="remove it: the run then starts again")  # fmt: skip
+    owner, count = str(content["fingerprint"]), int(content["count"])
     if owner != fingerprint:
         remedy = "use another file, or the same chain, tolerances and times"
         raise InputError("checkpoint", "belongs to another run", value=str(path), remedy=remedy)

@@ -14,8 +14,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from spinline.base.kernels import njit
 from spinline.network.walk._streams import MULTINOMIAL, open_stream, uniform
 
 __all__ = ["log_binomial", "sample_binomials", "sample_multinomial"]

@@ -10,8 +10,8 @@ Thresholds are stored less 2^31, since vector units compare signed integers.
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from spinline.base.kernels import njit
 from spinline.network.walk._streams import STEPS, next_state, open_stream, open_streams
 
 __all__ = ["BLOCK", "UNROLL", "generator_alone", "thresholds", "walk_paths", "walk_strands"]

@@ -15,7 +15,8 @@ Salmon, Moraes, Dror, Shaw, SC'11 (2011): Philox. Blackman, Vigna, ACM Trans. Ma
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from spinline.base.kernels import njit
 
 __all__ = ["MULTINOMIAL", "STEPS", "next_state", "open_stream", "open_streams", "uniform"]
 

@@ -16,10 +16,10 @@ Takahashi, Fagan and Chin, 8th PICA Conf. Proc., 63 (1973).
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 from spinline.xray.map.basis import AxialBasis
 
 __all__ = ["Factor", "assembled", "factorised"]

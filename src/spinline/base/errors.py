@@ -6,6 +6,8 @@ that what is odd but possible can be filtered or collected.
 
 from typing import Any
 
+from spinline.base.words import clean
+
 __all__ = ["InputError", "SpinlineWarning"]
 
 
@@ -35,7 +37,7 @@ class InputError(ValueError):
             parts.append(f"allowed: {allowed}")
         if remedy:
             parts.append(remedy)
-        super().__init__("; ".join(parts))
+        super().__init__(clean("; ".join(parts)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.field, self.problem, self.value, self.allowed, self.remedy)

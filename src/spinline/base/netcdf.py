@@ -1,27 +1,193 @@
-"""netCDF files in: one Dataset in memory, or one message."""
+"""netCDF files in and out: one Dataset in memory, or one message; files whole, sealed, with a checksum on every variable.
 
+Written by h5netcdf into memory, so that a full disk is met by `spinline.base.files` and not by HDF5; read only after the seal
+fits. HDF5 that points outside its file (external and virtual storage, external links), or that declares more than it can
+hold, is refused before anything is read.
+"""
+
+import io
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
+import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable, write_bytes
+from spinline.base.seals import sealed, verified
+from spinline.base.words import clean
 
-__all__ = ["open_dataset"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["OLD_READERS", "examine_hdf5", "open_dataset", "save_dataset", "write_variables"]
+
+Variable = tuple[tuple[str, ...], Any, Mapping[str, Any]]  # dimensions, values, attributes
+
+_MOST_PACKED = 1100  # deflate makes no more of a byte
+_SPARE = 1 << 26
+OLD_READERS = ("v110", "v110")  # readable by every HDF5 since 2016; its metadata carry checksums of their own
 
 
-def open_dataset(path: str | Path) -> xr.Dataset:
+def open_dataset(path: str | Path) -> "xr.Dataset":
     """Read a netCDF file into memory.
 
     Raises
     ------
     InputError
-        If it cannot be read as netCDF-4.
+        If it is damaged, cannot be read as netCDF-4, or reaches outside itself.
     """
-    if not Path(path).is_file():
-        raise InputError(str(path), "is not a file", remedy="check the path")
+    import h5py
+    import xarray as xr
+
+    file = readable(path)
+    verified(file)
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            return dataset.load()
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        with h5py.File(file, "r") as inside:
+            examine_hdf5(inside, str(path))
+        with xr.open_dataset(file, engine="h5netcdf", decode_times=False) as dataset:
+            loaded = dataset.load()
+    except InputError:
+        raise
+    except Exception as error:  # a library that reads bytes from anywhere may raise anything
+        reason = clean(str(error).splitlines()[0]) if str(error) else type(error).__name__
         raise InputError(str(path), f"cannot be read as netCDF-4 ({reason})", remedy="give a .nc file") from None
+    loaded.attrs = _harmless(loaded.attrs)
+    for variable in loaded.variables.values():
+        variable.attrs = _harmless(variable.attrs)
+    return loaded
+
+
+def examine_hdf5(file: Any, name: str) -> None:
+    """Refuse an open HDF5 file that points outside itself, or declares more than it can hold.
+
+    Parameters
+    ----------
+    file : h5py.File
+    name : str
+        Shown in the error.
+
+    Raises
+    ------
+    InputError
+    """
+    import h5py
+
+    room = _SPARE + _MOST_PACKED * int(file.id.get_filesize())
+    seen: set[Any] = set()
+
+    def look(group: Any) -> None:
+        nonlocal room
+        for key in group:
+            link = group.get(key, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                raise InputError(name, "has a link to another file", value=key, remedy="store the data in one file")
+            if isinstance(link, h5py.SoftLink):  # of this file: met under its own name
+                continue
+            thing = group.get(key)
+            if isinstance(thing, h5py.Dataset):
+                if thing.external or thing.is_virtual:
+                    raise InputError(name, "keeps data in another file", value=key, remedy="store the data in one file")
+                room -= int(np.prod(thing.shape or (1,), dtype=object)) * max(1, int(thing.dtype.itemsize))
+                if room < 0:
+                    raise InputError(name, "declares more data than it can hold", value=key, remedy="make it again")
+            elif isinstance(thing, h5py.Group) and thing.id not in seen:
+                seen.add(thing.id)
+                look(thing)
+
+    look(file)
+
+
+def save_dataset(dataset: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
+    """Write a Dataset as netCDF-4, whole or not at all, sealed, every variable with a checksum.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    variables: dict[str, Variable] = {
+        str(name): (tuple(map(str, v.dims)), v.values, v.attrs) for name, v in dataset.variables.items()
+    }
+    return write_variables(variables, dataset.attrs, path, coordinates=map(str, dataset.coords), force=force)
+
+
+def write_variables(
+    variables: Mapping[str, Variable],
+    attributes: Mapping[str, Any],
+    path: str | Path,
+    *,
+    coordinates: Iterable[str] = (),
+    force: bool = False,
+) -> Path:
+    """Write variables as netCDF-4; see `save_dataset`.
+
+    Parameters
+    ----------
+    variables : mapping
+        Name to dimensions, values (numbers, flags, text) and attributes.
+    attributes : mapping
+        Of the file.
+    path : path
+    coordinates : iterable of str
+        Variables that are coordinates.
+    force : bool
+        Overwrite.
+    """
+    return write_bytes(path, sealed(_packed(variables, attributes, list(coordinates))), force=force)
+
+
+def _packed(variables: Mapping[str, Variable], attributes: Mapping[str, Any], coordinates: list[str]) -> bytes:
+    import h5netcdf  # type: ignore[import-untyped]
+    import h5py
+
+    sizes: dict[str, int] = {}
+    for dims, values, _ in variables.values():
+        sizes |= dict(zip(dims, np.shape(values), strict=True))
+    stream = io.BytesIO()
+    with h5netcdf.File(stream, "w", libver=OLD_READERS) as file:
+        file.dimensions = sizes
+        for name, (dims, values, described) in variables.items():
+            array, more = _plain(np.asarray(values))
+            checked: dict[str, Any] = {}
+            if dims and array.size and array.dtype.kind != "O":
+                checked = {"fletcher32": True, "chunks": _chunks(array)}
+            kind: Any = h5py.string_dtype() if array.dtype.kind == "O" else array.dtype
+            made = file.create_variable(name, dims, kind, **checked)
+            if array.size:
+                made[...] = array
+            along = [
+                key for key in coordinates if key not in sizes and key != name and set(variables[key][0]) <= set(dims)
+            ]
+            if along and name not in coordinates:
+                more["coordinates"] = " ".join(along)
+            for key, value in {**described, **more}.items():
+                made.attrs[key] = _attribute(value)
+        for key, value in attributes.items():
+            file.attrs[key] = _attribute(value)
+    return stream.getvalue()
+
+
+def _plain(array: "np.ndarray[Any, Any]") -> "tuple[np.ndarray[Any, Any], dict[str, Any]]":
+    """Values as netCDF has them: flags as bytes, text as objects."""
+    if array.dtype.kind == "b":
+        return array.astype(np.int8), {"dtype": "bool"}
+    if array.dtype.kind in "UO":
+        return np.array([_attribute(str(text)) for text in array.ravel()], dtype=object).reshape(array.shape), {}
+    return array, {}
+
+
+def _chunks(array: "np.ndarray[Any, Any]") -> tuple[int, ...]:
+    """One chunk, or slabs along the first dimension of some megabytes."""
+    row = max(1, array.nbytes // array.shape[0])
+    return (max(1, min(array.shape[0], (1 << 22) // row)), *array.shape[1:])
+
+
+def _attribute(value: Any) -> Any:
+    if isinstance(value, str):
+        return value.replace("\x00", "\\u0000").encode("utf-8", "backslashreplace").decode()
+    return int(value) if isinstance(value, bool | np.bool_) else value
+
+
+def _harmless(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
+    return {key: clean(value) if isinstance(value, str) else value for key, value in attributes.items()}

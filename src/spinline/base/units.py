@@ -1,4 +1,4 @@
-"""Quantities as people write them, turned into SI numbers: the only place that knows pint.
+"""Quantities as people write them, turned into SI numbers: the only place that knows pint, and only for rare units.
 
 A quantity is text with its unit: "125 um", "3.2 mL/hour", "25 degC", "5 wt%", "600 kDa", "125 +/- 3 um". Gaussian CGS is
 understood where it means something else than SI: "270 1/s" as a conductivity, "44000 statC/cm3", "30 statV",
@@ -8,13 +8,13 @@ understood where it means something else than SI: "270 1/s" as a conductivity, "
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from tokenize import TokenError
 from typing import Any
 
 import numpy as np
 
 from spinline.base.constants import AVOGADRO, EPS0
 from spinline.base.errors import InputError
+from spinline.base.unit_table import factors, scale_and_dimension
 
 __all__ = ["QUANTITIES", "Measured", "Quantity", "parse", "parse_unit"]
 
@@ -44,6 +44,7 @@ QUANTITIES = {
     q.name: q
     for q in (
         Quantity("length", "m", "125 um"),
+        Quantity("angle", "rad", "3 deg", "an"),
         Quantity("velocity", "m/s", "2 cm/s"),
         Quantity("flow rate", "m^3/s", "3.2 mL/hour"),
         Quantity("time", "s", "25 ms"),
@@ -76,8 +77,18 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf(?:inity)?|nan)
 _TEXT = re.compile(
     rf"\s*(?P<value>{_NUMBER})\s*(?:(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER}))?\s*(?P<unit>.*?)\s*", re.IGNORECASE
 )
-_SPELLED = {"°C": "degC", "°F": "degF", "µ": "u", "μ": "u", "·": "*", "Å": "angstrom", "²": "2", "³": "3"}
-_POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)\b")
+_LONGEST = 200  # characters of a quantity
+_SPELLED = {"°C": "degC", "℃": "degC", "°F": "degF", "℉": "degF", "μ": "µ", "·": "*", "⋅": "*", "⁻": "-", "−": "-"} | {
+    raised: str(i) for i, raised in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")
+}
+_PRINTED = str.maketrans({"−": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " "})
+_TWICE = re.compile(
+    rf"\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+\-±]\S*)\s*(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER})\s*(?P<again>\S+)\s*",
+    re.IGNORECASE,
+)
+_OFFSET = {"degC": (1.0, 273.15), "celsius": (1.0, 273.15), "degF": (5 / 9, 459.67 * 5 / 9)}
+_PER_SECOND: Any = (0, 0, -1, 0, 0, 0)  # powers of kg, m, s, A, K, mol
+_MASS: Any = (1, 0, 0, 0, 0, 0)
 
 
 def parse(text: Any, kind: str, field: str) -> Measured:
@@ -115,7 +126,7 @@ def parse(text: Any, kind: str, field: str) -> Measured:
         if not np.isfinite(text):
             raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
         return Measured(float(text), 0.0, str(text))
-    match = _TEXT.fullmatch(text)
+    match = _TEXT.fullmatch(_said_once(text.translate(_PRINTED))) if len(text) <= _LONGEST else None
     if match is None:
         raise InputError(field, "is not a number with a unit", value=text, remedy=_example(quantity))
     value, unit = float(match["value"]), match["unit"]
@@ -137,7 +148,6 @@ def parse(text: Any, kind: str, field: str) -> Measured:
     return Measured(value * scale + offset, std * abs(scale), text)
 
 
-@lru_cache(maxsize=256)
 def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tuple[float, float]:
     """Scale and offset that turn a number in a unit into SI.
 
@@ -155,36 +165,77 @@ def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tup
     scale, offset : float
         ``SI = scale * number + offset``; the offset is zero but for temperatures.
     """
+    quantity = QUANTITIES[kind]
+    found, problem = _converted(_spell(unit), kind)
+    if problem:
+        words = {
+            "unit": f"is not {quantity.article} {kind}: its unit is not known ({unit})",
+            "name": f"has a unit that is not known ({unit})",
+        }
+        raise InputError(
+            field,
+            words.get(problem, f"is not {quantity.article} {kind}"),
+            value=unit if text is None else text,
+            allowed=f"units of {quantity.unit}",
+            remedy=_example(quantity),
+        )
+    return found
+
+
+@lru_cache(maxsize=256)
+def _converted(unit: str, kind: str) -> tuple[tuple[float, float], str]:
+    """Scale and offset, and what is wrong: "", the text is no "unit", a "name" is not known, the unit is of an "other" kind."""
+    nothing = (1.0, 0.0)
+    parts = factors(unit)
+    if parts is None:
+        return nothing, "unit"
+    if kind == "temperature" and unit.startswith("delta"):
+        return nothing, "other"  # a difference is no temperature
+    if kind == "temperature" and unit in _OFFSET:
+        return _OFFSET[unit], ""
+    known = scale_and_dimension(parts)
+    if known is None:
+        return _by_pint("*".join(f"{name}**({power})" for name, power in parts), kind)
+    scale, dimension = known
+    if not 0 < scale < np.inf:
+        return nothing, "other"
+    if kind == "conductivity" and dimension == _PER_SECOND:
+        return (scale * _4_PI_EPS0, 0.0), ""
+    if kind == "molar mass" and dimension == _MASS:
+        return (scale * AVOGADRO, 0.0), ""
+    return ((scale, 0.0), "") if dimension == _dimension(kind) else (nothing, "other")
+
+
+@lru_cache(maxsize=64)
+def _dimension(kind: str) -> Any:
+    parts = factors(QUANTITIES[kind].unit)
+    known = None if parts is None else scale_and_dimension(parts)
+    assert known is not None  # the units of QUANTITIES are all in the table
+    return known[1]
+
+
+def _by_pint(unit: str, kind: str) -> tuple[tuple[float, float], str]:
+    """A unit whose names and powers are bounded, by pint."""
     import pint
 
-    quantity = QUANTITIES[kind]
-    shown = unit if text is None else text
-    wrong = InputError(
-        field, f"is not {quantity.article} {kind}", value=shown, allowed=f"units of {quantity.unit}",
-        remedy=_example(quantity),
-    )  # fmt: skip
-    registry = _registry()
+    registry, nothing = _registry(), (1.0, 0.0)
     try:
-        parsed = registry.parse_units(_spell(unit))
+        parsed = registry.parse_units(unit)
         dimension = registry.get_dimensionality(parsed)
-    except (pint.PintError, AttributeError, TypeError, ValueError, AssertionError, ArithmeticError) as error:
-        raise InputError(
-            field, f"has a unit that is not known ({unit})", value=shown, allowed=f"units of {quantity.unit}",
-            remedy=_example(quantity),
-        ) from error  # fmt: skip
-    except (SyntaxError, RecursionError, TokenError) as error:
-        raise wrong from error
-    if kind == "conductivity" and dimension == {"[time]": -1}:
-        return _plain(registry, parsed, "1/s") * _4_PI_EPS0, 0.0
-    if kind == "molar mass" and dimension == {"[mass]": 1}:
-        return _plain(registry, parsed, "kg") * AVOGADRO, 0.0
+    except Exception:  # pint raises what its parser happens to raise
+        return nothing, "name"
     try:
+        if kind == "conductivity" and dimension == {"[time]": -1}:
+            return (_plain(registry, parsed, "1/s") * _4_PI_EPS0, 0.0), ""
+        if kind == "molar mass" and dimension == {"[mass]": 1}:
+            return (_plain(registry, parsed, "kg") * AVOGADRO, 0.0), ""
         if kind == "temperature":
             zero = float(registry.Quantity(0.0, parsed).to("K").magnitude)
-            return float(registry.Quantity(1.0, parsed).to("K").magnitude) - zero, zero
-        return _plain(registry, parsed, quantity.unit), 0.0
-    except pint.PintError as error:
-        raise wrong from error
+            return (float(registry.Quantity(1.0, parsed).to("K").magnitude) - zero, zero), ""
+        scale = _plain(registry, parsed, QUANTITIES[kind].unit)
+    except (pint.PintError, ArithmeticError, KeyError, ValueError, TypeError):
+        return nothing, "other"
+    return ((scale, 0.0), "") if 0 < scale < np.inf else (nothing, "other")
 
 
 def _plain(registry: Any, unit: Any, target: str) -> float:
@@ -195,8 +246,17 @@ def _plain(registry: Any, unit: Any, target: str) -> float:
         return float(one.to(target).magnitude)
 
 
+def _said_once(text: str) -> str:
+    """Text such as "125 um +/- 3 um" as "125 +/- 3 um"; other text as it is."""
+    match = _TWICE.fullmatch(text)
+    if match is None or match["unit"] != match["again"]:
+        return text
+    return f"{match['value']} +/- {match['std']} {match['unit']}"
+
+
 def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
     own = _FRACTIONS[kind]
+    unit = re.sub(r"^(wt|vol)\.\s*%$", r"\1%", unit)
     if not unit:
         return 1.0
     if own and unit in ("%", own, own.replace("%", " %")):
@@ -209,7 +269,7 @@ def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
 def _spell(unit: str) -> str:
     for old, new in _SPELLED.items():
         unit = unit.replace(old, new)
-    return _POWER.sub(r"**\1", unit).replace("****", "**")
+    return unit
 
 
 def _example(quantity: Quantity) -> str:
@@ -222,4 +282,7 @@ def _example(quantity: Quantity) -> str:
 def _registry() -> Any:
     import pint
 
-    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=":auto:")
+    try:
+        return pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=":auto:")
+    except OSError:  # no place for a cache: 0.3 s slower
+        return pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)

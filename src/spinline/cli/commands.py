@@ -4,9 +4,13 @@ Bad input ends with exit code 2 and one message on standard error; warnings go t
 output holds the answer alone.
 """
 
-import shutil
+import contextlib
+import os
+import signal
 import sys
+import threading
 import warnings
+from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,18 +18,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.files import command
+from spinline.base.progress import telling
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.simulate import register as register_simulate
+from spinline.cli.speech import say
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from spinline.base.checks import FloatArray
+    from spinline.base.named_arrays import NamedArrays
     from spinline.scene.file import Scene
 
 __all__ = ["app", "main"]
@@ -51,7 +57,7 @@ def _version(wanted: bool) -> None:
     if wanted:
         from spinline.base.version import __version__
 
-        typer.echo(f"spinline {__version__}")
+        say(f"spinline {__version__}")
         raise typer.Exit
 
 
@@ -104,13 +110,11 @@ def run(
         raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
     for file in files:
         writable(file, force=force)
-    from spinline.solve.spine import run as solve
-
-    result = solve(loaded)
+    result = _solved(loaded)
     if trade:
         from spinline.study.trade import trade as measure
 
-        measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
+        measured = measure(loaded, quick=quick, progress=lambda words: say(f"measuring {words}", err=True))
         result.attrs["trade"] = measured.json()
     results.save(result, target, force=force)
     if picture is not None:
@@ -124,16 +128,16 @@ def run(
     if csv is not None:
         results.to_csv(result, csv, force=force)
     if json:
-        typer.echo(results.to_json(result))
+        say(results.to_json(result))
         return
-    from spinline.report.page import words
+    from spinline.report.sentences import words
 
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for sentence in words(result):
-        typer.echo(f"  {sentence}")
+        say(f"  {sentence}")
     if trade:
-        typer.echo(f"  Measured: {measured.recommendation}.")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  Measured: {measured.recommendation}.")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 @app.command()
@@ -147,18 +151,17 @@ def crossover(
     """Where, and at which radius, the network is fully stretched: one line."""
     loaded = load(scene, model, rtol, set_)
     from spinline.solve import results
-    from spinline.solve.spine import run as solve
 
-    result = solve(loaded)
+    result = _solved(loaded)
     if json:
         names = tuple(str(name) for name in result.data_vars if str(name).startswith("crossover"))
-        typer.echo(results.to_json(result, ("volume_fraction", *names, *(["time"] if "time" in result.dims else []))))
+        say(results.to_json(result, ("volume_fraction", *names, *(["time"] if "time" in result.dims else []))))
         return
     if "time" in result.dims:
         for moment in range(result.sizes["time"]):
-            typer.echo(f"{float(result['time'][moment]):.6g} s: {_crossover_line(result.isel(time=moment))}")
+            say(f"{float(result['time'][moment]):.6g} s: {_crossover_line(result.isel(time=moment))}")
         return
-    typer.echo(_crossover_line(result))
+    say(_crossover_line(result))
 
 
 @app.command()
@@ -171,9 +174,9 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
-        typer.echo(f"odd: {remark}")
+        say(f"odd: {remark}")
     phi = solution.volume_fraction
-    typer.echo(
+    say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
         + (", nothing odd" if not remarks else "")
     )
@@ -190,28 +193,31 @@ def scenes(
     """List the bundled scenes and images, or copy one to start from."""
     import tomllib
 
-    from spinline.base.files import writable
+    from spinline.base.files import copy_file, copy_tree, writable
     from spinline.scene.file import bundled_scenes
     from spinline.scene.images_file import bundled_images
 
     known = bundled_scenes() | bundled_images()
     if copy is None:
         for name, file in known.items():
-            typer.echo(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
+            say(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
         return
     if copy not in known:
         raise InputError("--copy", "is not a bundled scene", value=copy, allowed=", ".join(known))
     source = known[copy]
-    shutil.copyfile(source, writable(to / source.name, force=force))
+    writable(to / source.name, force=force)
     content = tomllib.loads(source.read_text(encoding="utf-8"))
     data = content["counts"] if "counts" in content else content["jet"].get("path")
     if data is not None:
         origin, target = source.parent / data, to / data
         if origin.is_dir():
-            shutil.copytree(origin, target, dirs_exist_ok=force)
+            if target.exists() and not force:
+                raise InputError(str(target), "exists", remedy="--force to overwrite its files")
+            copy_tree(origin, target, force=force)
         else:
-            shutil.copyfile(origin, writable(target, force=force))
-    typer.echo(f"wrote {to / source.name}")
+            copy_file(origin, target, force=force)
+    copy_file(source, to / source.name, force=force)
+    say(f"wrote {to / source.name}")
 
 
 @app.command()
@@ -222,15 +228,14 @@ def schema(
     """JSON Schema of the scene file, for editors."""
     import json
 
-    from spinline.base.files import replacing
+    from spinline.base.files import write_text
     from spinline.scene.file import json_schema
 
     text = json.dumps(json_schema(), indent=2)
     if out is None:
-        typer.echo(text)
+        say(text)
     else:
-        with replacing(out, force=force) as part:
-            part.write_text(text + "\n", encoding="utf-8")
+        write_text(out, text + "\n", force=force)
 
 
 app.command()(plan)
@@ -266,13 +271,11 @@ def fit_jet(
     if json:
         from spinline.solve.results import plain
 
-        typer.echo(json_.dumps({key: plain(value) for key, value in fit.__dict__.items()}))
+        say(json_.dumps({key: plain(value) for key, value in fit.__dict__.items()}))
         return
     share = fit.covariance[0, 1] / (fit.k_std * fit.beta_std) if fit.k_std and fit.beta_std else 0.0
-    typer.echo(
-        f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}, correlation {share:.3f}"
-    )
-    typer.echo(
+    say(f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}, correlation {share:.3f}")
+    say(
         f"over {1e3 * fit.z_min:.4g} to {1e3 * fit.z_max:.4g} mm ({fit.samples} of {fit.samples_given} samples), "
         f"r0 = {1e6 * fit.initial_radius:.4g} um, R^2 = {fit.r_squared:.6f}, departure {100 * fit.departure:.2g} %"
     )
@@ -289,15 +292,15 @@ def import_jet(
     force: ForceOption = False,
 ) -> None:
     """Turn the output of a Lagrangian simulation into a jet file."""
-    from spinline.base.files import replacing
+    from spinline.base.files import writable
     from spinline.jetprofile.jetspin import write_jet
     from spinline.solve import results
 
     target = out or Path(run_dir.resolve().stem + ".nc")
-    with replacing(target, force=force) as part:
-        write_jet(run_dir, part, source=source, unit=unit)
+    writable(target, force=force)
+    write_jet(run_dir, target, source=source, unit=unit, force=force)
     jet = results.open_dataset(target)
-    typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
+    say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
 for register in (register_sweep, register_fit, register_simulate, register_images):
@@ -305,22 +308,87 @@ for register in (register_sweep, register_fit, register_simulate, register_image
 
 
 def main() -> None:
-    """Run the command line; bad input ends with one message and exit code 2."""
+    """Run the command line; bad input ends with one message and exit code 2, a fault of the program with 70."""
+    os.environ["MPLBACKEND"] = "agg"  # figures are files; another value may not even exist
     warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
+    code = 0
     try:
-        app()
+        with _stopping(), command(), telling():
+            code = int(app(standalone_mode=True) or 0)
+        sys.stdout.flush()
+    except SystemExit as ended:
+        code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+        code = _flushed(code)
     except InputError as error:
-        typer.echo(f"error: {error}", err=True)
-        sys.exit(2)
+        say(f"error: {error}", err=True)
+        code = 2
     except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(0)
+        _quietly()
+    except MemoryError:
+        say("error: there is not enough memory for this; take fewer points, shells, strands or frames", err=True)
+        code = 2
+    except OSError as error:
+        say(f"error: {error.filename or 'the system'}: {error.strerror or error}", err=True)
+        _quietly()
+        code = 2
+    except Exception as error:
+        if os.environ.get("SPINLINE_TRACEBACK"):
+            raise
+        say(
+            f"error: a fault of this program, please report it: {type(error).__name__}: {error} "
+            "(SPINLINE_TRACEBACK=1 shows where)",
+            err=True,
+        )
+        code = 70
+    sys.exit(code)
+
+
+def _flushed(code: int) -> int:
+    """Write out what was said; a reader that went away is no error, a full disk is."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _quietly()
+    except OSError as error:
+        say(f"error: standard output: {error.strerror}", err=True)
+        _quietly()
+        return code or 2
+    return code
+
+
+def _quietly() -> None:
+    """Nothing more goes to standard output, not even at exit."""
+    with contextlib.suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextlib.contextmanager
+def _stopping() -> Iterator[None]:
+    """Within it SIGTERM ends the program as an exception does: what is half written is removed."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    typer.echo(f"warning: {message}", err=True)
+    say(f"warning: {message}", err=True)
+
+
+def _solved(scene: "Scene") -> "NamedArrays":
+    """`spinline.run` without a Dataset: half the time of a start."""
+    from spinline.solve.spine import solved
+
+    result = solved(scene)
+    for remark in str(result.attrs["warnings"]).splitlines():
+        warnings.warn(remark, SpinlineWarning, stacklevel=2)
+    return result
 
 
 def _default_out(scene: str, loaded: "Scene") -> Path:
@@ -328,8 +396,8 @@ def _default_out(scene: str, loaded: "Scene") -> Path:
     return path.with_suffix(".nc") if path.exists() else Path(f"{loaded.name}.nc")
 
 
-def _crossover_line(result: "xr.Dataset") -> str:
-    from spinline.report.figures import headline
+def _crossover_line(result: "NamedArrays") -> str:
+    from spinline.report.sentences import headline
 
     line = headline(result)
     position = float(result["crossover_extension_position"])

@@ -1,12 +1,12 @@
 """Commands that compare a model with measurements: ``fit`` and ``compare-theory``."""
 
-import shutil
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from spinline.base.errors import InputError
+from spinline.cli.speech import say
 
 __all__ = ["register"]
 
@@ -38,7 +38,7 @@ def fit(
     chosen = loaded.sampler if sampler is None else sampler
     if chosen not in ("least-squares", "emcee"):
         raise InputError("--sampler", "is not known", value=chosen, allowed="least-squares, emcee")
-    from spinline.base.files import replacing, writable
+    from spinline.base.files import writable, write_text
 
     target = out or (Path(fit_file).with_suffix(".nc") if Path(fit_file).exists() else Path(f"{loaded.name}.nc"))
     if target.suffix != ".nc":
@@ -59,19 +59,18 @@ def fit(
         drawn = sample(best, seed=loaded.seed if seed is None else seed, steps=loaded.steps, walkers=loaded.walkers)
     result = fit_dataset(best, drawn, source=loaded)
     results.save(result, target, force=force)
-    with replacing(text, force=force) as part:
-        part.write_text(fit_json(result) + "\n", encoding="utf-8")
+    write_text(text, fit_json(result) + "\n", force=force)
     if not no_figure:
         from spinline.report.fit_figure import save_fit_figure
 
         save_fit_figure(result, picture, force=force)
     if json:
-        typer.echo(fit_json(result))
+        say(fit_json(result))
         return
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for line in fit_words(result):
-        typer.echo(f"  {line}")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  {line}")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 def compare_theory(
@@ -115,12 +114,12 @@ def compare_theory(
 
         save_overlay(result, files[-1], force=force)
     if json:
-        typer.echo(results.to_json(result))
+        say(results.to_json(result))
         return
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for line in theory_words(result):
-        typer.echo(f"  {line}")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  {line}")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 def _fitted(path: Path) -> dict[str, float]:
@@ -150,7 +149,7 @@ def _fit_draws(path: Path) -> list[dict[str, float]]:
 
 
 def _copy(name: str, *, force: bool) -> None:
-    from spinline.base.files import writable
+    from spinline.base.files import copy_tree
     from spinline.fit.fit_file import bundled_fits
 
     known = bundled_fits()
@@ -159,10 +158,8 @@ def _copy(name: str, *, force: bool) -> None:
     folder = Path(name)
     if folder.exists() and not force:
         raise InputError(name, "exists", remedy="--force to overwrite its files")
-    folder.mkdir(exist_ok=True)
-    for file in sorted(known[name].parent.iterdir()):
-        shutil.copyfile(file, writable(folder / file.name, force=force))
-    typer.echo(f"wrote {folder / 'fit.toml'}")
+    copy_tree(known[name].parent, folder, force=force)
+    say(f"wrote {folder / 'fit.toml'}")
 
 
 def register(app: typer.Typer) -> None:

@@ -7,13 +7,13 @@ the file (`truth_*`), so that a reduction can be held against it.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
-from spinline.base.files import replacing, writable
+from spinline.base.files import streaming, writable, write_text
 from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
 from spinline.xray.matter.spectrum import Spectrum, harmonic_spectrum
@@ -264,7 +264,7 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
     for file in {*names.values(), toml}:
         writable(file, force=force)
     if kind == ".npz":
-        with replacing(target, force=force) as part, part.open("wb") as stream:
+        with streaming(target, force=force) as stream:
             np.savez_compressed(
                 stream, **parts, truth_position=frames.jet.position, truth_radius=frames.jet.radius,
                 truth_polymer_fraction=frames.jet.fraction, truth_mean_polymer_fraction=frames.jet.mean_fraction,
@@ -274,12 +274,13 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
         import tifffile
 
         for key, stack in parts.items():
-            with replacing(names[key], force=force) as part:
+            with streaming(names[key], force=force) as stream:
                 tifffile.imwrite(
-                    part, stack.astype(np.uint16) if stack.max() < 65536 else stack, photometric="minisblack"
+                    cast(IO[bytes], stream),
+                    stack.astype(np.uint16) if stack.max() < 65536 else stack,
+                    photometric="minisblack",
                 )
-    with replacing(toml, force=force) as part:
-        part.write_text(images_text(frames.camera, result, names), encoding="utf-8")
+    write_text(toml, images_text(frames.camera, result, names), force=force)
     return (*dict.fromkeys(names.values()), toml)
 
 
@@ -305,14 +306,13 @@ def images_text(camera: Camera, result: "xr.Dataset", names: dict[str, Path]) ->
 
 def _data(result: "xr.Dataset") -> dict[str, Any]:
     """The scene of a result as dictionaries, with what ``--set`` changed in it."""
-    import tomllib
-
+    from spinline.base.text import parsed_toml
     from spinline.scene.file import _override
 
     text = str(result.attrs.get("scene", ""))
     if not text:
         raise InputError("result", "does not hold its scene", remedy="give a result of spinline run")
-    data = tomllib.loads(text)
+    data = parsed_toml(text, "result", "scene")
     for line in text.splitlines():
         if line.startswith("# --set "):
             _override(data, line.removeprefix("# --set "))

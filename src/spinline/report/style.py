@@ -3,6 +3,7 @@
 Readable in grey: every curve has its own line style. Colours are those of Okabe and Ito, told apart by the colour-blind.
 """
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from spinline.base.errors import InputError
-from spinline.base.files import replacing
+from spinline.base.files import write_bytes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -84,7 +85,7 @@ def sheet_of(
 def titled(sheet: Figure, own: bool, text: str, **style: Any) -> None:
     """Title of a sheet of ours; a sheet that the caller made keeps its own."""
     if own:
-        sheet.suptitle(text, **style)
+        sheet.suptitle(text.replace("$", r"\$"), **style)  # a dollar is a dollar: titles come from files
 
 
 def grid(axis: Axes) -> None:
@@ -118,9 +119,9 @@ def save_sheet(sheet: Figure, path: str | Path, *, force: bool = False, dpi: int
         For another ending, or a file that cannot be written.
     """
     file = check_format(path)
-    with replacing(file, force=force) as part:
-        if file.suffix.lower() == ".png":
-            sheet.savefig(part, dpi=dpi, format="png", pil_kwargs=QUICK)
-        else:
-            sheet.savefig(part, format=file.suffix[1:].lower())
-    return file
+    buffer = io.BytesIO()
+    if file.suffix.lower() == ".png":
+        sheet.savefig(buffer, dpi=dpi, format="png", pil_kwargs=QUICK)
+    else:
+        sheet.savefig(buffer, format=file.suffix[1:].lower())
+    return write_bytes(file, buffer.getbuffer(), force=force)

@@ -6,11 +6,14 @@ Chunks are independent, so nothing is locked, and the store can be read while it
 memory.
 
 Order: a chunk's parameters, numbers, profiles and reasons first, its ``status`` last. A chunk is done when its status is
-written; any other is computed again, to the same bits. Only the process that was called writes; workers compute.
+written and every one of its files is there with a checksum that fits (crc32c, looked at on every start and on opening);
+any other is computed again, to the same bits. Only the process that was called writes, one at a time; workers compute.
 """
 
-import shutil
-import tempfile
+import json
+import re
+import warnings
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +21,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.base.errors import InputError
-from spinline.base.files import writable
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.files import discard, new_folder
+from spinline.base.naming import lock_folder, unlock_folder
 from spinline.scene.keys import unit_of
 from spinline.solve.results import VARIABLES
 from spinline.study.design import Column
@@ -32,7 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["Memory", "Store", "as_grid", "open_sweep"]
 
 _MARK = "spinline_sweep"
-_UNREADABLE = (OSError, ValueError, RuntimeError)  # a chunk that was cut off while it was written
+_OWN = re.compile(r"(?:[^/]+/)?zarr\.json|[^/]+/c(?:/\d+)+|(?:[^/]+/)*[^/]*\.partial")
 _STATUS = "0 ok, 1 incomplete, 2 refused, 3 failed, 255 not computed"
 _REASON = "why a row has no numbers, or not all"
 
@@ -51,6 +55,9 @@ class Memory:
     def write(self, index: int, columns: Mapping[str, Column], block: Block) -> None:
         """Keep a chunk."""
         self._parts[index] = (columns, block)
+
+    def close(self) -> None:
+        """Nothing is held."""
 
     def dataset(self) -> "xr.Dataset":
         """All rows."""
@@ -92,28 +99,32 @@ class Store:
         import zarr
 
         self.path, self.sweep, self.task = path, sweep, task
+        if force and _looks_ours(path):
+            lock_folder(path)
+            unlock_folder(path)
+            discard(path, lambda name: _OWN.fullmatch(name) is not None)
         present = peek(path)
-        if force and present is not None:
-            shutil.rmtree(path)
-            present = None
         if present is None:
             if path.exists():
                 raise InputError(str(path), "exists and is no sweep", remedy="choose another name")
-            writable(path)
             self._create(zarr, chunk, attributes)
         elif present["fingerprint"] != attributes["fingerprint"]:
             raise InputError(str(path), "holds another sweep (or one of another version)",
                              remedy="choose another name, or --force to start anew")  # fmt: skip
+        lock_folder(path)
+        for left in path.rglob("*.partial"):  # of a process that was killed
+            left.unlink(missing_ok=True)
         self._group: Any = zarr.open_group(str(path), mode="r+")
         self.attributes = dict(self._group.attrs)
         self.chunk = int(self.attributes["chunk"])
 
     def _create(self, zarr: Any, chunk: int, attributes: Mapping[str, Any]) -> None:
         """Make the store beside its place, then move it there whole."""
+        from zarr.codecs import Crc32cCodec, ZstdCodec
+
         size = self.sweep.design.size
         example = self.sweep.design.rows(0, 1)
-        with tempfile.TemporaryDirectory(prefix=".spinline-", dir=self.path.parent) as scratch:
-            place = Path(scratch) / "store"
+        with new_folder(self.path) as place:
             group = zarr.open_group(str(place), mode="w", zarr_format=3)
             for name, (dims, described) in _layout(self.sweep, self.task).items():
                 text = name == "reason" or (name in example and example[name].dtype == object)
@@ -121,38 +132,39 @@ class Store:
                 fill: Any = "" if text else PENDING if name == "status" else float("nan")
                 wide = () if len(dims) == 1 else (self.task.points,)
                 group.create_array(name, shape=(size, *wide), chunks=(min(chunk, size), *wide), dtype=kind,
-                                   fill_value=fill, dimension_names=dims, attributes=described)  # fmt: skip
-            group.attrs.update(
-                {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
-            )
-            place.rename(self.path)
+                                   fill_value=fill, dimension_names=dims, attributes=described,
+                                   compressors=[ZstdCodec(level=0), Crc32cCodec()])  # fmt: skip
+            told = {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
+            group.attrs.update(told | {"checksum": _checksum(place, told)})
 
     def pending(self) -> list[int]:
         """Numbers of the chunks that are not done."""
-        count = -(-self.sweep.design.size // self.chunk)
-        try:
-            done = self._group["status"][:] != PENDING
-        except _UNREADABLE:
-            return [i for i in range(count) if not self._done(i)]
-        return [i for i in range(count) if not done[self._rows(i)].all()]
+        done, damaged = examine(self._group, self.path)
+        if damaged:
+            warnings.warn(
+                f"{self.path} is damaged in {len(damaged)} of {len(done)} chunks: their scenes are computed again",
+                SpinlineWarning, stacklevel=3,
+            )  # fmt: skip
+        return [i for i, whole in enumerate(done) if not whole]
 
-    def _done(self, index: int) -> bool:
-        try:
-            return bool((self._group["status"][self._rows(index)] != PENDING).all())
-        except _UNREADABLE:
-            return False
+    def close(self) -> None:
+        """Let another process have the store."""
+        unlock_folder(self.path)
 
     def _rows(self, index: int) -> slice:
         return slice(index * self.chunk, min((index + 1) * self.chunk, self.sweep.design.size))
 
     def write(self, index: int, columns: Mapping[str, Column], block: Block) -> None:
-        """Write a chunk, its status last."""
+        """Write a chunk, its status last; all its files, for one that is missing must be seen to be."""
+        import zarr
+
         rows = self._rows(index)
         try:
-            for name in _layout(self.sweep, self.task):
-                if name != "status":
-                    self._group[name][rows] = _piece(name, columns, block)
-            self._group["status"][rows] = block.status
+            with zarr.config.set({"array.write_empty_chunks": True}):
+                for name in _layout(self.sweep, self.task):
+                    if name != "status":
+                        self._group[name][rows] = _piece(name, columns, block)
+                self._group["status"][rows] = block.status
         except OSError as error:
             raise InputError(str(self.path), f"cannot be written ({error.strerror or error})",
                              remedy="make room; the same command goes on from here") from None  # fmt: skip
@@ -187,6 +199,12 @@ def open_sweep(path: str | Path, *, grid: bool = False) -> "xr.Dataset":
 
     if peek(Path(path)) is None:
         raise InputError(str(path), "is not a sweep", remedy="make one with `spinline sweep`")
+    import zarr
+
+    _, damaged = examine(zarr.open_group(str(path), mode="r"), Path(path))
+    if damaged:
+        raise InputError(str(path), f"is damaged in chunks {', '.join(map(str, damaged[:5]))}",
+                         remedy="the command that made it computes them again")  # fmt: skip
     data = xr.open_zarr(str(path), consolidated=False, chunks=None, mask_and_scale=False)
     data = data[str(data.attrs["variables"]).split()]
     return as_grid(data) if grid else data
@@ -221,16 +239,79 @@ def as_grid(data: "xr.Dataset") -> "xr.Dataset":
 
 
 def peek(path: Path) -> Mapping[str, Any] | None:
-    """Attributes of a sweep's store; None where there is none."""
-    if not (path / "zarr.json").is_file():
-        return None
-    import zarr
+    """Attributes of a sweep's store; None where there is none.
 
-    try:
-        attributes = dict(zarr.open_group(str(path), mode="r").attrs)
-    except (OSError, ValueError, KeyError):
+    Raises
+    ------
+    InputError
+        If there is one, but what it says of itself is damaged.
+    """
+    if not _looks_ours(path):
         return None
-    return attributes if _MARK in attributes else None
+    broken = InputError(str(path), "is damaged: what it says of itself has changed",
+                        remedy="choose another name, or --force to start anew")  # fmt: skip
+    try:
+        attributes = dict(json.loads((path / "zarr.json").read_bytes())["attributes"])
+        told = {key: value for key, value in attributes.items() if key != "checksum"}
+        if attributes["checksum"] != _checksum(path, told):
+            raise broken
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise broken from None
+    return attributes
+
+
+def _looks_ours(path: Path) -> bool:
+    try:
+        return f'"{_MARK}"'.encode() in (path / "zarr.json").read_bytes()
+    except OSError:
+        return False
+
+
+def _checksum(path: Path, told: Mapping[str, Any]) -> str:
+    """Of the attributes and of what every array says of itself."""
+    total = zlib.crc32(json.dumps(told, sort_keys=True).encode())
+    for name in str(told["variables"]).split():
+        total = zlib.crc32((path / name / "zarr.json").read_bytes(), total)
+    return f"{total:08x}"
+
+
+def examine(group: Any, path: Path) -> tuple[list[bool], list[int]]:
+    """Which chunks of a store are done and whole, and which are done but damaged.
+
+    Parameters
+    ----------
+    group : zarr.Group
+    path : Path
+
+    Returns
+    -------
+    done : list of bool
+        For every chunk.
+    damaged : list of int
+        Chunks that should be whole and are not.
+    """
+    chunk, names = int(group.attrs["chunk"]), str(group.attrs["variables"]).split()
+    size = int(group["status"].shape[0])
+    done, damaged = [], []
+    for i in range(-(-size // chunk)):
+        rows = slice(i * chunk, min((i + 1) * chunk, size))
+        if not _there(path / "status", i):
+            done.append(False)
+            continue
+        try:
+            begun = bool((group["status"][rows] != PENDING).all())
+            whole = begun and all(_there(path / name, i) and group[name][rows] is not None for name in names)
+        except Exception:  # a codec may raise anything of bytes that are not its own
+            begun, whole = True, False
+        done.append(whole)
+        if begun and not whole:
+            damaged.append(i)
+    return done, damaged
+
+
+def _there(array: Path, index: int) -> bool:
+    place = array / "c" / str(index)
+    return place.is_file() or (place / "0").is_file()
 
 
 def _layout(sweep: Sweep, task: Task) -> dict[str, tuple[tuple[str, ...], dict[str, str]]]:

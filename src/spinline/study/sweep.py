@@ -110,16 +110,19 @@ def run_sweep(
         if path is None
         else Store(path, sweep, task, chunk, attributes, force=force)
     )
-    chunks = sink.pending()
     size = sweep.design.size
-    done = size - sum(_extent(sweep, sink.chunk, i)[1] for i in chunks)
-    if progress:
-        progress(done, size)
-    for index, columns, block in _computed(sweep, task, sink.chunk, chunks, cost, workers, scheduler):
-        sink.write(index, columns, block)
-        done += len(block.status)
+    try:
+        chunks = sink.pending()
+        done = size - sum(_extent(sweep, sink.chunk, i)[1] for i in chunks)
         if progress:
             progress(done, size)
+        for index, columns, block in _computed(sweep, task, sink.chunk, chunks, cost, workers, scheduler):
+            sink.write(index, columns, block)
+            done += len(block.status)
+            if progress:
+                progress(done, size)
+    finally:
+        sink.close()
     return sink.dataset()
 
 
@@ -380,6 +383,8 @@ def _attributes(sweep: Sweep, task: Task) -> dict[str, Any]:
         "points": task.points,
         "extra": " ".join(task.extra),
         "uncertain_inputs": ", ".join(task.uncertain),
-        "computed_by": "closed forms on arrays" if task.vectorise else "one scene at a time",
+        "computed_by": "closed forms on arrays, single runs where there is none"
+        if task.vectorise
+        else "one scene at a time",
         "fingerprint": sweep.fingerprint(),
     }

@@ -1,0 +1,125 @@
+"""Where the network is fully stretched: the first place where V, or the network's own stretch, passes a value."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
+from spinline.network_models.rung import Network
+from spinline.scene.file import Scene
+from spinline.setup.context import Context
+
+if TYPE_CHECKING:
+    from spinline.jetprofile.jet import Jet
+    from spinline.jetprofile.many import StraightJets
+    from spinline.jetprofile.straight import StraightJet
+
+__all__ = ["Crossover", "crossover", "crossover_scalars", "passage", "passages", "slipping_passage", "targets"]
+
+
+@dataclass(frozen=True)
+class Crossover:
+    """Where the network is fully stretched.
+
+    Attributes
+    ----------
+    velocity_ratio : float
+        V of the criterion.
+    position, radius : float
+        m; NaN where the jet does not reach it. Along a bead jet the position is the arc length.
+    radius_ratio : float
+        r / r_0; NaN likewise.
+    predicted : float
+        Position if the profile went on beyond the jet's length; NaN where it cannot be said.
+    words : str
+        Why it is not reached, where the profile alone does not say.
+    """
+
+    velocity_ratio: float
+    position: float
+    radius: float
+    radius_ratio: float
+    predicted: float
+    words: str = ""
+
+
+def targets(context: Context) -> dict[str, float]:
+    """V of both criteria: full stretch, Eq. (38), and the extension that the scene names."""
+    n, phi = context.scene.network, context.solution.volume_fraction
+    reach = extension_velocity_ratio(
+        n.crossover_extension.value, phi, closure=n.closure_used, solvent_quality=n.solvent_quality
+    )
+    return {
+        "crossover": float(crossover_velocity_ratio(phi, n.solvent_quality)),
+        "crossover_extension": float(reach),
+    }
+
+
+def crossover(scene: Scene, jet: "Jet", velocity_ratio: float) -> Crossover:
+    """First place along the jet where V passes a value."""
+    context = Context(scene, jet=jet)
+    if context.jet.time is not None:
+        raise InputError("jet.time", "holds many times", remedy="take one")
+    return passage(context, velocity_ratio)
+
+
+def passages(
+    jet: "StraightJet | StraightJets", velocity_ratio: ArrayLike, length: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """First places within a length where V passes values, along one straight jet or along each of many.
+
+    Returns
+    -------
+    position, radius, predicted : ndarray
+        m; NaN where the length does not hold it; `predicted` is the place if the profile went on.
+    """
+    target = np.asarray(velocity_ratio, dtype=np.float64)
+    beyond = np.where(target > 1, target, 1.0)
+    predicted = np.where(
+        target > 1, jet.position_of(beyond), np.where(target > 0, jet.start, np.nan)
+    )  # at rest at the start
+    reached = predicted <= np.asarray(length) * (1 + 1e-12)
+    place = np.where(reached, np.minimum(predicted, jet.end), jet.start)
+    position, radius = np.where(reached, predicted, np.nan), np.where(reached, jet.radius(place), np.nan)
+    return position, radius, predicted
+
+
+def passage(context: Context, velocity_ratio: float) -> Crossover:
+    """First place along one moment of a jet where V passes a value."""
+    if context.straight:
+        jet = context.line
+        found = passages(jet, velocity_ratio, context.length)
+        position, radius, predicted = (float(value) for value in found)
+        return Crossover(velocity_ratio, position, radius, radius / jet.initial_radius, predicted)
+    beads = context.beads
+    place = float(beads.position_of(velocity_ratio)) if velocity_ratio > 1 else beads.start
+    if np.isnan(place) or not velocity_ratio > 0:
+        nan = float("nan")
+        return Crossover(velocity_ratio, nan, nan, nan, nan)
+    radius = float(beads.radius(place))
+    return Crossover(velocity_ratio, place, radius, radius / beads.initial_radius, place)
+
+
+def slipping_passage(context: Context, network: Network, target: float) -> Crossover:
+    """First place where the stretch of a network that slips passes a value."""
+    nan, jet = float("nan"), context.line
+    s = network.first_passage(target)
+    if np.isnan(s):
+        return Crossover(nan, nan, nan, nan, nan)
+    place = min(jet.start + s * jet.initial_radius, jet.end)
+    radius = float(jet.radius(place))
+    return Crossover(float(jet.velocity_ratio(place)), place, radius, radius / jet.initial_radius, place)
+
+
+def crossover_scalars(found: dict[str, list[Crossover]], *, single: bool) -> dict[str, float | FloatArray]:
+    """Numbers of a result; arrays along time where there are many moments."""
+    scalars: dict[str, float | FloatArray] = {}
+    for name, places in found.items():
+        for quantity in ("position", "radius", "radius_ratio", "velocity_ratio"):
+            values = [getattr(place, quantity) for place in places]
+            scalars[f"{name}_{quantity}"] = values[0] if single else np.array(values)
+    return scalars
