@@ -247,7 +247,7 @@ def blown_beads(
         solution.density, solution.modulus if elastic else 0.0, solution.relaxation_time if elastic else 0.0,
         solution.solvent_viscosity if elastic else solution.viscosity, solution.surface_tension, air.density,
         air.kinematic_viscosity, *DRAG_LAWS[run.drag], run.gravity, float(run.lift), solution.flow_rate,
-        run.drying, run.polymer_fraction, 0.0, far_gaussian, *run.hardening, float(not run.lift),
+        run.drying, run.polymer_fraction, 0.0, far_gaussian, *run.hardening, 0.0,
     ])  # fmt: skip
     gusts = gust_field(air, table[:, 0], modes=run.modes, seed=run.seed, index=run.index)
     if not run.gusts:
