@@ -1,7 +1,7 @@
 """A mat from above as a scanning electron microscope shows it: grey levels from the height of the upper surface.
 
-Secondary electrons leave a slope more easily than a flat (brightness rises with 1/cos of the tilt, bounded), and a pit less easily:
-depth below the surroundings darkens. No noise, no charging. Grey levels only: a picture to compare by eye, and by
+Secondary electrons leave a slope more easily than a flat (brightness rises with 1/cos of the tilt, bounded), and a pit less
+easily: depth below the surroundings darkens. No noise, no charging. Grey levels only: a picture to compare by eye, and by
 `orientation.image_orientation`.
 """
 

@@ -11,7 +11,7 @@ from spinline.base.errors import InputError
 from spinline.deposit.areal_density import DensityMap, add_segments
 from spinline.deposit.segments import Segments
 
-__all__ = ["Source", "Rolled", "WholeMat", "chunks_of", "map_of", "survey"]
+__all__ = ["Rolled", "Source", "WholeMat", "chunks_of", "map_of", "survey"]
 
 _LOG_BINS = 4000  # of diameters from 1 nm to 10 mm: 0.4 % each
 _LOG_EDGES = np.logspace(-9, -2, _LOG_BINS + 1)

@@ -22,7 +22,7 @@ MM = 1e-3
     [(1.2, 0.517071, 278.2702, 172.9125, 1.26851), (1.5, 0.783659, 261.0827, 253.8393, 1.35201)],
 )
 def test_isentropic_nozzle(ratio, mach, temperature, velocity, density):
-    out = blown.gas_nozzle(ratio)
+    out = blown.nozzle_exit(ratio)
     assert out.mach == pytest.approx(mach, abs=5e-7)
     assert out.temperature == pytest.approx(temperature, abs=5e-5)
     assert out.velocity == pytest.approx(velocity, abs=5e-5)
@@ -32,18 +32,20 @@ def test_isentropic_nozzle(ratio, mach, temperature, velocity, density):
 
 def test_choked_nozzle():
     assert choking_ratio() == pytest.approx(1.892929, abs=5e-7)
-    assert sonic_velocity() == pytest.approx(313.32, abs=5e-3)
+    assert sonic_velocity() == pytest.approx(313.3265, abs=5e-4)
     with pytest.warns(SpinlineWarning, match="choked"):
-        out = blown.gas_nozzle(3.0)
+        out = blown.nozzle_exit(3.0)
     assert out.velocity == pytest.approx(398.356, abs=5e-4)
     assert out.expanded_diameter > 1
     with pytest.raises(InputError, match="plain nozzle"):
         subsonic(350.0)
     with pytest.raises(InputError, match="pressure_ratio"):
-        blown.gas_nozzle(1.0)
+        blown.nozzle_exit(1.0)
 
 
-@pytest.mark.parametrize(("profile", "core", "entrained"), [("gaussian", 6.26281927, 0.319345), ("schlichting", 5.92945716, 0.506)])
+@pytest.mark.parametrize(
+    ("profile", "core", "entrained"), [("gaussian", 6.26281927, 0.319345), ("schlichting", 5.92945716, 0.506)]
+)
 def test_air_jet_conserves_momentum_and_entrains(profile, core, entrained):
     air = blown.AirJet(MM, 200.0, profile=profile)
     assert air.core_constant == pytest.approx(core, rel=1e-9)
@@ -76,7 +78,10 @@ def test_air_from_a_table_and_what_is_outside_it():
 
 def test_drag_coefficients_of_the_brief():
     re = np.array([0.1, 1, 10, 100, 1000])
-    digits = {"ziabicki-kawai": [4.197, 0.650, 0.1007, 0.01559, 0.002415], "matsui": [1.507, 0.370, 0.0908, 0.02229, 0.005473]}
+    digits = {
+        "ziabicki-kawai": [4.197, 0.650, 0.1007, 0.01559, 0.002415],
+        "matsui": [1.507, 0.370, 0.0908, 0.02229, 0.005473],
+    }
     for law, expected in digits.items():
         np.testing.assert_allclose(blown.tangential_coefficient(re, law), expected, rtol=6e-4)
     np.testing.assert_allclose(blown.normal_coefficient(re), [60.16, 9.940, 2.672, 1.449, 0.9633], rtol=2e-4)
@@ -128,7 +133,12 @@ def test_elastic_reference_by_the_end_and_by_a_march():
         assert jet.at(z * MM)["axial_conformation"] == pytest.approx(a, rel=3e-6)
     assert (jet.velocity <= elastic.velocity + jet.z / 5e-3).all()  # the bound, whatever the air does
     march = blown.straight_blown_jet(elastic, air, 10 * MM, inlet_stretch=8.0)
-    table = {1: (0.196850854, 165.4165), 2: (0.371531681, 286.6773), 5: (0.791947184, 455.0668), 10: (1.197709262, 382.1299)}
+    table = {
+        1: (0.196850854, 165.4165),
+        2: (0.371531681, 286.6773),
+        5: (0.791947184, 455.0668),
+        10: (1.197709262, 382.1299),
+    }
     for z, (v, a) in table.items():
         assert march.at(z * MM)["velocity"] == pytest.approx(v, rel=1e-8)
         assert march.at(z * MM)["axial_conformation"] == pytest.approx(a, rel=1e-6)
@@ -153,7 +163,9 @@ def test_bound_of_a_strongly_stretched_march():
     assert elastic.velocity + 20 * MM / 5e-3 == pytest.approx(4.009, abs=5e-4)
 
 
-@pytest.mark.parametrize(("speed", "drag"), [(0.0, "ziabicki-kawai"), (50.0, "ziabicki-kawai"), (150.0, "matsui"), (400.0, "matsui")])
+@pytest.mark.parametrize(
+    ("speed", "drag"), [(0.0, "ziabicki-kawai"), (50.0, "ziabicki-kawai"), (150.0, "matsui"), (400.0, "matsui")]
+)
 def test_gas_from_nothing_to_400(speed, drag):
     jet = blown.straight_blown_jet(PAN, blown.AirJet(MM, speed), 10 * MM, drag=drag)
     assert jet.verdict == "converged"
@@ -168,11 +180,11 @@ def test_without_air_weight_or_capillarity_a_jet_keeps_its_velocity():
 
 
 def test_a_jet_in_still_air_falls_and_is_not_faster_than_free_fall():
-    thin = replace(PAN, viscosity=1e-2, flow_rate=1e-6, radius=5e-4)
-    jet = blown.straight_blown_jet(thin, blown.Wind(0.0, density=1e-9), 0.05)
-    free = np.sqrt(thin.velocity**2 + 2 * 9.81 * jet.z)
+    quiet = replace(PAN, surface_tension=0.0, viscosity=0.1)
+    jet = blown.straight_blown_jet(quiet, blown.Wind(0.0), 10 * MM)
+    free = np.sqrt(quiet.velocity**2 + 2 * 9.81 * jet.z)
     assert (jet.velocity <= free * (1 + 1e-9)).all()
-    assert jet.velocity[-1] == pytest.approx(free[-1], rel=0.02)
+    assert jet.velocity[-1] > 1.5 * quiet.velocity
 
 
 def test_a_jet_faster_than_the_air_is_compressed_and_says_where():

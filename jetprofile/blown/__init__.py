@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.blown.bead_jet import BeadRun, BeadStart, BlownBeads, blown_beads
     from spinline.jetprofile.blown.bending_onset import bending_growth, fastest_bend, mesh_growth, wave_speed_squared
     from spinline.jetprofile.blown.drag import normal_coefficient, normal_drag, tangential_coefficient, tangential_drag
-    from spinline.jetprofile.blown.gas_nozzle import NozzleExit, gas_nozzle
+    from spinline.jetprofile.blown.gas_nozzle import NozzleExit, nozzle_exit
     from spinline.jetprofile.blown.gusts import gust_field
     from spinline.jetprofile.blown.straight import BlownSolution, StraightBlownJet, straight_blown_jet
     from spinline.jetprofile.blown.vapour_loss import remaining_volume
@@ -38,7 +38,7 @@ _NAMES = {
     "bending_growth": "bending_onset",
     "blown_beads": "bead_jet",
     "fastest_bend": "bending_onset",
-    "gas_nozzle": "gas_nozzle",
+    "nozzle_exit": "gas_nozzle",
     "gust_field": "gusts",
     "mesh_growth": "bending_onset",
     "normal_coefficient": "drag",
@@ -63,11 +63,11 @@ __all__ = [
     "bending_growth",
     "blown_beads",
     "fastest_bend",
-    "gas_nozzle",
     "gust_field",
     "mesh_growth",
     "normal_coefficient",
     "normal_drag",
+    "nozzle_exit",
     "remaining_volume",
     "straight_blown_jet",
     "tangential_coefficient",

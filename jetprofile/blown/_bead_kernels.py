@@ -1,7 +1,7 @@
 """Loops of the bending jet: rates of a chain of beads, SSP-RK3 steps, landing, feeding. Nothing is checked here.
 
-Beads run from the far end (0) to the start point (n - 1), which moves as it is told; element e joins beads e and e + 1; the last
-element grows. `p` holds the constants in the order of `bead_jet._Constants`.
+Beads run from the far end (0) to the start point (n - 1), which moves as it is told; element e joins beads e and e + 1; the
+last element grows. `p` holds the constants in the order of `bead_jet._Constants`.
 """
 
 import math
@@ -15,9 +15,12 @@ __all__ = ["advance", "elastic_step", "gap_of"]
 
 
 @njit(cache=True, error_model="numpy")
-def air_at(x: float, y: float, z: float, t: float, p: FloatArray, air: FloatArray, gust: FloatArray, out: FloatArray) -> None:
+def air_at(
+    x: float, y: float, z: float, t: float, p: FloatArray, air: FloatArray, gust: FloatArray, out: FloatArray
+) -> None:
     """Velocity of the air; `air`: columns x, centre speed, core radius, half width, fluctuation, carried time, length, then the
-    weights of the modes, evenly spaced in x."""
+    weights of the modes, evenly spaced in x.
+    """
     rows = air.shape[0]
     u = (x - air[0, 0]) / (air[1, 0] - air[0, 0])
     u = min(max(u, 0.0), rows - 1.000001)
@@ -51,8 +54,8 @@ def air_at(x: float, y: float, z: float, t: float, p: FloatArray, air: FloatArra
 
 @njit(cache=True, error_model="numpy")
 def rates(
-    n: int, t: float, q: FloatArray, e: FloatArray, dq: FloatArray, de: FloatArray, landed: int, p: FloatArray, air: FloatArray,
-    gust: FloatArray, inlet: FloatArray, counts: FloatArray,
+    n: int, t: float, q: FloatArray, e: FloatArray, dq: FloatArray, de: FloatArray, flight: FloatArray, landed: int,
+    p: FloatArray, air: FloatArray, gust: FloatArray, inlet: FloatArray, counts: FloatArray,
 ) -> None:  # fmt: skip
     """Rates of beads q (n, 6) and elements e (n - 1, 4): polymer + solvent volume, A_zz, A_rr, polymer volume."""
     rho, g_mod, theta, mu_s, sigma = p[0], p[1], p[2], p[3], p[4]
@@ -71,7 +74,10 @@ def rates(
         tx, ty, tz = dx / length, dy / length, dz / length
         rate = ((q[j + 1, 3] - q[j, 3]) * tx + (q[j + 1, 4] - q[j, 4]) * ty + (q[j + 1, 5] - q[j, 5]) * tz) / length
         volume = e[j, 0]
-        area = volume / length
+        drawn = 1.0
+        if j < landed:  # half on the collector: slack below the length it flew with, drawn out above
+            drawn = max(length / flight[0], 1.0)
+        area = volume / (length if j >= landed else flight[0] * drawn)
         a = math.sqrt(area / math.pi)
         g, th = g_mod, theta
         if drying > 0:
@@ -82,9 +88,11 @@ def rates(
             g = g_mod * mu / c_ratio
         azz, arr = e[j, 1], e[j, 2]
         pull = area * g * (azz - arr) + math.pi * a * sigma
-        if p[18] > 0 or j < landed:
-            pull = max(pull, 0.0)  # slack; the solvent still resists, or the element would vanish
-        if j >= landed:
+        if j < landed:
+            pull = 0.0
+            if drawn > 1:
+                pull = max(area * g * (azz * drawn * drawn - arr / drawn), 0.0) + math.pi * a * sigma
+        else:
             pull += area * 3 * mu_s * rate
         x, y, z = 0.5 * (q[j, 0] + q[j + 1, 0]), 0.5 * (q[j, 1] + q[j + 1, 1]), 0.5 * (q[j, 2] + q[j + 1, 2])
         air_at(x, y, z, t, p, air, gust, wind)
@@ -121,8 +129,8 @@ def rates(
             counts[1] += 1.0
         kx, ky, kz, reach_before = tx, ty, tz, reach
         de[j, 0] = de[j, 3] = 0.0
-        if j < landed:  # held by the collector: what it stretches is not followed
-            rate = max(rate, 0.0)
+        if j < landed:  # its conformation is that of its flight
+            rate = 0.0
         de[j, 1] = 2 * rate * azz
         de[j, 2] = -rate * arr
         if th > 0 and math.isfinite(th):
@@ -165,7 +173,9 @@ def elastic_step(n: int, q: FloatArray, e: FloatArray, landed: int, p: FloatArra
         wave = math.sqrt(g * (e[j, 1] + 2 * e[j, 2]) / p[0])
         a = math.sqrt(e[j, 0] / (math.pi * length))
         drag = 3 * p[5] * 200.0 / (p[0] * math.pi * a)  # of the air across, at a slip of 200 m/s
-        least = min(least, 1 / ((wave + 1e-12) / length + abs(rate) + 6 * p[3] / (p[0] * length**2) + 0.3 * drag + 1e-30))
+        least = min(
+            least, 1 / ((wave + 1e-12) / length + abs(rate) + 6 * p[3] / (p[0] * length**2) + 0.3 * drag + 1e-30)
+        )
     return least
 
 
@@ -173,8 +183,8 @@ def elastic_step(n: int, q: FloatArray, e: FloatArray, landed: int, p: FloatArra
 def gap_of(x: float, y: float, surface: FloatArray) -> float:
     """Distance to the collector; surface: kind (0 plate or belt, 1 drum), distance, speed, radius, y of the axis."""
     if surface[0] == 0:
-        return surface[1] - x
-    return math.hypot(x - surface[1] - surface[3], y - surface[4]) - surface[3]
+        return float(surface[1] - x)
+    return float(math.hypot(x - surface[1] - surface[3], y - surface[4]) - surface[3])
 
 
 @njit(cache=True, error_model="numpy")
@@ -206,21 +216,21 @@ def advance(
         dt = min(start[8] * elastic_step(n, q, e, landed, p), end - t)
         if dt < 1e-15 * max(end, 1e-3):
             dt = end - t
-        rates(n, t, q, e, dq, de, landed, p, air, gust, inlet, counts)
+        rates(n, t, q, e, dq, de, flight, landed, p, air, gust, inlet, counts)
         for i in range(n):
             for k in range(6):
                 q1[i, k] = q[i, k] + dt * dq[i, k]
         for i in range(n - 1):
             for k in range(4):
                 e1[i, k] = e[i, k] + dt * de[i, k]
-        rates(n, t + dt, q1, e1, dq, de, landed, p, air, gust, inlet, counts)
+        rates(n, t + dt, q1, e1, dq, de, flight, landed, p, air, gust, inlet, counts)
         for i in range(n):
             for k in range(6):
                 q2[i, k] = 0.75 * q[i, k] + 0.25 * (q1[i, k] + dt * dq[i, k])
         for i in range(n - 1):
             for k in range(4):
                 e2[i, k] = 0.75 * e[i, k] + 0.25 * (e1[i, k] + dt * de[i, k])
-        rates(n, t + 0.5 * dt, q2, e2, dq, de, landed, p, air, gust, inlet, counts)
+        rates(n, t + 0.5 * dt, q2, e2, dq, de, flight, landed, p, air, gust, inlet, counts)
         for i in range(n):
             for k in range(6):
                 q1[i, k] = (q[i, k] + 2 * (q2[i, k] + dt * dq[i, k])) / 3

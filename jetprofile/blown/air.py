@@ -96,7 +96,11 @@ class AirJet:
         positive("air kinematic viscosity", self.kinematic_viscosity, "m2/s")
         if self.profile not in get_args(Profile):
             raise InputError(
-                "profile", "is not known", value=self.profile, allowed='"gaussian", "schlichting"', remedy="take one of them"
+                "profile",
+                "is not known",
+                value=self.profile,
+                allowed='"gaussian", "schlichting"',
+                remedy="take one of them",
             )
         ratio = 1.0 if self.exit_density is None else positive("exit_density", self.exit_density) / self.density
         b = np.sqrt(np.log(2.0) / 2) / s if self.profile == "gaussian" else np.sqrt(3 * _ALPHA) / (2 * s)
@@ -207,7 +211,9 @@ class AirTable:
         z, across = np.broadcast_arrays(self._inside(x), real("r", r, unit="m"))
         out = np.interp(z, np.asarray(self.x), np.asarray(self.speed))
         if self.half_width is not None:
-            out = out * np.exp(-np.log(2.0) * np.minimum(np.abs(across) / np.maximum(self.half_width * z, 1e-300), 1e3) ** 2)
+            out = out * np.exp(
+                -np.log(2.0) * np.minimum(np.abs(across) / np.maximum(self.half_width * z, 1e-300), 1e3) ** 2
+            )
         return np.asarray(out)
 
     def fluctuation(self, x: ArrayLike) -> FloatArray:

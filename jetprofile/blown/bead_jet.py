@@ -1,12 +1,12 @@
 """A blown jet that bends: beads from where bending is well posed to the collector.
 
 Elements keep their volume exactly (polymer and solvent), their conformation A_zz, A_rr; beads their place and velocity. Per
-element: tension ``f [G (A_zz - A_rr) + 3 mu_s rate] + pi a sigma``, drag along and across (`drag`), weight; vapour leaves with the
-jet's velocity, so drying changes masses and no velocity. The element at the start grows by Q dt and mixes in the inflow. What is
-laid on the collector is clamped to its moving surface and pulls; a fibre already touching never pushes.
+element: tension ``f [G (A_zz - A_rr) + 3 mu_s rate] + pi a sigma``, drag along and across (`drag`), weight; vapour leaves
+with the jet's velocity, so drying changes masses and no velocity. The element at the start grows by Q dt and mixes in the
+inflow. What is laid on the collector is clamped to its moving surface and pulls; a fibre already touching never pushes.
 
-Time: SSP Runge-Kutta of third order, ``dt = CFL min l/(c + |rate| l)`` with the drag's rate in it. (Heun's method pumps undamped
-waves at each step: at CFL 0.4 it gave fibres 22 % too thin.) Elements longer than `longest` are halved.
+Time: SSP Runge-Kutta of third order, ``dt = CFL min l/(c + |rate| l)`` with the drag's rate in it. (Heun's method pumps
+undamped waves at each step: at CFL 0.4 it gave fibres 22 % too thin.) Elements longer than `longest` are halved.
 
 Start it at z* of the straight part (`straight`, `bending_onset`): upstream of it no mesh converges. The share of elements with
 c_b^2 < 0 is reported of every run. With `lift` the air's lift on bends is in (linear in curvature: wrong for loops); without,
@@ -197,14 +197,24 @@ class BeadRun:
         import xarray as xr
 
         rows = self.landings
+        rows = rows.copy()
+        rows[:, 0] = np.maximum.accumulate(rows[:, 0]) if len(rows) else rows[:, 0]  # several in one step: in the fibre's order
         names = (("touch_time", 0, "s"), ("x", 1, "m"), ("y", 2, "m"), ("z", 3, "m"), ("vx", 4, "m/s"), ("vy", 5, "m/s"),
                  ("vz", 6, "m/s"), ("volume", 7, "m3"), ("flight_length", 8, "m"))  # fmt: skip
         data: dict[str, Any] = {name: ("landing", rows[:, k], {"units": unit}) for name, k, unit in names}
         with np.errstate(invalid="ignore", divide="ignore"):
-            data["polymer_fraction"] = ("landing", np.where(rows[:, 7] > 0, rows[:, 9] / rows[:, 7], np.nan), {"units": "1"})
+            data["polymer_fraction"] = (
+                "landing",
+                np.where(rows[:, 7] > 0, rows[:, 9] / rows[:, 7], np.nan),
+                {"units": "1"},
+            )
         data["jet"] = ("landing", np.full(len(rows), self.attributes.get("jet", 0)))
         data["fibre"] = ("landing", np.full(len(rows), self.attributes.get("jet", 0)))
-        balance = {"volume_fed": self.fed, "volume_in_flight": float(self.volume.sum()), "volume_evaporated": self.evaporated}
+        balance = {
+            "volume_fed": self.fed,
+            "volume_in_flight": float(self.volume.sum()),
+            "volume_evaporated": self.evaporated,
+        }
         return xr.Dataset(data, attrs={**balance, **self.attributes, "below_zero_wave_speed": self.below_zero})
 
 
@@ -301,7 +311,9 @@ def _drive(
                 raise InputError("mesh", f"asks for more than {_ROOM} beads at {t:.4g} s", value=run.element,
                                  remedy="take longer elements, a nearer collector or a shorter time")  # fmt: skip
             if not np.isfinite(q[:n]).all():
-                raise InputError("cfl", f"lets the run diverge at {t:.4g} s", value=run.cfl, remedy="take a smaller one")
+                raise InputError(
+                    "cfl", f"lets the run diverge at {t:.4g} s", value=run.cfl, remedy="take a smaller one"
+                )
         if frames:
             stored.append((t, q[:n, :3].copy()))
     return t, n, np.concatenate(parts) if parts else np.empty((0, 10)), stored, counts
@@ -325,4 +337,3 @@ def _air_table(air: Air, z0: float, surface: FloatArray) -> tuple[FloatArray, fl
     elif getattr(air, "half_width", None) is not None:
         half = np.maximum(float(air.half_width) * x, 1e-12)  # type: ignore[attr-defined]
     return np.ascontiguousarray(np.column_stack([x, air.velocity(x), core, half, air.fluctuation(x)])), kind
-

@@ -1,6 +1,7 @@
 """Where the bending of a jet in fast air is well posed, and how fast it grows where it is not.
 
-Air that slides along a jet at w_t lifts its bends: the tension is lowered by ``rho_g w_t^2 f`` across the jet. Transverse waves::
+Air that slides along a jet at w_t lifts its bends: the tension is lowered by ``rho_g w_t^2 f`` across the jet. Transverse
+waves::
 
     c_b^2 = (sigma_zz + sigma/a - rho_g w_t^2)/rho
 
@@ -9,7 +10,8 @@ The string equation is hyperbolic only where that is positive. Elsewhere a mesh 
 
     g^2 + (3 mu a^2/(4 rho)) k^4 g + c_b^2 k^2 = 0      fastest at (k a)^6 = -(8/9) rho^2 a^2 c_b^2/mu^2
 
-and g -> 0 for short waves. Remedies in order: begin the bending where c_b^2 > 0; the moment; no lift, and tension never below 0.
+and g -> 0 for short waves. Remedies in order: begin the bending where c_b^2 > 0; the moment; no lift, and tension never below
+0.
 """
 
 import numpy as np

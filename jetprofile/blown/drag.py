@@ -23,7 +23,14 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 
-__all__ = ["DRAG_LAWS", "TangentialLaw", "normal_coefficient", "normal_drag", "tangential_coefficient", "tangential_drag"]
+__all__ = [
+    "DRAG_LAWS",
+    "TangentialLaw",
+    "normal_coefficient",
+    "normal_drag",
+    "tangential_coefficient",
+    "tangential_drag",
+]
 
 TangentialLaw = Literal["ziabicki-kawai", "matsui"]
 DRAG_LAWS: dict[str, tuple[float, float]] = {"ziabicki-kawai": (0.65, 0.81), "matsui": (0.37, 0.61)}
@@ -57,9 +64,7 @@ def normal_coefficient(reynolds: ArrayLike) -> FloatArray:
     return np.asarray(1.18 + 6.8 * re**-0.89 + 1.96 * re**-0.5 - 0.0004 * re / (1 + 3.64e-7 * re**2))
 
 
-def normal_drag(
-    slip: ArrayLike, radius: ArrayLike, density: ArrayLike, kinematic_viscosity: ArrayLike
-) -> FloatArray:
+def normal_drag(slip: ArrayLike, radius: ArrayLike, density: ArrayLike, kinematic_viscosity: ArrayLike) -> FloatArray:
     """q_n in N/m; slip across the jet in m/s, either sign."""
     w, a = real("slip", slip), real("radius", radius, above=0.0)
     rho, nu = real("density", density, above=0.0), real("kinematic_viscosity", kinematic_viscosity, above=0.0)

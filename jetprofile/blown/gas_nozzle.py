@@ -17,7 +17,7 @@ import numpy as np
 from spinline.base.checks import number, positive
 from spinline.base.errors import InputError, SpinlineWarning
 
-__all__ = ["NozzleExit", "choking_ratio", "gas_nozzle", "sonic_velocity"]
+__all__ = ["NozzleExit", "choking_ratio", "nozzle_exit", "sonic_velocity"]
 
 _GAMMA, _GAS = 1.4, 287.05  # air, J/(kg K)
 
@@ -43,9 +43,7 @@ class NozzleExit:
     expanded_diameter: float
 
 
-def gas_nozzle(
-    pressure_ratio: float, reservoir_temperature: float = 293.15, pressure: float = 101325.0
-) -> NozzleExit:
+def nozzle_exit(pressure_ratio: float, reservoir_temperature: float = 293.15, pressure: float = 101325.0) -> NozzleExit:
     """Exit of an air nozzle.
 
     Parameters
@@ -63,7 +61,7 @@ def gas_nozzle(
 
     Examples
     --------
-    >>> out = gas_nozzle(1.2)
+    >>> out = nozzle_exit(1.2)
     >>> round(out.mach, 6), round(out.temperature, 4), round(out.velocity, 4), round(out.density, 5)
     (0.517071, 278.2702, 172.9125, 1.26851)
     """

@@ -4,10 +4,10 @@
 
     u' = I U_c g(r) sum_m W_m(x) 6^(1/2) e_m cos(omega_m (t - T(x)) + kappa_m . (y, z)/l(x) + phi_m)     l = 0.14 x
 
-T(x) = int dx/(U_c/2): the pattern is carried at half the centre velocity, frozen. Each mode has its frequency; W_m(x), with sum of
-squares 1, picks those near ``U_c/(2 l)``, so that gusts are as long as the turbulence is wide, everywhere. g is the mean profile:
-no gusts outside the air jet; in the potential core they grow from nothing. Components fluctuate by I U_c on the axis. The field
-is not free of sources. Independent noise per bead would not converge with the mesh. From (seed, index) alone.
+T(x) = int dx/(U_c/2): the pattern is carried at half the centre velocity, frozen. Each mode has its frequency; W_m(x), with
+sum of squares 1, picks those near ``U_c/(2 l)``, so that gusts are as long as the turbulence is wide, everywhere. g is the
+mean profile: no gusts outside the air jet; in the potential core they grow from nothing. Components fluctuate by I U_c on the
+axis. The field is not free of sources. Independent noise per bead would not converge with the mesh. From (seed, index) alone.
 """
 
 from dataclasses import dataclass
@@ -62,7 +62,9 @@ def gust_field(air: Air, x: FloatArray, *, modes: int = 32, seed: int = 0, index
     steps = 0.5 * (1 / speed[1:] + 1 / speed[:-1]) * np.diff(x)
     carried = np.concatenate([[0.0], np.cumsum(steps)])
     local = speed / length
-    omega = np.exp(rng.permutation(np.linspace(np.log(local.min()), np.log(local.max()), m)) + 0.1 * rng.standard_normal(m))
+    omega = np.exp(
+        rng.permutation(np.linspace(np.log(local.min()), np.log(local.max()), m)) + 0.1 * rng.standard_normal(m)
+    )
     e = rng.standard_normal((m, 3))
     e *= np.sqrt(6.0) / np.linalg.norm(e, axis=1)[:, None]
     kappa = rng.standard_normal((m, 2)) * np.sqrt(np.pi / 2)

@@ -7,9 +7,9 @@ Steady, Q fixed, f = pi a^2 = Q/v::
     ucm        v A_zz' = 2 v' A_zz - (A_zz - 1)/theta     v A_rr' = -v' A_rr - (A_rr - 1)/theta     tau = G (A - 1), mu_s = 0
     oldroyd-b  the same with mu_s > 0
 
-The far end pulls with `end_tension` beyond capillarity (0: a free end). That condition, not the inlet, decides: while the jet is
-slower than its elastic waves one characteristic runs upstream, so velocity *and* inlet stress cannot both be chosen. For `ucm`
-the entry is an elastic jump (A_rr = A_zz^(-1/2) at the nozzle); eliminating F::
+The far end pulls with `end_tension` beyond capillarity (0: a free end). That condition, not the inlet, decides: while the jet
+is slower than its elastic waves one characteristic runs upstream, so velocity *and* inlet stress cannot both be chosen. For
+`ucm` the entry is an elastic jump (A_rr = A_zz^(-1/2) at the nozzle); eliminating F::
 
     v' [3 G + tau_zz + 2 tau_rr - sigma/(2 a) - rho v^2] = (tau_zz - tau_rr)/theta - v (rho g + q_t/f)
 
@@ -17,11 +17,11 @@ whose bracket is ``rho (c^2 - v^2)``. Where it vanishes there is no such jet: ve
 such place, and enters relaxed (A = 1): `oldroyd-b` is the law to take.
 
 Shooting from the nozzle fails: a Newtonian jet forgets its inlet by more e-folds than a double has. Collocation (scipy's
-`solve_bvp`) from a crude guess fails for some gas velocities; here the drag is raised from 1e-4 of itself, the step halved where
-a solve fails, and only a solution whose momentum closes to 1e-6 is handed out.
+`solve_bvp`) from a crude guess fails for some gas velocities; here the drag is raised from 1e-4 of itself, the step halved
+where a solve fails, and only a solution whose momentum closes to 1e-6 is handed out.
 
-**Bound.** A strongly stretched UCM jet whose tension falls downstream has ``v' <= 1/theta``: ``v <= v_0 + z/theta``, whatever the
-air does. A relaxation time of 5 ms forbids more than 2.01 m/s after 10 mm; do not tune the drag to hide it.
+**Bound.** A strongly stretched UCM jet whose tension falls downstream has ``v' <= 1/theta``: ``v <= v_0 + z/theta``, whatever
+the air does. A relaxation time of 5 ms forbids more than 2.01 m/s after 10 mm; do not tune the drag to hide it.
 
 Verdicts: *converged*; *compressed* (axial stress below 0 somewhere: air slower than the jet; a straight jet does not exist
 there); *critical*; *slack* (no tension at the nozzle gives that pull). Only the first two hold a profile.
@@ -142,7 +142,15 @@ class StraightBlownJet:
         from scipy.interpolate import CubicSpline
 
         place = number("z", z, least=float(self.z[0]), most=float(self.z[-1]), unit="m")
-        names = ("radius", "velocity", "air_velocity", "tension", "axial_stress", "axial_conformation", "radial_conformation")
+        names = (
+            "radius",
+            "velocity",
+            "air_velocity",
+            "tension",
+            "axial_stress",
+            "axial_conformation",
+            "radial_conformation",
+        )
         return {name: float(CubicSpline(self.z, getattr(self, name))(place)) for name in names}
 
 
@@ -201,7 +209,9 @@ def _law(solution: BlownSolution, law: Law | None) -> Law:
     if law != "newton" and not elastic:
         raise InputError("relaxation_time", f"is needed by the law {law}", value=0.0, allowed="(0, inf) s")
     if law == "oldroyd-b" and not solvent:
-        raise InputError("solvent_viscosity", "is needed by the law oldroyd-b", value=0.0, allowed="(0, viscosity) Pa s")
+        raise InputError(
+            "solvent_viscosity", "is needed by the law oldroyd-b", value=0.0, allowed="(0, viscosity) Pa s"
+        )
     return law
 
 
@@ -224,7 +234,9 @@ class _Problem:
         self.s, self.air, self.length, self.law, self.drag, self.rtol = solution, air, length, law, drag, rtol
         self.gravity = number("gravity", gravity, unit="m/s2")
         self.v0 = solution.velocity
-        self.viscous = solution.viscosity if law == "newton" else solution.solvent_viscosity if law == "oldroyd-b" else 0.0
+        self.viscous = (
+            solution.viscosity if law == "newton" else solution.solvent_viscosity if law == "oldroyd-b" else 0.0
+        )
         self.g_mod = solution.modulus if law != "newton" else 0.0
         self.scale = 10 * 3 * solution.viscosity * solution.flow_rate / length
         self.kinks = [0.0, *sorted(k for k in air.kinks() if 0 < k < length), length]
@@ -303,7 +315,9 @@ class _Problem:
             found = self.shoot(pull)
             if found is not None:
                 return found
-        mesh = np.unique(np.concatenate([np.linspace(0, self.length, 81), np.geomspace(1e-4, 1, 41) * self.length, self.kinks]))
+        mesh = np.unique(
+            np.concatenate([np.linspace(0, self.length, 81), np.geomspace(1e-4, 1, 41) * self.length, self.kinks])
+        )
         states = {"newton": 2, "ucm": 3, "oldroyd-b": 4}[self.law]
         y = np.zeros((states, mesh.size))
         if self.law != "ucm":
@@ -364,18 +378,20 @@ class _Problem:
         return self.nothing("slack", f"no straight jet is found beyond {reached:.3g} of the drag")
 
     def entry(self, first: FloatArray) -> float:
-        """What keeps a boundary layer of the solvent's away from the nozzle: it enters at the rate that ucm would have there."""
+        """What keeps a boundary layer of the solvent's away from the nozzle: it enters at ucm's rate."""
         s, v = self.s, self.speed(first)
         f = s.flow_rate / v
         a = np.sqrt(f / np.pi)
         azz, arr = np.exp(np.clip(first[2:4], -60.0, 60.0))
         bracket = self.g_mod * (azz + 2 * arr) + 3 * self.viscous / s.relaxation_time
-        rate = (self.g_mod * (azz - arr) / s.relaxation_time - v * self.push(np.zeros(1), np.atleast_1d(v))[0] / f) / bracket
+        rate = (
+            self.g_mod * (azz - arr) / s.relaxation_time - v * self.push(np.zeros(1), np.atleast_1d(v))[0] / f
+        ) / bracket
         solvent = first[1] * self.scale - np.pi * a * s.surface_tension - f * self.g_mod * (azz - arr)
         return float((solvent - 3 * self.viscous * f * rate) / self.scale)
 
     def shoot(self, pull: float) -> StraightBlownJet | None:
-        """ucm by the inlet stretch that gives the end's pull; None where no bracket is found or the march is too touchy."""
+        """Ucm by the inlet stretch that gives the end's pull; None where no bracket is found or the march is too touchy."""
 
         def miss(log_stretch: float) -> float:
             pieces, ended = self.pieces(log_stretch)
@@ -403,11 +419,13 @@ class _Problem:
         return out if out.z.size else None
 
     def march(self, inlet_stretch: float) -> StraightBlownJet:
-        """ucm from a given A_zz at the nozzle."""
+        """Ucm from a given A_zz at the nozzle."""
         pieces, ended = self.pieces(float(np.log(inlet_stretch)))
         if ended:
             where = pieces[-1].t[-1] * 1e3 if pieces else 0.0
-            return self.nothing("critical" if ended == "critical" else "slack", f"the march ends at {where:.4g} mm ({ended})")
+            return self.nothing(
+                "critical" if ended == "critical" else "slack", f"the march ends at {where:.4g} mm ({ended})"
+            )
 
         def at(z: FloatArray) -> FloatArray:
             out = np.empty((3, np.size(z)))
@@ -433,7 +451,7 @@ class _Problem:
 
         calls = 0
 
-        def counted(z: FloatArray, y: FloatArray) -> FloatArray:
+        def counted(z: Any, y: Any) -> Any:
             nonlocal calls
             calls += 1
             if calls > _MOST_CALLS:
@@ -486,8 +504,8 @@ class _Problem:
         negative = np.flatnonzero(stress < -1e-6 * np.abs(stress).max())
         if negative.size:
             verdict = "compressed"
-            message = (f"the jet is in compression from {z[negative[0]] * 1e3:.5g} mm on (lowest stress {stress.min():.4g} Pa): "
-                       "a straight jet does not exist there")  # fmt: skip
+            place = f"from {z[negative[0]] * 1e3:.5g} mm on (lowest stress {stress.min():.4g} Pa)"
+            message = f"the jet is in compression {place}: a straight jet does not exist there"
             warnings.warn(message, SpinlineWarning, stacklevel=4)
         start = _first_above(z, wave)
         return StraightBlownJet(z, v, a, air, tension, stress, azz, arr, wave, verdict, message, balance, start)
@@ -500,9 +518,10 @@ class _Problem:
         weight = (0.5 * (high - low) * weights).ravel()
         total = float(np.sum(weight * self.push(z, self.speed(at(z)))))
         first, last = at(steps[[0]])[:, 0], at(steps[[-1]])[:, 0]
-        ends = [
-            float(self.pull(y) + np.sqrt(np.pi * self.s.flow_rate / self.speed(y)) * self.s.surface_tension) for y in (first, last)
-        ]
+        ends = []
+        for y in (first, last):
+            capillary = np.sqrt(np.pi * self.s.flow_rate / self.speed(y)) * self.s.surface_tension
+            ends.append(float(self.pull(y) + capillary))
         inertia = float(self.s.density * self.s.flow_rate * (self.speed(last) - self.speed(first)))
         largest = max(abs(ends[0]), abs(ends[1]), abs(total), abs(inertia))
         return abs(ends[1] - ends[0] + total - inertia) / largest if largest else 0.0

@@ -26,7 +26,12 @@ def drying_constant(diffusivity: float, kinematic_viscosity: float, concentratio
 
 
 def remaining_volume(
-    z: ArrayLike, velocity: ArrayLike, air_velocity: ArrayLike, flow_rate: float, drying: float, kinematic_viscosity: float
+    z: ArrayLike,
+    velocity: ArrayLike,
+    air_velocity: ArrayLike,
+    flow_rate: float,
+    drying: float,
+    kinematic_viscosity: float,
 ) -> FloatArray:
     """Volume left over volume at the first place.
 
@@ -47,7 +52,9 @@ def remaining_volume(
     """
     x, v, u = (real(name, value) for name, value in (("z", z), ("velocity", velocity), ("air_velocity", air_velocity)))
     if x.ndim != 1 or x.size < 3 or v.shape != x.shape or u.shape != x.shape or not (np.diff(x) > 0).all():
-        raise InputError("z", "must rise over three places or more, with both velocities there", value=f"shape {x.shape}")
+        raise InputError(
+            "z", "must rise over three places or more, with both velocities there", value=f"shape {x.shape}"
+        )
     q = positive("flow_rate", flow_rate, "m3/s")
     k = real("drying", drying, least=0.0) * (2 / positive("kinematic_viscosity", kinematic_viscosity)) ** (1 / 3) / q
     rate = k * np.cbrt(np.abs(u - v)) * (q / (np.pi * v)) ** (1 / 6)

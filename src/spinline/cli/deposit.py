@@ -27,9 +27,14 @@ def register(app: typer.Typer) -> None:
 
 def deposit(
     source: Annotated[
-        str, typer.Argument(metavar="SCENE|JET|RUN_DIR", help="Scene with [laydown] and [collector], file of landings, or run.")
+        str,
+        typer.Argument(
+            metavar="SCENE|JET|RUN_DIR", help="Scene with [laydown] and [collector], file of landings, or run."
+        ),
     ],
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Fibres, HDF5. Default: SOURCE's name with .h5.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Fibres, HDF5. Default: SOURCE's name with .h5.")
+    ] = None,
     kind: Annotated[str, typer.Option("--collector", help="plate, belt or drum, for a jet or a run.")] = "plate",
     distance: Annotated[str | None, typer.Option(help="Of the collector. Default: where the beads landed.")] = None,
     speed: Annotated[str | None, typer.Option(help="Of the belt or the drum's surface.")] = None,
@@ -86,19 +91,24 @@ def deposit(
 
         typer.echo(js.dumps(numbers, indent=1))
         return
-    say(f"{numbers['segments']} segments, {numbers['length']:.4g} m of fibre, polymer {numbers['polymer_volume'] * 1e9:.4g} mm3")
+    polymer = numbers["polymer_volume"] * 1e9
+    say(f"{numbers['segments']} segments, {numbers['length']:.4g} m of fibre, polymer {polymer:.4g} mm3")
     say(f"wrote {target}")
 
 
 def mat(
     fibres: Annotated[Path, typer.Argument(metavar="FIBRES", help="What `spinline deposit` wrote.")],
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: FIBRES' name with .nc.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: FIBRES' name with .nc.")
+    ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
     picture: Annotated[Path | None, typer.Option(help="Top view alone, as a microscope shows it.")] = None,
     report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
     measured: Annotated[Path | None, typer.Option(help="Measured diameters, a table, to compare with.")] = None,
-    measured_unit: Annotated[str | None, typer.Option(help="m, mm, um, nm or px, where the table does not say.")] = None,
+    measured_unit: Annotated[
+        str | None, typer.Option(help="m, mm, um, nm or px, where the table does not say.")
+    ] = None,
     pixel_size: Annotated[str | None, typer.Option(help="Of the measured image.")] = None,
     export: Annotated[
         list[Path] | None, typer.Option(help="First window for other programs: .vtp, .ply, .csv, .tif, .raw.")
@@ -237,7 +247,9 @@ def _save(
         from spinline.base.files import write_text
 
         lines = ["name,value,unit"]
-        lines += [f"{name},{float(v):.9g},{v.attrs.get('units', '')}" for name, v in result.data_vars.items() if not v.dims]
+        lines += [
+            f"{name},{float(v):.9g},{v.attrs.get('units', '')}" for name, v in result.data_vars.items() if not v.dims
+        ]
         write_text(csv, "\n".join(lines) + "\n", force=force)
 
 

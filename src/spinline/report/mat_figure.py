@@ -59,10 +59,13 @@ def top_view(axis: "Axes", result: "xr.Dataset") -> None:
     pixel = float(result.attrs["pixel_m"])
     grey = grey_levels(height, pixel, float(result["mean_diameter"]))
     width, depth = height.shape[0] * pixel, height.shape[1] * pixel
-    axis.imshow(grey.T, origin="lower", cmap="gray", vmin=0, vmax=1, extent=(0, width, 0, depth), interpolation="bicubic")
+    axis.imshow(
+        grey.T, origin="lower", cmap="gray", vmin=0, vmax=1, extent=(0, width, 0, depth), interpolation="bicubic"
+    )
     bar, label = scale_bar(width)
     x, y = 0.95 * width - bar, 0.05 * depth
-    axis.fill_between([x - 0.02 * width, x + bar + 0.02 * width], y - 0.02 * depth, y + 0.075 * depth, color="black", alpha=0.6, lw=0)
+    behind = [x - 0.02 * width, x + bar + 0.02 * width]
+    axis.fill_between(behind, y - 0.02 * depth, y + 0.075 * depth, color="black", alpha=0.6, lw=0)
     axis.plot([x, x + bar], [y, y], color="white", linewidth=3, solid_capstyle="butt")
     axis.text(x + bar / 2, y + 0.012 * depth, label, color="white", ha="center", va="bottom", fontsize=9)
     axis.set_xlim(0, width)
@@ -95,7 +98,7 @@ def diameters(axis: "Axes", result: "xr.Dataset") -> None:
         law = lognormal(mean, deviation)
         d = np.linspace(max(mean - 4 * deviation, 1e-3 * mean), mean + 5 * deviation, 400)
         axis.plot(d, np.exp(-0.5 * ((np.log(d) - law.mu) / law.s) ** 2) / (d * law.s * np.sqrt(2 * np.pi)), color="black",
-                  label=f"lognormal, {mean:.3g} ± {deviation:.2g} nm")  # fmt: skip
+                  label=f"lognormal, {mean:.3g} ± {deviation:.3g} nm")  # fmt: skip
         axis.set_xlim(max(0.0, mean - 4 * deviation), mean + 6 * deviation)
     if "measured_diameter" in result:
         axis.hist(result["measured_diameter"].values * 1e9, 25, weights=result["measured_weight"].values, density=True,
@@ -117,7 +120,7 @@ def rose(axis: Any, result: "xr.Dataset") -> None:
     axis.plot(np.linspace(0, 2 * np.pi, 200), np.full(200, 1 / np.pi), color="black", linewidth=0.8, linestyle=":")
     axis.set_yticklabels([])
     axis.tick_params(labelsize=8)
-    axis.set_title(f"order parameter S2 = {float(result['order_parameter']):.3f} (0° = machine; dotted: isotropic)", fontsize=9)
+    axis.set_title(f"order parameter S2 = {float(result['order_parameter']):.3f} (dotted: isotropic)", fontsize=9)
 
 
 def pores(axis: "Axes", result: "xr.Dataset") -> None:
@@ -126,7 +129,8 @@ def pores(axis: "Axes", result: "xr.Dataset") -> None:
     cumulative, spread = result["pore_cumulative"].values, result["pore_cumulative_std"].values
     axis.plot(r, cumulative, "o-", color=BLUE, markersize=4)
     band = np.where(np.isfinite(spread), spread, 0.0)
-    axis.fill_between(r, np.maximum(cumulative - band, 0), np.minimum(cumulative + band, 1), color=BLUE, alpha=0.2, linewidth=0)
+    low, high = np.maximum(cumulative - band, 0), np.minimum(cumulative + band, 1)
+    axis.fill_between(r, low, high, color=BLUE, alpha=0.2, linewidth=0)
     bubble = float(result["bubble_point_radius"]) * 1e6
     if np.isfinite(bubble):
         axis.axvline(bubble, color=ORANGE, linestyle="--", label=f"bubble point {bubble:.3g} µm")
@@ -159,21 +163,23 @@ def permeabilities(axis: "Axes", result: "xr.Dataset") -> None:
 def sentences(result: "xr.Dataset") -> list[str]:
     """The answer in words."""
     get = {str(name): float(value) for name, value in result.data_vars.items() if not value.dims}
-    envelopes = ", ".join(f"{100 * float(p):.1f} % ({e})" for e, p in zip(result["envelope"].values, result["envelope_porosity"].values, strict=True))
+    shares = zip(result["envelope"].values, result["envelope_porosity"].values, strict=True)
+    envelopes = ", ".join(f"{100 * float(p):.1f} % ({e})" for e, p in shares)
+    windows = f"{result.attrs['realisations']} windows of {float(result.attrs['window_m']) * 1e6:.3g} µm"
     lines = [
-        f"{get['laid_length']:.4g} m of fibre, diameter {get['mean_diameter'] * 1e9:.4g} ± {get['diameter_deviation'] * 1e9:.2g} nm "
-        "(length-weighted)",
-        f"areal density {get['areal_density'] * 1e3:.3g} ± {_plain(get['areal_density_std'] * 1e3)} g/m2, thickness "
-        f"{get['mean_thickness'] * 1e6:.3g} ± {_plain(get['mean_thickness_std'] * 1e6)} µm in {result.attrs['realisations']} windows of "
-        f"{float(result.attrs['window_m']) * 1e6:.3g} µm",
+        f"{get['laid_length']:.4g} m of fibre, diameter {get['mean_diameter'] * 1e9:.4g} ± "
+        f"{get['diameter_deviation'] * 1e9:.3g} nm (length-weighted)",
+        f"areal density {_both(get, 'areal_density', 1e3)} g/m2, thickness {_both(get, 'mean_thickness', 1e6)} µm in {windows}",
         f"porosity {envelopes} at slope m = {float(result.attrs['slope']):g} (an input: porosity follows from it)",
         f"order parameter S2 {get['order_parameter']:.3f} about {np.degrees(get['director']):.1f}° to the machine",
     ]
     if np.isfinite(get["bubble_point_radius"]):
-        lines.append(f"bubble-point radius {get['bubble_point_radius'] * 1e6:.3g} ± {_plain(get['bubble_point_radius_std'] * 1e6)} µm")
-    for name, k, drop in zip(result["law"].values, result["permeability"].values, result["pressure_drop"].values, strict=True):
+        lines.append(f"bubble-point radius {_both(get, 'bubble_point_radius', 1e6)} µm")
+    names = ("law", "permeability", "pressure_drop")
+    speed = f"{float(result.attrs['face_velocity']) * 100:g} cm/s"
+    for name, k, drop in zip(*(result[n].values for n in names), strict=True):
         if np.isfinite(k):
-            lines.append(f"permeability {k:.3g} m2 by {name}: {drop:.3g} Pa at {float(result.attrs['face_velocity']) * 100:g} cm/s")
+            lines.append(f"permeability {k:.3g} m2 by {name}: {drop:.3g} Pa at {speed}")
         else:
             lines.append(f"permeability: {name} does not hold at this solidity")
     if "permeability_direct" in result:
@@ -190,10 +196,13 @@ def save_mat_report(result: "xr.Dataset", path: str | Path, *, force: bool = Fal
     mat_sheet(result).savefig(buffer, dpi=110, format="png")
     picture = base64.b64encode(buffer.getvalue()).decode("ascii")
     answer = "".join(f"<p>{escape(line)}</p>" for line in sentences(result))
+    scalars = [
+        (str(name), float(v), str(v.attrs.get("units", ""))) for name, v in result.data_vars.items() if not v.dims
+    ]
     rows = "".join(
-        f"<tr><td>{escape(str(name))}</td><td class='number'>{float(value):.6g}</td><td>{escape(str(value.attrs.get('units', '')))}"
-        "</td></tr>" for name, value in result.data_vars.items() if not value.dims
-    )  # fmt: skip
+        f"<tr><td>{escape(name)}</td><td class='number'>{value:.6g}</td><td>{escape(unit)}</td></tr>"
+        for name, value, unit in scalars
+    )
     settings = "".join(f"<tr><td>{escape(str(k))}</td><td>{escape(str(v))}</td></tr>" for k, v in result.attrs.items())
     title = escape(str(result.attrs.get("title", "mat")))
     text = f"""<!DOCTYPE html>
@@ -210,6 +219,7 @@ def save_mat_report(result: "xr.Dataset", path: str | Path, *, force: bool = Fal
     return write_text(path, text, force=force)
 
 
-def _plain(value: float) -> str:
-    return f"{value:.2g}" if np.isfinite(value) else "?"
-
+def _both(numbers: dict[str, float], name: str, scale: float) -> str:
+    """Mean and standard deviation over the windows."""
+    spread = numbers[f"{name}_std"] * scale
+    return f"{numbers[name] * scale:.3g}" + (f" ± {spread:.2g}" if np.isfinite(spread) else "")

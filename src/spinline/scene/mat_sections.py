@@ -26,7 +26,15 @@ from spinline.scene.quantities import (
     Velocity,
 )
 
-__all__ = ["CollectorSection", "JetsSection", "LaydownSection", "MatScene", "MatSection", "angular_velocity", "load_mat_scene"]
+__all__ = [
+    "CollectorSection",
+    "JetsSection",
+    "LaydownSection",
+    "MatScene",
+    "MatSection",
+    "angular_velocity",
+    "load_mat_scene",
+]
 
 _TURN = re.compile(r"\s*([-+]?\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(rpm|rad/s|1/min|1/s|Hz)\s*$")
 _PER_SECOND = {"rpm": 1 / 60, "1/min": 1 / 60, "1/s": 1.0, "Hz": 1.0, "rad/s": 0.15915494309189535}

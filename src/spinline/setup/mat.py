@@ -20,7 +20,16 @@ from spinline.scene.mat_sections import CollectorSection, LaydownSection, MatSce
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["collector_of", "landings_of", "lay_scene", "laydown_of", "options_from_text", "options_of", "options_text", "rows_of"]
+__all__ = [
+    "collector_of",
+    "landings_of",
+    "lay_scene",
+    "laydown_of",
+    "options_from_text",
+    "options_of",
+    "options_text",
+    "rows_of",
+]
 
 Surface = Plate | Belt | Drum
 
@@ -76,13 +85,19 @@ def lay_scene(scene: MatScene) -> Iterator[Segments]:
     """Fibres of all jets of a scene, block by block; jet k's random numbers follow from (mat.seed, k)."""
     law, surface = laydown_of(scene.laydown), collector_of(scene.collector)
     if scene.collector.time is None:
-        raise InputError("collector.time", "is missing", remedy="say how long fibre is laid, for example \"10 s\"")
+        raise InputError("collector.time", "is missing", remedy='say how long fibre is laid, for example "10 s"')
     length = law.speed * scene.collector.time.value
     step = scene.laydown.step.value if scene.laydown.step else None
     for k in range(scene.jets.count):
         across = (k - (scene.jets.count - 1) / 2) * scene.jets.spacing.value
         yield from surrogate_fibre(
-            law, length, step=step, machine_speed=surface.surface_speed, centre=(0.0, across), jet=k, seed=scene.mat.seed
+            law,
+            length,
+            step=step,
+            machine_speed=surface.surface_speed,
+            centre=(0.0, across),
+            jet=k,
+            seed=scene.mat.seed,
         )
 
 
