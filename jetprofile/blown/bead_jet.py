@@ -198,7 +198,9 @@ class BeadRun:
 
         rows = self.landings
         rows = rows.copy()
-        rows[:, 0] = np.maximum.accumulate(rows[:, 0]) if len(rows) else rows[:, 0]  # several in one step: in the fibre's order
+        rows[:, 0] = (
+            np.maximum.accumulate(rows[:, 0]) if len(rows) else rows[:, 0]
+        )  # several in one step: in the fibre's order
         names = (("touch_time", 0, "s"), ("x", 1, "m"), ("y", 2, "m"), ("z", 3, "m"), ("vx", 4, "m/s"), ("vy", 5, "m/s"),
                  ("vz", 6, "m/s"), ("volume", 7, "m3"), ("flight_length", 8, "m"))  # fmt: skip
         data: dict[str, Any] = {name: ("landing", rows[:, k], {"units": unit}) for name, k, unit in names}
