@@ -162,10 +162,6 @@ def fit_detector(
     ------
     InputError
         Where no block can be fitted, or none tells the unknowns apart.
-
-    Notes
-    -----
-    A tail as long as half the air in view is not told from the beam's level and slope: `vague` names it.
     """
     names = tuple(name for name in SHARED if name in unknown)
     if "attenuation" in names and not any(block.known is not None for block in blocks):
