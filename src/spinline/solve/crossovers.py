@@ -113,6 +113,9 @@ def slipping_passages(context: Context, network: Network, target: float) -> list
 
 def _slipping_passage(context: Context, network: Network, target: float) -> Crossover:
     nan, jet = float("nan"), context.jet
+    if context.scene.network.force_law != "linear" and target >= context.rest.full_stretch:
+        words = "strands of this force law come to their contour and do not pass it: see crossover_extension"
+        return Crossover(nan, nan, nan, nan, nan, words)
     s = network.first_passage(target)
     if np.isnan(s):
         return Crossover(nan, nan, nan, nan, nan)
