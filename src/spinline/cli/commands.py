@@ -168,6 +168,7 @@ def crossover(
 def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
     """What is wrong or odd with a scene, before anything runs."""
     loaded = load(scene, model, rtol, set_)
+    from spinline.plan.effects.lateral import lateral_words
     from spinline.solve.spine import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
@@ -175,6 +176,9 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
         say(f"odd: {remark}")
+    lateral = lateral_words(loaded, solution, jet)
+    if lateral:
+        say(f"note: {lateral}")
     phi = solution.volume_fraction
     say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"

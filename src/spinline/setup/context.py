@@ -209,6 +209,23 @@ class Context:
         """Flow rate that the motion of a bead jet implies, m3/s; NaN where there is none."""
         return self._bead_ages[1]
 
+    @property
+    def lateral_place(self) -> float:
+        """Where the time to contract is taken along a straight jet, m: the crossover, or the end."""
+        at = float(self.line.position_of(self.rest.full_stretch))
+        return min(at, self.length) if at == at else self.length
+
+    @property
+    def lateral_time(self) -> float:
+        """F there; NaN where alpha_v is not known."""
+        from spinline.network.lateral import lateral_time
+
+        alpha, jet = self.coupling.alpha, self.line
+        if np.isnan(alpha):
+            return float("nan")
+        pace = jet.initial_velocity / jet.initial_radius
+        return float(lateral_time(jet.residence_time(self.lateral_place), alpha, pace, self.scene.network.spring.value))
+
     def grid(self, points: int, share: float = 1.0) -> FloatArray:
         """Places along a straight jet, fine at its start, its kinks among them, over a share of its length."""
         jet = self.line

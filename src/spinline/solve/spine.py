@@ -22,7 +22,7 @@ from spinline.setup.build import build_solution
 from spinline.setup.context import Context
 from spinline.setup.jet import build_jet
 from spinline.solve.attributes import attributes_of, elsewhere
-from spinline.solve.crossovers import Crossover, crossover
+from spinline.solve.crossovers import Crossover, crossover, odd_places
 from spinline.solve.stages import solve_stages
 
 if TYPE_CHECKING:
@@ -170,6 +170,7 @@ def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True)
     remarks = remarks_of(context, plan)
     answer = solve_stages(context, network=_network(context, plan))
     remarks += answer.remarks
+    remarks += odd_places(context, answer.found)
     for name, places in answer.found.items():
         if len(places) == 1 and np.isnan(places[0].position):
             remarks.append(f"{name.replace('_', ' by ')} is not reached: {elsewhere(places[0])}")

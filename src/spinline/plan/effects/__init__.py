@@ -10,6 +10,7 @@ from spinline.plan.effects import (
     evaporation,
     extensibility,
     inertia,
+    lateral,
     radial,
     relaxation,
     saturation,
@@ -26,6 +27,7 @@ EFFECTS: tuple[Effect, ...] = (
     radial.EFFECT,
     extensibility.EFFECT,
     saturation.EFFECT,
+    lateral.EFFECT,
     bending.EFFECT,
 )
 SWITCHED: tuple[Effect, ...] = tuple(effect for effect in EFFECTS if effect.switch)
