@@ -16,6 +16,7 @@ from spinline.scene.quantities import (
     Proper,
     Section,
     Temperature,
+    Time,
     Velocity,
 )
 
@@ -63,6 +64,9 @@ class RheologySection(Section):
     constitutive: Literal["auto", "UCM", "Oldroyd-B", "Giesekus", "FENE-P"] = "auto"
     mobility: Fraction | None = None
     extensibility: Number | None = None
+    rouse_time: Time | None = None
+    constraint_release: Annotated[float, Field(ge=0, le=1)] = 1.0
+    entanglement_release: Annotated[float, Field(ge=0, le=1000)] = 0.3
     convention: Literal["mass", "yarin2001"] = "mass"
     activity: Literal["flory-huggins", "raoult", "unit"] = "flory-huggins"
     chi: Annotated[float, Field(ge=-5, le=5)] | None = None
@@ -95,3 +99,4 @@ class EffectsSection(Section):
     evaporation: Switch = "auto"
     relaxation: Switch = "auto"
     radial: Switch = "auto"
+    disentanglement: Switch = False

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.rheology.diffusion_laws import DiffusionLaw
 
-__all__ = ["Context", "Rest"]
+__all__ = ["Context", "Rest", "Strands"]
 
 _T = TypeVar("_T")
 
@@ -40,6 +40,23 @@ class Rest(NamedTuple):
     size: float
     segments: float
     full_stretch: float
+
+
+class Strands(NamedTuple):
+    """What `disentanglement` takes of the chains: Z, tau_R where it is given, beta and beta_c."""
+
+    entanglements: float
+    rouse: float | None
+    release: float
+    entanglement_release: float
+
+    def rouse_time(self, disengagement_time: Any) -> Any:
+        """tau_R in s for a tau_d."""
+        from spinline.network.disentanglement import rouse_time
+
+        if self.rouse is not None:
+            return np.full(np.shape(disengagement_time), self.rouse)
+        return rouse_time(disengagement_time, max(self.entanglements, 1.0))
 
 
 class Context:
@@ -172,6 +189,21 @@ class Context:
             raise InputError("jet", "has no velocity at the nozzle: alpha_v and theta v_0/r_0 are not known",
                              value=velocity, remedy="give the velocities of the beads")  # fmt: skip
         return Feed(r0, velocity)
+
+    @property
+    def strands(self) -> Strands:
+        """Entanglements of the chains.
+
+        Raises
+        ------
+        InputError
+            Where the molar mass, or that between entanglements, is not known.
+        """
+        laws = self.scene.rheology
+        chains = self.solution.entanglement(self.scene.network.solvent_quality)
+        rouse, release, loss = (None, 1.0, 0.3) if laws is None else (
+            laws.rouse_time, laws.constraint_release, laws.entanglement_release)  # fmt: skip
+        return Strands(chains.entanglements, None if rouse is None else rouse.value, release, loss)
 
     @property
     def air(self) -> Air:

@@ -6,6 +6,7 @@ and its key in ``[effects]`` of the scene file.
 
 from spinline.plan.effects import (
     bending,
+    disentanglement,
     elastic_coupling,
     evaporation,
     extensibility,
@@ -23,6 +24,7 @@ EFFECTS: tuple[Effect, ...] = (
     elastic_coupling.EFFECT,
     inertia.EFFECT,
     relaxation.EFFECT,
+    disentanglement.EFFECT,
     evaporation.EFFECT,
     radial.EFFECT,
     extensibility.EFFECT,
