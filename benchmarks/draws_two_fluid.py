@@ -65,7 +65,7 @@ def faults(one, profile, network):
     eps = 3 / one["alpha"]
     line = [float(network.stretch(p) / network.velocity_ratio(p) * network.tension(p)) for p in (a, b)]
     pull, size = float(sums @ (1 - profile(at) / w)), float(sums @ np.abs(1 - profile(at) / w))
-    if abs(eps * (line[1] - line[0]) - pull) > 1e-3 * (eps * max(line) + size) + 1e-9 * (b - a):
+    if abs(eps * (line[1] - line[0]) - pull) > 1e-3 * (eps * max(line) + size) + 2e-5 * (b - a):
         return "momentum"
     given = [float(np.log(network.velocity_ratio(p) / network.stretch(p))) for p in (a, b)]
     slack = float(sums @ ((t - network.law.tension_at_rest / lam) / (2 * one["th"] * lam * w)))
