@@ -2,9 +2,9 @@
 
     python benchmarks/continuity.py [steps]
 
-Each sweep takes a scene through every change of rung that "auto" makes on the way, in equal steps of the logarithm. What a number
-changes from one step to the next is held against what it changes on both sides: a jump is the excess over the larger neighbour,
-relative to the number, over rtol. Writes continuity.json.
+Each sweep takes a scene through every change of rung that "auto" makes on the way, in equal steps of the logarithm. What a
+number changes from one step to the next is held against what it changes on both sides: a jump is the excess over the
+larger neighbour, relative to the number, over rtol. Writes continuity.json.
 """
 
 import json

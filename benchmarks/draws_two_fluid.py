@@ -2,8 +2,8 @@
 
     python benchmarks/draws_two_fluid.py [draws]
 
-"Wrong" is checked on every answer by what it does not share with the solver: bounds, and the integrals of momentum and relaxation
-over a piece of the jet by Gauss's rule, to 1e-3 of their terms. Writes draws_two_fluid.json.
+"Wrong" is checked on every answer by what it does not share with the solver: bounds, and the integrals of momentum and
+relaxation over a piece of the jet by Gauss's rule, to 1e-3 of their terms. Writes draws_two_fluid.json.
 """
 
 import json
