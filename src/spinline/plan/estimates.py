@@ -3,7 +3,7 @@
 An estimate is the change of the reported quantities (`difference`) over the first nine tenths of the jet, by the first term
 that the effect adds:
 
-* elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``; nothing steady beyond eps V' = 1/4
+* elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``
 * inertia: the same with -I for eps
 * finite extensibility: the place from which a stiff network locks, ``int (V_S - V) ds = 0`` from there to the end
 * relaxation: ``ln(w/V) = -int (1 - V^-2) / (2 theta) dt``, what a strand stretched with the flow gives back
@@ -41,7 +41,7 @@ __all__ = [
 MARGIN = 1.2  # on every estimate, before it is compared with rtol
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
-UNSTEADY = 0.25  # eps V' from which no steady network exists
+UNSTEADY = 0.25  # eps V' from which the series of the slip says nothing
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def elastic_coupling_effect(context: Context) -> Estimate:
     if np.isnan(alpha):
         words = f"alpha_v is {viscosity}"
     elif number > UNSTEADY:
-        words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
+        words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): the far end of the jet may decide"
     else:
         words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
     return Estimate("elastic coupling", "c V'/alpha_v", number, error, words)

@@ -186,6 +186,7 @@ MODELS: dict[str, bool] = {
     "affine": False,
     "manifold": True,
     "conformation": False,
+    "two-fluid": True,
     "chain": True,
     "walk": False,
 }
@@ -194,7 +195,7 @@ MODELS: dict[str, bool] = {
 class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
-    model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
+    model: Literal["auto", "affine", "manifold", "conformation", "two-fluid", "chain", "walk"] = "auto"
     closure: Literal["auto", "force", "stretch"] = "auto"
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
@@ -203,6 +204,8 @@ class NetworkSection(Section):
     lateral: bool = False
     inertia: NumberOrZero = Measured(0.0, 0.0, "0")
     force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
+    end: Literal["take-up", "free", "extended"] = "take-up"
+    strand_law: Literal["maxwell", "shortcut"] = "maxwell"
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 

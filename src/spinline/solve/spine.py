@@ -42,6 +42,7 @@ __all__ = [
     "examine",
     "run",
     "solved",
+    "taken",
 ]
 
 
@@ -91,18 +92,18 @@ def solved(scene: Scene) -> NamedArrays:
     from spinline.solve.bands import banded
     from spinline.solve.uncertainty import propagated, uncertain_inputs
 
-    result, taken = _solved(scene)
+    result, same = _solved(scene)
     remarks = str(result.attrs["warnings"]).splitlines()
     uncertain = uncertain_inputs(scene)
-    if uncertain and rung_of(taken.network.model).sampled:
-        remarks.append(f'uncertain inputs are not followed through model = "{taken.network.model}": take another')
+    if uncertain and rung_of(same.network.model).sampled:
+        remarks.append(f'uncertain inputs are not followed through model = "{same.network.model}": take another')
     elif uncertain:
-        numbers, said = propagated(taken, result, lambda moved: _solved(moved)[0])
-        bands, more = banded(taken, result, lambda drawn: evaluate(drawn, attributes=False))
+        numbers, said = propagated(same, result, lambda moved: _solved(moved)[0])
+        bands, more = banded(same, result, lambda drawn: evaluate(drawn, attributes=False))
         said += more
         result = results.with_bands(results.with_numbers(result, numbers), bands)
         if bands:
-            result.attrs["bands"] = f"68 and 95 % of {taken.accuracy.draws} draws of the uncertain inputs"
+            result.attrs["bands"] = f"68 and 95 % of {same.accuracy.draws} draws of the uncertain inputs"
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
     remarks += explain(result, sampled=rung_of(taken.network.model).sampled)
@@ -178,9 +179,7 @@ def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True)
     if attributes and plan is not None:
         described = attributes_of(context, answer.found, remarks, answer.network, plan)
         described |= {} if answer.moments is None else answer.moments.attributes
-    switches = {key: context.effects[key] for key in type(scene.effects).model_fields}
-    taken = context.scene.model_copy(update={"effects": scene.effects.model_copy(update=switches)})
-    return Solved(answer.fields, answer.scalars, described, remarks, context.jet, taken)
+    return Solved(answer.fields, answer.scalars, described, remarks, context.jet, taken(context))
 
 
 def chosen(context: Context, *, planned: bool = False) -> tuple[Context, Plan | None]:
@@ -195,6 +194,13 @@ def chosen(context: Context, *, planned: bool = False) -> tuple[Context, Plan | 
     if plan is not None:
         context = context.taking(resolved(context.scene, plan))
     return context.taking(effects=choose_effects(context, None if plan is None else plan.numbers)), plan
+
+
+def taken(context: Context) -> Scene:
+    """The scene with the rung and the effects that were chosen, so that a repetition takes the same."""
+    effects = context.scene.effects
+    switches = {key: context.effects[key] for key in type(effects).model_fields}
+    return context.scene.model_copy(update={"effects": effects.model_copy(update=switches)})
 
 
 def _network(context: Context, plan: Plan | None) -> Network | None:
