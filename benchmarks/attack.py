@@ -171,13 +171,13 @@ def kills(count: int, seed: int) -> dict[str, Any]:
     """Kills at random moments, and the same command again."""
     import h5netcdf  # noqa: F401
     import xarray  # noqa: F401
+    from file_damage import same
 
     import spinline.fit.output
     import spinline.images.reduce
     import spinline.report.figures
     import spinline.solve.spine
     import spinline.study.sweep  # noqa: F401
-    from file_damage import same
 
     rng = random.Random(seed)
     report: dict[str, Any] = {}
@@ -212,7 +212,9 @@ def kills(count: int, seed: int) -> dict[str, Any]:
                 if again:
                     bad.append(f"{name} {i} at {delay:.3f} s: the second start ended with {again}")
                 elif not same(found, expected):
-                    odd = sorted(set(found) ^ set(expected)) or [k for k in found if not same(found[k], expected.get(k))]
+                    odd = sorted(set(found) ^ set(expected)) or [
+                        k for k in found if not same(found[k], expected.get(k))
+                    ]
                     bad.append(f"{name} {i} at {delay:.3f} s: other than undisturbed in {odd}")
                 shutil.rmtree(folder)
             report[name] = {"seconds": round(seconds, 3), **tally, "bad": bad}

@@ -73,7 +73,14 @@ def scene(seed: int) -> dict[str, Any]:
     for key in ("molar_mass", "viscosity"):
         if rng.random() < 0.6:
             solution[key] = quantity(rng, f"solution.{key}")
-    for key in ("kuhn_length", "temperature", "polymer_density", "solvent_density", "solvent_viscosity", "relaxation_time"):
+    for key in (
+        "kuhn_length",
+        "temperature",
+        "polymer_density",
+        "solvent_density",
+        "solvent_viscosity",
+        "relaxation_time",
+    ):
         if rng.random() > LEFT_OUT:
             solution[key] = quantity(rng, f"solution.{key}")
     jet["profile"] = rng.choice(("power-law", "power-law", "power-law", "hyperbolic"))

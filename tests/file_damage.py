@@ -231,11 +231,12 @@ def read_statistics_of(path: Path) -> Any:
 
 def read_frames(path: Path) -> Any:
     """A stack of frames, all of it."""
-    from spinline.images.frames import open_stack
+    from spinline.images.stacks import open_stack
 
     inside = ":/counts" if path.suffix == ".h5" else ""
     stack = open_stack(f"{path.name}{inside}", "counts", path.parent)
-    return np.asarray(stack.read(0, stack.frames))
+    found = stack.read(0, stack.frames)
+    return np.asarray(found[0] if isinstance(found, tuple) else found)
 
 
 def make_victims(folder: Path, data: Path) -> list[Victim]:

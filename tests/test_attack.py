@@ -55,17 +55,35 @@ def test_every_bit_of_a_small_sealed_file_counts() -> None:
 def test_one_place_opens_files_for_writing() -> None:
     """Nothing but `spinline.base` writes; the store's chunks, by zarr, are the exception that is made."""
     writes = re.compile(
-        r"""write_text\(.*encoding|write_bytes\(pickle|open\([^)]*["'][wax+rb]*[wax+][wax+rb]*["']|savefig\((?!buffer)|to_netcdf\(|np\.save"""
-        r"""\(|to_csv\((?!None)|shutil\.(copy|move|rmtree)|os\.(replace|rename|remove|unlink)\(|\.(rename|touch)\("""
+        "|".join(
+            (
+                r"\.write_text\(",
+                r"\.write_bytes\(",
+                r"open\([^)]*[\"'](?:[wax]b?\+?|r\+b?|rb\+)[\"']",
+                r"savefig\((?!buffer)",
+                r"to_netcdf\(",
+                r"\.to_zarr\(",
+                r"(?:table|frame|\))\.to_csv\((?!None)",
+                r"np\.save(?:z|txt|z_compressed)?\((?!file|stream|$)",
+                r"imwrite\((?!buffer|file|$)",
+                r"shutil\.(?:copy|move|rmtree)",
+                r"os\.(?:replace|rename|remove|unlink)\(",
+                r"\.(?:rename|touch|unlink|mkdir)\(",
+            )
+        )
     )
-    allowed = {"src/spinline/images/reduce.py"}  # hands its set-up to its own processes through a private folder
+    allowed = {
+        "src/spinline/images/reduce.py": "setup.write_bytes(pickle.dumps(",  # for its own processes, in a private folder
+        "src/spinline/study/store.py": "left.unlink(missing_ok=True)",  # what a killed process left inside a store
+    }
     for folder in ("src/spinline", "jetprofile", "rheology", "network", "xray", "deposit"):
         for path in (ROOT / folder).rglob("*.py"):
             name = path.relative_to(ROOT).as_posix()
-            if "/base/" in name or name in allowed or path.is_symlink():
+            if "/base/" in name:
                 continue
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-                assert not writes.search(line), f"{name}:{number} {line.strip()}"
+                found = writes.search(line) and not (name in allowed and allowed[name] in line)
+                assert not found, f"{name}:{number} {line.strip()}"
 
 
 def test_an_input_is_never_written_over(spinline, tmp_path) -> None:
@@ -97,15 +115,26 @@ def test_links_stay_and_devices_pipes_and_folders_are_refused(spinline, tmp_path
         ran = spinline("run", "peo5-water", "--no-figure", "-o", out, "--force")
         assert (ran.code, ran.err.count("\n")) == (2, 1)
     assert stat.S_ISFIFO(os.stat("pipe").st_mode)
-    for words in (["run", "pipe"], ["compare", "pipe", "pipe"], ["fit-jet", "pipe"], ["run", "/dev/zero"], ["sweep", "pipe"]):
+    for words in (
+        ["run", "pipe"],
+        ["compare", "pipe", "pipe"],
+        ["fit-jet", "pipe"],
+        ["run", "/dev/zero"],
+        ["sweep", "pipe"],
+    ):
         assert spinline(*words).code == 2
 
 
 def test_a_new_file_is_made_by_one_process_only(tmp_path) -> None:
     target = tmp_path / "out"
-    with pytest.raises(InputError, match="another process"), files.streaming(target) as sink:
-        sink.write(b"mine")
-        target.write_text("of another")
+
+    def late() -> None:
+        with files.streaming(target) as sink:
+            sink.write(b"mine")
+            target.write_text("of another")
+
+    with pytest.raises(InputError, match="another process"):
+        late()
     assert target.read_text() == "of another"
     assert os.listdir(tmp_path) == ["out"]
 
@@ -158,7 +187,9 @@ def test_checkpoints_that_are_damaged_are_made_again(tmp_path) -> None:
         store.save("sum", total=np.arange(5.0))
         file = tmp_path / "p" / ("spinline-job" if "mark" in what else "sum.npz")
         data = file.read_bytes()
-        file.write_bytes(b"" if what == "empty mark" else data[: len(data) // 2] if " of " in what else data[:-1] + b"x")
+        file.write_bytes(
+            b"" if what == "empty mark" else data[: len(data) // 2] if " of " in what else data[:-1] + b"x"
+        )
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             again = Checkpoint(tmp_path / "p", "job")
@@ -176,7 +207,9 @@ def _command(folder: Path, *arguments: str, before: str = "", **environment: str
                           timeout=120, check=False)  # fmt: skip
 
 
-@pytest.mark.parametrize("words", [("run", "peo5-water"), ("import-jet", str(DATA / "jetspin" / "ex2_1d_insert"), "-o j.nc")])
+@pytest.mark.parametrize(
+    "words", [("run", "peo5-water"), ("import-jet", str(DATA / "jetspin" / "ex2_1d_insert"), "-o j.nc")]
+)
 def test_a_full_disk_is_one_message(words, tmp_path) -> None:
     ran = _command(tmp_path, *words, before="trap '' XFSZ; ulimit -f 3;")
     assert ran.returncode == 2, ran.stderr
@@ -191,7 +224,12 @@ def test_standard_output_that_is_full_is_one_message(tmp_path) -> None:
 
 
 def test_homes_and_caches_are_no_need(tmp_path) -> None:
-    nowhere = {"HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none", "MPLBACKEND": "bogus", "NUMBA_CACHE_DIR": "/proc/none"}
+    nowhere = {
+        "HOME": "/proc/none",
+        "XDG_CACHE_HOME": "/proc/none",
+        "MPLBACKEND": "bogus",
+        "NUMBA_CACHE_DIR": "/proc/none",
+    }
     for words in (["run", "peo5-water", "--set", "'jet.radius=0.07 furlong'"], ["run", "peo5-water"]):
         ran = _command(tmp_path, *words, "--no-figure", "--force", **nowhere)
         assert "Traceback" not in ran.stderr
@@ -211,14 +249,25 @@ def test_a_stopped_command_leaves_nothing(tmp_path) -> None:
 
 # --- what is read ------------------------------------------------------------------------------------------------------
 
-HOSTILE = ["$x_{", "a\x1b[2Jb", "\x00", "\u202egnp", "\n" * 50, "<script>alert(1)</script>", "\\frac{", "%n%s", "🧵" * 300, "\x9b31m"]
+HOSTILE = [
+    "$x_{",
+    "a\x1b[2Jb",
+    "\x00",
+    "\u202egnp",
+    "\n" * 50,
+    "<script>alert(1)</script>",
+    "\\frac{",
+    "%n%s",
+    "🧵" * 300,
+    "\x9b31m",
+]
 
 
 @pytest.mark.parametrize("number", range(len(HOSTILE)))
 def test_hostile_titles_are_drawn_as_text(number, spinline, tmp_path) -> None:
     text = HOSTILE[number]
     scene = load_scene("peo5-water")._text
-    scene = re.sub(r"title = .*", lambda _: "title = " + json.dumps(text), scene, count=1)
+    scene = re.sub(r"title = .*", lambda _: "title = " + json.dumps(text, ensure_ascii=False), scene, count=1)
     Path("s.toml").write_text(scene, encoding="utf-8")
     ran = spinline("run", "s.toml", "--report", "r.html")
     assert ran.code == 0, ran.err
@@ -245,7 +294,26 @@ def test_the_own_table_of_units_is_that_of_pint() -> None:
 
     registry = pint.UnitRegistry()
     axes = ("kg", "m", "s", "A", "K", "mol")
-    names = ["um", "mm", "mL", "hour", "kPa", "cP", "mN", "dyn", "kV", "keV", "uS", "mmol", "kDa", "ms", "ug", "bar", "atm", "torr"]
+    names = [
+        "um",
+        "mm",
+        "mL",
+        "hour",
+        "kPa",
+        "cP",
+        "mN",
+        "dyn",
+        "kV",
+        "keV",
+        "uS",
+        "mmol",
+        "kDa",
+        "ms",
+        "ug",
+        "bar",
+        "atm",
+        "torr",
+    ]
     for name in names:
         scale, dimension = unit_table._known(name)  # type: ignore[misc]
         target = "*".join(f"{axis}**{power}" for axis, power in zip(axes, dimension, strict=True) if power)

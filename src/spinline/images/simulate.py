@@ -5,15 +5,16 @@ drift and Poisson noise from (seed, frame), beside flat and dark frames with noi
 the file (`truth_*`), so that a reduction can be held against it.
 """
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
-from spinline.base.files import streaming, writable, write_text
+from spinline.base.files import streaming, writable, write_bytes, write_text
 from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
 from spinline.xray.matter.spectrum import Spectrum, harmonic_spectrum
@@ -274,12 +275,10 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
         import tifffile
 
         for key, stack in parts.items():
-            with streaming(names[key], force=force) as stream:
-                tifffile.imwrite(
-                    cast(IO[bytes], stream),
-                    stack.astype(np.uint16) if stack.max() < 65536 else stack,
-                    photometric="minisblack",
-                )
+            buffer = io.BytesIO()
+            kept = stack.astype(np.uint16) if stack.max() < 65536 else stack
+            tifffile.imwrite(buffer, kept, photometric="minisblack")
+            write_bytes(names[key], buffer.getbuffer(), force=force)
     write_text(toml, images_text(frames.camera, result, names), force=force)
     return (*dict.fromkeys(names.values()), toml)
 

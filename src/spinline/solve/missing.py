@@ -14,11 +14,14 @@ _BANDS_OF = {"relative_extension": (0.0, 1.0), "radial_contraction": (0.0, 1.0),
 _REASONS = (
     (r"crossover_extension.*", "the extension does not pass the criterion within this jet"),
     (r"crossover.*", "full stretch is not reached within this jet"),
-    (r"(frozen|skin|core)_(position|time|radius|stretch|extension|orientation|relaxed)", "it does not turn to glass in this jet"),
+    (r"(frozen|skin|core)_(position|time|radius|stretch|extension|orientation|relaxed)", "not glass in this jet"),
     (r"vitrification_fraction", "the polymer does not turn to glass at this temperature"),
     (r"strand_force", "the contour is reached: the force of an ideal strand has no bound there"),
     (r"stress|radial_stress|tensile_force", "glass there: the stress of a liquid says nothing"),
-    (r"viscosity|relaxation_time|weissenberg_number", "glass there, or beyond what the concentration law was measured for"),
+    (
+        r"viscosity|relaxation_time|weissenberg_number",
+        "glass there, or beyond what the concentration law was measured for",
+    ),
 )
 
 

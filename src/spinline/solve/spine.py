@@ -106,7 +106,7 @@ def solved(scene: Scene) -> NamedArrays:
             result.attrs["bands"] = f"68 and 95 % of {same.accuracy.draws} draws of the uncertain inputs"
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
-    remarks += explain(result, sampled=rung_of(taken.network.model).sampled)
+    remarks += explain(result, sampled=rung_of(same.network.model).sampled)
     result.attrs["warnings"] = "\n".join(remarks)
     return result
 
