@@ -147,7 +147,7 @@ def relaxation_effect(context: Context, deborah: float) -> Estimate:
         if problem.field != "rheology.extensibility":
             raise
         model = Maxwell()
-    faster, contour = _stiffening(model, v)
+    faster, contour = model.stiffening(v)
     rate = (1 - v**-2.0) / 2 * faster
     given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
@@ -157,18 +157,6 @@ def relaxation_effect(context: Context, deborah: float) -> Estimate:
     return Estimate(
         name, symbol, deborah, error, f"a strand gives back {-np.expm1(-given_back[-1]):.2g} of its stretch on the way"
     )
-
-
-def _stiffening(model: "Model", v: FloatArray) -> tuple[FloatArray, float]:
-    """How much faster than Maxwell's a model gives stretch back, at an affine stretch; and its largest stretch."""
-    from spinline.rheology.conformation import FENEP, Giesekus
-
-    if isinstance(model, Giesekus):
-        return 1 + model.mobility * np.maximum(v**2 - 1, 0.0), float("inf")
-    if isinstance(model, FENEP):
-        room = np.maximum(1 - v**2 / model.extensibility, 1e-6)
-        return (1 - 3 / model.extensibility) / room, float(np.sqrt(model.extensibility))
-    return np.ones_like(v), float("inf")
 
 
 def saturation_effect(context: Context) -> Estimate:

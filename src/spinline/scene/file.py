@@ -16,7 +16,8 @@ from pydantic_core import ErrorDetails
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
-from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
+from spinline.rheology.constitutive import ConstitutiveLaw
+from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
 from spinline.scene.quantities import (
     Conductivity,
     Density,
@@ -253,6 +254,12 @@ def add_jet_section(section: type[Section]) -> None:
     (name,) = get_args(section.model_fields["profile"].annotation)
     JET_SECTIONS[name] = section
     Scene.model_fields["jet"].annotation = Union[tuple(JET_SECTIONS.values())]  # type: ignore[assignment]  # noqa: UP007
+    Scene.model_rebuild(force=True)
+
+
+def register_law(law: ConstitutiveLaw) -> None:
+    """Add a constitutive law: ``rheology.constitutive`` may name it, and its parameters are keys of ``[rheology]``."""
+    add_law(law)
     Scene.model_rebuild(force=True)
 
 
