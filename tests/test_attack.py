@@ -65,7 +65,7 @@ def test_one_place_opens_files_for_writing() -> None:
                 r"\.to_zarr\(",
                 r"(?:table|frame|\))\.to_csv\((?!None)",
                 r"np\.save(?:z|txt|z_compressed)?\((?!file|stream|$)",
-                r"imwrite\((?!buffer|file|$)",
+                r"imwrite\((?!buffer|made|file|$)",
                 r"shutil\.(?:copy|move|rmtree)",
                 r"os\.(?:replace|rename|remove|unlink)\(",
                 r"\.(?:rename|touch|unlink|mkdir)\(",
