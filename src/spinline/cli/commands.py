@@ -18,6 +18,7 @@ import typer
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
+from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
@@ -196,10 +197,11 @@ def scenes(
     import tomllib
 
     from spinline.base.files import copy_file, copy_tree, writable
+    from spinline.recipe.recipe_file import bundled_recipes
     from spinline.scene.file import bundled_scenes
     from spinline.scene.images_file import bundled_images
 
-    known = bundled_scenes() | bundled_images()
+    known = bundled_scenes() | bundled_images() | bundled_recipes()
     if copy is None:
         for name, file in known.items():
             say(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
@@ -305,7 +307,7 @@ def import_jet(
     say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-for register in (register_sweep, register_fit, register_simulate, register_images):
+for register in (register_fibre, register_sweep, register_fit, register_simulate, register_images):
     register(app)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.special import ndtr
 
 from spinline.base.constants import EPS0
-from spinline.fibre.believe import Recipe
-from spinline.fibre.model import Believed, Fibres
+from spinline.recipe.believe import Recipe
+from spinline.recipe.model import Believed, Fibres
 
 __all__ = ["REGIMES", "Regime", "regime_of"]
 
@@ -20,7 +20,10 @@ REGIMES = {
     "wet deposit": "lands wet: fibres fuse or flatten",
     "clogs": "the needle is likely to clog: very volatile, or very viscous",
 }
-_SPRAY, _BEADS = 0.7, 1.25  # c/c_e (Shenoy et al., Polymer 46, 3372 (2005): fibres from about 1 entanglement a chain, smooth from 2.5)
+_SPRAY, _BEADS = (
+    0.7,
+    1.25,
+)  # c/c_e (Shenoy et al., Polymer 46, 3372 (2005): fibres from about 1 entanglement a chain, smooth from 2.5)
 _CLOG_VISCOSITY = 300.0  # Pa s
 _THRESHOLD_SPREAD = 0.5  # sd of ln V; the theories differ by a factor of 3
 
@@ -59,5 +62,7 @@ def regime_of(believed: Believed, recipe: Recipe, found: Fibres) -> Regime:
     shares = {name: (1 - low) * float(np.mean(label == name)) for name in REGIMES}
     shares["drips"] = low
     name = max(shares, key=lambda key: shares[key])
-    remarks = [f"{100 * share:.0f} % chance: {REGIMES[key]}" for key, share in shares.items() if key != "jets" and share > 0.15]
+    remarks = [
+        f"{100 * share:.0f} % chance: {REGIMES[key]}" for key, share in shares.items() if key != "jets" and share > 0.15
+    ]
     return Regime(name, {key: share for key, share in shares.items() if share > 0}, tuple(remarks))

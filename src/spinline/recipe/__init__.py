@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from spinline.fibre.believe import Recipe
-    from spinline.fibre.model import UNKNOWNS, Believed, Fibres, spun
-    from spinline.fibre.predict import Fibre, Measurement
-    from spinline.fibre.recipe_file import fibre, load_recipe
-    from spinline.fibre.regime import REGIMES
-    from spinline.fibre.table import predict_table, read_experiments, recipes_of
+    from spinline.recipe.believe import Recipe
+    from spinline.recipe.model import UNKNOWNS, Believed, Fibres, spun
+    from spinline.recipe.predict import Fibre, Measurement
+    from spinline.recipe.recipe_file import fibre, load_recipe
+    from spinline.recipe.regime import REGIMES
+    from spinline.recipe.table import predict_table, read_experiments, recipes_of
 
 _NAMES = {
     "Believed": "model",

@@ -8,10 +8,10 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.fibre.believe import Recipe, believe
-from spinline.fibre.constants import GLOBAL
-from spinline.fibre.model import UNKNOWNS, Believed, Fibres, spun
-from spinline.fibre.regime import Regime, regime_of
+from spinline.recipe.believe import Recipe, believe
+from spinline.recipe.constants import GLOBAL
+from spinline.recipe.model import UNKNOWNS, Believed, Fibres, spun
+from spinline.recipe.regime import Regime, regime_of
 
 __all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
 
@@ -42,7 +42,7 @@ class Fibre:
     orientation, orientation_68 : float, tuple
         Hermans orientation of the strands when the jet is solid, with what relaxes on the way.
     regime : str
-        The likeliest of `spinline.fibre.regime.REGIMES`.
+        The likeliest of `spinline.recipe.regime.REGIMES`.
     regimes : mapping
         Share of the draws in each.
     rung : str
@@ -79,7 +79,12 @@ class Fibre:
 
 
 def predict(
-    recipe: Recipe, measured: Sequence[Measurement] = (), *, rung: str = "race", draws: int = _DRAWS, shares: bool = True
+    recipe: Recipe,
+    measured: Sequence[Measurement] = (),
+    *,
+    rung: str = "race",
+    draws: int = _DRAWS,
+    shares: bool = True,
 ) -> Fibre:
     """Fibre of a recipe.
 
@@ -111,11 +116,11 @@ def predict(
     if measured:
         log_d, weights = _conditioned(found.log_diameter, z, measured, rung)
     low95, low68, median, high68, high95 = np.exp(np.quantile(log_d, _QUANTILES))
-    orientation = _orientation(found, believed)
+    orientation = _orientation(found, believed, z)
     regime = regime_of(believed, recipe, found)
     ended = _decides(found)
     terminal = float(np.exp(np.median(np.log(found.terminal))))
-    race = float(np.exp(np.median(found.log_diameter))) if rung == "race" else float("nan")
+    race = float(np.median(2 * np.sqrt(believed.volume_fraction) * found.thinning.radius))
     return Fibre(
         fibre_diameter=float(median), fibre_diameter_68=(float(low68), float(high68)),
         fibre_diameter_95=(float(low95), float(high95)), orientation=float(np.median(orientation)),
@@ -142,7 +147,7 @@ def _normals(draws: int, seed: int = 1) -> FloatArray:
 def _conditioned(
     log_d: FloatArray, z: FloatArray, measured: Sequence[Measurement], rung: str
 ) -> tuple[FloatArray, FloatArray]:
-    """ln d of the draws, given what was measured: each draw moved by the gain that normal quantities have.
+    """Ln d of the draws, given what was measured: each draw moved by the gain that normal quantities have.
 
     The unknowns of the rig are shared, the repeat is not: every measurement has its own. Exact where ln d is linear in the
     unknowns, which it is nearly (exponents of powers).
@@ -163,17 +168,19 @@ def _conditioned(
     return log_d + (np.array(target)[:, np.newaxis] - y).T @ gain, gain
 
 
-def _orientation(found: Fibres, believed: Believed) -> FloatArray:
+def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray:
     """Hermans orientation of the strands in the solid fibre, to an order of magnitude.
 
-    Strands follow the jet while their relaxation time ``theta = (mu/G) (phi/phi_0)^y`` is longer than the drying takes, and forget
-    it while it is shorter; what is stretched after the fraction at which the two are equal stays. In a race that is
-    ``(1 - (phi_0/phi)^p)^(-1/2)``, never more than the whole stretch. G is 2 MPa phi^2.3 (melts' plateau, diluted), y = 2.33.
+    Strands follow the jet while their relaxation time ``theta = (mu/G) (phi/phi_0)^y`` is longer than the drying takes, and
+    forget it while it is shorter; what is stretched after the fraction at which the two are equal stays. In a race that is
+    ``(1 - (phi_0/phi)^p)^(-1/2)``, never more than the whole stretch. G is 2 MPa phi^2.3 (melts' plateau, diluted), y = 2.33;
+    times in stretching are up to ten times those of shear, so theta has a spread of its own.
     """
     from spinline.network.lattice_walk import stretched_walk
 
     thin, p = found.thinning, GLOBAL["viscosity_power"]
-    theta = found.viscosity / (2e6 * believed.volume_fraction**2.3)
+    slower = np.exp(believed.sd.get("relaxation_time", 0.0) * z[:, list(UNKNOWNS).index("relaxation_time")])
+    theta = 3 * slower * found.viscosity / (2e6 * believed.volume_fraction**2.3)
     thicker = np.maximum((thin.time / theta) ** (1 / 2.33), 1.0)  # phi at which the strands freeze over phi_0
     whole = believed.onset_radius**2 / thin.radius**2
     late = -np.expm1(-p * np.log(np.maximum(thicker, 1 + 1e-12)))
@@ -187,7 +194,11 @@ def _decides(found: Fibres) -> str:
     if float(thin.wet.mean()) > 0.5:
         return "flight: it lands before it is solid"
     near = np.log(thin.radius / found.terminal_radius) < np.log(1.15)
-    return "terminal: charge against surface tension" if float(near.mean()) > 0.5 else "race: it dries while it is stretched"
+    return (
+        "terminal: charge against surface tension"
+        if float(near.mean()) > 0.5
+        else "race: it dries while it is stretched"
+    )
 
 
 def _shares(believed: Believed, rung: str) -> dict[str, float]:
@@ -209,7 +220,7 @@ def _shares(believed: Believed, rung: str) -> dict[str, float]:
     if total <= 0:
         return {}
     first = {list(UNKNOWNS)[i]: float(np.mean(fb * (values[2 + j] - fa)) / total) for j, i in enumerate(active)}
-    return dict(sorted(((name, max(share, 0.0)) for name, share in first.items()), key=lambda item: -item[1]))
+    return dict(sorted(((name, share) for name, share in first.items() if share > 1e-4), key=lambda item: -item[1]))
 
 
 def _remarks(regime: Regime, weights: FloatArray | None) -> tuple[str, ...]:

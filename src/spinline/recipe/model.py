@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.fibre.constants import GLOBAL
 from spinline.jetprofile.whipping import Thinning, terminal_radius, thinning
+from spinline.recipe.constants import GLOBAL
 
 __all__ = ["UNKNOWNS", "Believed", "Fibres", "spun"]
 
@@ -29,6 +29,7 @@ UNKNOWNS = {
     "surface_tension": "surface tension",
     "flight_time": "time of flight",
     "onset_radius": "radius where bending sets in",
+    "relaxation_time": "relaxation time of the strands",
     "laboratory": "what differs between laboratories and is in no recipe",
     "repeat": "what differs between two mats of one laboratory",
 }

@@ -9,7 +9,7 @@ from typing import Any
 
 from spinline.base.errors import InputError
 from spinline.base.text import read_text
-from spinline.fibre.believe import Recipe, known_solvents
+from spinline.recipe.believe import Recipe, known_solvents
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
@@ -17,7 +17,14 @@ from spinline.rheology.solvents import SOLVENTS
 __all__ = ["read_experiments", "recipes_of"]
 
 # what the published tables write for what the library has; the last two by their context
-_ALSO = {"DISTILLED_WATER": "water", "DEIONIZED_WATER": "water", "AC": "acetone", "DSM": "DCM", "PDLLA": "PLA", "PLLA": "PLA"}
+_ALSO = {
+    "DISTILLED_WATER": "water",
+    "DEIONIZED_WATER": "water",
+    "AC": "acetone",
+    "DSM": "DCM",
+    "PDLLA": "PLA",
+    "PLLA": "PLA",
+}
 _NEEDED = ("polymer", "solvent", "voltage_kV", "flow_rate_mL_per_h", "distance_cm")
 # inner radius of a needle by its gauge, m (ISO 9626, regular wall)
 GAUGES = {
@@ -38,8 +45,10 @@ def read_experiments(path: str | Path) -> list[dict[str, str]]:
     reader = csv.DictReader(text.splitlines())
     missing = [name for name in _NEEDED if name not in (reader.fieldnames or ())]
     if missing:
-        raise InputError(str(path), f"has no column {missing[0]}", value=list(reader.fieldnames or ()), allowed=", ".join(_NEEDED),
-                         remedy="a CSV table with commas, one row an experiment")  # fmt: skip
+        raise InputError(
+            str(path), f"has no column {missing[0]}", value=list(reader.fieldnames or ()), allowed=", ".join(_NEEDED),
+            remedy="a CSV table with commas, one row an experiment",
+        )  # fmt: skip
     return [{key: (value or "").strip() for key, value in row.items() if key is not None} for row in reader]
 
 
@@ -68,13 +77,18 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
         percent = number.get("concentration_wt_percent", math.nan)
         if percent == percent and not 0.05 < percent < 95:
             return f"concentration_wt_percent = {percent:g} is out of range (0.05, 95)"
-        kelvin, wet = number.get("temperature_degC", math.nan) + 273.15, number.get("relative_humidity_percent", math.nan)
+        gauge = number.get("needle_gauge", math.nan)  # below 14 they are mistyped: no needle of 2 mm spins 20 wt%
+        celsius = number.get("temperature_degC", math.nan)
+        wet = number.get("relative_humidity_percent", math.nan)
+        for key, value, low, high in (("temperature_degC", celsius, 0, 70), ("relative_humidity_percent", wet, 0, 100)):
+            if value == value and not low <= value <= high:
+                return f"{key} = {value:g} is out of range [{low}, {high}]"
         return Recipe(
             polymer=_polymer(row["polymer"]), solvent=known_solvents(names), ratio_known=len(names) == 1,
             voltage=1e3 * number["voltage_kV"], gap=1e-2 * number["distance_cm"],
             flow_rate=number["flow_rate_mL_per_h"] * 1e-6 / 3600, mass_fraction=percent / 100,
-            needle_radius=GAUGES.get(round(number["needle_gauge"]), math.nan) if number.get("needle_gauge", 0) >= 14 else math.nan,
-            temperature=min(max(kelvin, 274.0), 333.0) if kelvin == kelvin else math.nan, relative_humidity=wet / 100,
+            needle_radius=GAUGES.get(round(gauge), math.nan) if gauge == gauge else math.nan,
+            temperature=celsius + 273.15, relative_humidity=wet / 100,
         )  # fmt: skip
     except InputError as error:
         return str(error)
@@ -136,12 +150,14 @@ def predict_table(
 
     A row that cannot be predicted has them empty, and the reason as its regime.
     """
-    from spinline.fibre.predict import predict
+    from spinline.recipe.predict import predict
 
     out: list[dict[str, str | float]] = []
     recipes = recipes_of(rows)
     for i, (row, recipe) in enumerate(zip(rows, recipes, strict=True)):
-        answer: dict[str, str | float] = dict.fromkeys(("predicted_nm", "low68_nm", "high68_nm", "low95_nm", "high95_nm"), "")
+        answer: dict[str, str | float] = dict.fromkeys(
+            ("predicted_nm", "low68_nm", "high68_nm", "low95_nm", "high95_nm"), ""
+        )
         if isinstance(recipe, str):
             answer |= {"regime": f"not predicted: {recipe}", "rung": rung}
         else:

@@ -8,9 +8,9 @@ from pydantic import Field
 
 from spinline.base.errors import InputError
 from spinline.base.units import Measured
-from spinline.fibre.believe import Recipe
-from spinline.fibre.predict import Fibre, Measurement, predict
-from spinline.fibre.table import GAUGES
+from spinline.recipe.believe import Recipe
+from spinline.recipe.predict import Fibre, Measurement, predict
+from spinline.recipe.table import GAUGES
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
@@ -107,7 +107,12 @@ class RecipeSheet(Sheet):
                 raise InputError("jet.gauge", "is not known", value=j.gauge, allowed=", ".join(map(str, GAUGES)))
             radius = GAUGES[j.gauge]
         kelvin = _value(air.temperature)
-        given = {"viscosity": s.viscosity, "conductivity": s.conductivity, "surface_tension": s.surface_tension, "current": j.current}
+        given = {
+            "viscosity": s.viscosity,
+            "conductivity": s.conductivity,
+            "surface_tension": s.surface_tension,
+            "current": j.current,
+        }
         return Recipe(
             polymer=_named(s.polymer, POLYMERS, "solution.polymer"), solvent=_solvent(s.solvent),
             voltage=j.voltage.value, gap=j.gap.value, flow_rate=j.flow_rate.value, mass_fraction=_value(s.concentration),
@@ -153,8 +158,10 @@ def _solvent(given: str | dict[str, float]) -> dict[str, float]:
         known = _named(name, SOLVENTS, "solution.solvent")
         found[known] = found.get(known, 0.0) + float(share)
     total = sum(found.values())
-    if not found or abs(total - 1) > 0.02 and abs(total - 100) > 2:
-        raise InputError("solution.solvent", "has shares that do not add up to 1", value=shares, remedy="mass fractions")
+    if not found or (abs(total - 1) > 0.02 and abs(total - 100) > 2):
+        raise InputError(
+            "solution.solvent", "has shares that do not add up to 1", value=shares, remedy="mass fractions"
+        )
     return {name: share / total for name, share in found.items()}
 
 

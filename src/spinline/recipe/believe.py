@@ -1,4 +1,4 @@
-"""What is believed of a recipe: from names and numbers, where given, and from the library, where not, to medians and spreads."""
+"""What is believed of a recipe: medians and spreads, from what is given and, where nothing is, from the library."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from spinline.base.errors import InputError
-from spinline.fibre import library
-from spinline.fibre.constants import GLOBAL
-from spinline.fibre.model import Believed
+from spinline.recipe import library
+from spinline.recipe.constants import GLOBAL
+from spinline.recipe.model import Believed
 from spinline.rheology.evaporant import Evaporant
 from spinline.rheology.intrinsic import intrinsic_viscosity
 from spinline.rheology.materials import POLYMERS, polymer
@@ -83,7 +83,7 @@ def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
     """Medians and spreads of a recipe, and what was borrowed, in words by the recipe's own names."""
     borrowed: dict[str, str] = {}
     sd = {"laboratory": GLOBAL["paper_sd"], "repeat": GLOBAL["row_sd"], "extensional_viscosity": 0.6, "evaporation": 0.3,
-          "flight_time": 0.5, "onset_radius": 0.5, "surface_tension": 0.1}  # fmt: skip
+          "flight_time": 0.5, "onset_radius": 0.5, "surface_tension": 0.1, "relaxation_time": 1.2}  # fmt: skip
     kelvin = recipe.temperature if recipe.temperature == recipe.temperature else 296.15
     wet = recipe.relative_humidity if recipe.relative_humidity == recipe.relative_humidity else 0.45
     if recipe.relative_humidity != recipe.relative_humidity:
@@ -155,7 +155,7 @@ def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -
 
 
 def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
-    """ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation."""
+    """Ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation."""
     if recipe.polymer not in POLYMERS:
         return float(np.log(0.06)), 0.8
     main = max(recipe.solvent, key=lambda name: recipe.solvent[name])
@@ -165,10 +165,12 @@ def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
 
 
 def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_humidity: float) -> float:
-    """k_ev, m2/s: cross-section over pi that dries in a second at the wet bulb; of a mixture what it takes to lose all of it."""
+    """k_ev, m2/s: cross-section over pi that dries in a second, at the wet bulb; a mixture loses all of its solvents."""
     volumes = {name: share / solvent_density(name, temperature) for name, share in solvent.items() if share > 0}
     total = sum(volumes.values())
-    return 1.0 / sum(v / total / _rate(name, round(temperature, 1), round(relative_humidity, 2)) for name, v in volumes.items())
+    return 1.0 / sum(
+        v / total / _rate(name, round(temperature, 1), round(relative_humidity, 2)) for name, v in volumes.items()
+    )
 
 
 @lru_cache(maxsize=4096)
@@ -176,7 +178,9 @@ def _rate(name: str, kelvin: float, humidity: float) -> float:
     ambient = min(humidity, 0.97) if name == "water" else 0.0
     pressure = float(saturation_pressure(name, kelvin))
     content = pressure * molar_mass(name) / (_GAS * kelvin)
-    free = vapour_diffusivity(name, kelvin) * GLOBAL["sherwood"] * content * (1 - ambient) / solvent_density(name, kelvin)
+    free = (
+        vapour_diffusivity(name, kelvin) * GLOBAL["sherwood"] * content * (1 - ambient) / solvent_density(name, kelvin)
+    )
     cooled = wet_bulb(Evaporant.build(name, kelvin, ambient_pressure=ambient * pressure), kelvin).rate_factor
     return float(free * cooled)
 
@@ -185,5 +189,7 @@ def known_solvents(names: list[str]) -> dict[str, float]:
     """Equal parts of some solvents."""
     missing = [name for name in names if name not in SOLVENTS]
     if missing:
-        raise InputError("solution.solvent", "is not in the library", value=missing[0], allowed=", ".join(sorted(SOLVENTS)))
+        raise InputError(
+            "solution.solvent", "is not in the library", value=missing[0], allowed=", ".join(sorted(SOLVENTS))
+        )
     return dict.fromkeys(names, 1.0 / len(names))
