@@ -66,7 +66,9 @@ class Followed:
         return first_passage(self.along.position, np.log(self.along.stretch), float(np.log(stretch)))
 
 
-def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None = None) -> Followed:
+def follow(
+    context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None = None, *, bare: bool = False
+) -> Followed:
     """Follow the solution along one moment of a jet.
 
     Parameters
@@ -77,6 +79,8 @@ def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArra
         Jet variables without the effects.
     slipping : ndarray, optional
         Stretch w of the network at the profile's places, of a rung that slips.
+    bare : bool
+        Do not look beyond the jet for where it would turn to glass.
 
     Raises
     ------
@@ -112,7 +116,7 @@ def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArra
     along = Along(x, history.time, history.radius, w, history.stretch)
     frozen = None
     if dried is not None:
-        frozen = _frozen(context, along, dried)
+        frozen = _frozen(context, along, dried, beyond=not bare)
         attributes |= {f"{name}_structure": words for name, words in frozen.words.items()}
         if not np.isnan(frozen.position):
             beyond = x > frozen.position
@@ -208,7 +212,7 @@ def _material_fields(material: Material, fraction: FloatArray) -> dict[str, Floa
     return fields
 
 
-def _frozen(context: Context, along: Along, dried: Dried) -> Frozen:
+def _frozen(context: Context, along: Along, dried: Dried, *, beyond: bool) -> Frozen:
     nan = float("nan")
     glass, why = context.glass
     places = {"frozen": (nan, nan)}
@@ -216,7 +220,7 @@ def _frozen(context: Context, along: Along, dried: Dried) -> Frozen:
     if not np.isnan(glass):
         if glass >= context.air.equilibrium:
             never = f"drying ends at phi = {context.air.equilibrium:.4g}"
-        places["frozen"] = where_mean_reaches(dried, context.air, context.solution, context.jet, glass)
+        places["frozen"] = where_mean_reaches(dried, context.air, context.solution, context.jet, glass, beyond=beyond)
     if dried.radial is not None:
         surface, axis = dried.radial.vitrified_at if not np.isnan(glass) else (nan, nan)
         places |= {"skin": (surface, surface), "core": (axis, axis)}

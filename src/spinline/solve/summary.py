@@ -8,21 +8,21 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from spinline.base.checks import FloatArray
+from spinline.base.named_arrays import NamedArrays
 
 __all__ = ["SUMMARISED", "structure_summary", "summarised"]
 
 SUMMARISED = ("axial_stretch", "relative_extension", "orientation", "core_polymer_fraction", "network_radius")
 
 
-def structure_summary(result: xr.Dataset) -> dict[str, Any]:
+def structure_summary(result: NamedArrays) -> dict[str, Any]:
     """Numbers of a result: `SUMMARISED` with ``crossover_`` and ``end_`` before them, and ``fibre_radius``.
 
     Parameters
     ----------
-    result : xarray.Dataset
+    result : NamedArrays
         Profiles along the jet, crossover among the numbers; may have times.
 
     Returns
