@@ -9,7 +9,9 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "spinline"
 PHYSICS = sorted(path.name for path in PACKAGE.iterdir() if path.is_symlink())
 ROOMS = sorted(path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists() and not path.is_symlink())
-FILES = sorted(file for top in (*PHYSICS, "src") for file in (ROOT / top).rglob("*.py") if "__pycache__" not in file.parts)
+FILES = sorted(
+    file for top in (*PHYSICS, "src") for file in (ROOT / top).rglob("*.py") if "__pycache__" not in file.parts
+)
 LOOP = "one compiled loop: its state would be passed through every part"
 LIST = "options of one command, or settings of one call, in one place"
 LONG = {  # function: lines without its docstring may pass 60, because
