@@ -131,7 +131,12 @@ def follow_moments(
     frames, lead = context.frames, context.jet.time is not None
     solution, effects = context.solution, context.effects
     moments = [
-        follow(frame, {name: values[i] for name, values in profile.items()} if lead else profile, slipping, bare=bare)
+        follow(
+            frame,
+            {name: values[i] for name, values in profile.items()} if lead else profile,
+            slipping[i] if lead and slipping is not None else slipping,
+            bare=bare,
+        )
         for i, frame in enumerate(frames)
     ]
 
@@ -145,9 +150,8 @@ def follow_moments(
             ]
     else:
         for name, places in found.items():
-            if not np.isnan(places[0].position):
-                radius = moments[0].along.at(places[0].position)["radius"]
-                found[name] = [replace(places[0], radius=radius, radius_ratio=radius / context.jet.initial_radius)]
+            if not all(np.isnan(place.position) for place in places):
+                found[name] = [_dried(moment, context, place) for moment, place in zip(moments, places, strict=True)]
     names = set.intersection(*(set(moment.fields) for moment in moments))
     new = {name: gather([moment.fields[name] for moment in moments]) for name in moments[0].fields if name in names}
     first = moments[0]
@@ -180,6 +184,14 @@ def follow_moments(
         remarks=remarks,
         attributes=attributes,
     )
+
+
+def _dried(moment: Followed, context: Context, place: Crossover) -> Crossover:
+    """The same place in the jet as it has dried."""
+    if np.isnan(place.position):
+        return place
+    radius = moment.along.at(place.position)["radius"]
+    return replace(place, radius=radius, radius_ratio=radius / context.jet.initial_radius)
 
 
 def _crossover(moment: Followed, context: Context, affine: Crossover) -> Crossover:
