@@ -103,8 +103,6 @@ def operating_window(
     InputError
         For another jet, or what the estimates need and was not given.
     """
-    import xarray as xr
-
     jet = scene.jet
     if not isinstance(jet, PowerLawJet):
         raise InputError(
@@ -123,6 +121,41 @@ def operating_window(
         )
     if solution.viscosity is None:
         raise InputError("solution.viscosity", "is missing: the estimate of k needs it", remedy="give it in the scene")
+    axes = _axes(jet, solution, voltage, gap, flow_rate, mass_fraction)
+    factors = np.array([low, 1.0, high])
+    u, g, q, w = (x[np.newaxis] for x in np.meshgrid(*axes.values(), indexing="ij"))
+    mu, law = _viscosity(scene, solution, w)
+    k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
+        radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
+    )
+    q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
+    columns = {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu}
+    rows = _rows(scene, columns, workers, progress)
+    phi = np.reshape(rows["volume_fraction"].values, k.shape)
+    dry, air = _dryness(scene, k, q, phi, relative_humidity)
+    found = {"k": k, "viscosity": mu, "dryness": dry, "strands_per_chain": _strands(scene, solution, phi)}
+    attributes = {
+        "title": scene.title or scene.name,
+        "scene": scene.text,
+        "spinline_version": rows.attrs["spinline_version"],
+        "conductivity": sigma,
+        "jet_length": jet.length.value,
+        "viscosity_law": law,
+        "air": air,
+        "k_estimate": f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
+    }
+    return _dataset(found, rows, factors, axes, attributes)
+
+
+def _axes(
+    jet: PowerLawJet,
+    solution: Solution,
+    voltage: ArrayLike,
+    gap: ArrayLike,
+    flow_rate: ArrayLike | None,
+    mass_fraction: ArrayLike | None,
+) -> dict[str, FloatArray]:
+    """The four axes, one number where nothing varies."""
     axes = {
         "voltage": _axis("voltage", voltage, 1e-3, 1e7),
         "gap": _axis("gap", gap, 1e-6, 1e3),
@@ -134,58 +167,37 @@ def operating_window(
     if jet.length.value > axes["gap"].min():
         raise InputError("gap", "is shorter than the jet of the scene", value=float(axes["gap"].min()),
                          allowed=f">= jet.length = {jet.length.value:g} m", remedy="shorten jet.length")  # fmt: skip
-    factors = np.array([low, 1.0, high])
-    u, g, q, w = (x[np.newaxis] for x in np.meshgrid(*axes.values(), indexing="ij"))
-    mu, law = _viscosity(scene, solution, w)
-    k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
-        radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
-    )
-    q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
-    rows = _rows(
-        scene,
-        {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu},
-        workers,
-        progress,
-    )
-    phi = np.reshape(rows["volume_fraction"].values, k.shape)
-    dry, air = _dryness(scene, k, q, phi, relative_humidity)
-    found = {
-        "k": k,
-        "viscosity": mu,
+    return axes
+
+
+def _dataset(
+    found: dict[str, FloatArray],
+    rows: "xr.Dataset",
+    factors: FloatArray,
+    axes: dict[str, FloatArray],
+    attributes: dict[str, object],
+) -> "xr.Dataset":
+    """The map: what was found beside the rows, and the rows' own numbers."""
+    import xarray as xr
+
+    shape, dims = found["k"].shape, ("k_factor", *axes)
+    of_rows = {
         **{name: rows[name].values for name in ("crossover_position", "crossover_radius")},
         "full_stretch": rows["end_velocity_ratio"].values / rows["crossover_velocity_ratio"].values,
         "orientation": rows["end_orientation"].values,
         "core_polymer_fraction": rows["end_core_polymer_fraction"].values,
-        "dryness": dry,
-        "strands_per_chain": _strands(scene, solution, phi),
     }
-    dims = ("k_factor", *axes)
-    variables = {name: (dims, np.reshape(np.broadcast_to(v, k.size if np.ndim(v) == 1 else k.shape), k.shape).copy(),
-                        {"units": _OUT[name][0], "long_name": _OUT[name][1]}) for name, v in found.items()}  # fmt: skip
-    variables["status"] = (
-        dims,
-        rows["status"].values.reshape(k.shape),
-        {"long_name": rows["status"].attrs["long_name"]},
-    )
-    variables["reason"] = (
-        dims,
-        rows["reason"].values.astype(str).reshape(k.shape),
-        {"long_name": "why a point has no numbers"},
-    )
+    every = found | {name: np.reshape(values, shape) for name, values in of_rows.items()}
+    variables = {
+        name: (dims, np.broadcast_to(every[name], shape).copy(), {"units": unit, "long_name": words})
+        for name, (unit, words) in _OUT.items()
+    }
+    status, why = rows["status"], {"long_name": "why a point has no numbers"}
+    variables["status"] = (dims, status.values.reshape(shape), {"long_name": status.attrs["long_name"]})
+    variables["reason"] = (dims, rows["reason"].values.astype(str).reshape(shape), why)
     coordinates = {name: (name, x, {"units": AXES[name][0], "long_name": AXES[name][1]}) for name, x in axes.items()}
     return xr.Dataset(
-        variables,
-        {"k_factor": ("k_factor", factors, {"long_name": "k over its estimate"}), **coordinates},
-        {
-            "title": scene.title or scene.name,
-            "scene": scene.text,
-            "spinline_version": rows.attrs["spinline_version"],
-            "conductivity": sigma,
-            "jet_length": jet.length.value,
-            "viscosity_law": law,
-            "air": air,
-            "k_estimate": f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
-        },
+        variables, {"k_factor": ("k_factor", factors, {"long_name": "k over its estimate"}), **coordinates}, attributes
     )
 
 
