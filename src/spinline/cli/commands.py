@@ -175,7 +175,7 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
-        say(f"odd: {remark}")
+        say(f"remark: {remark}")
     phi = solution.volume_fraction
     say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
