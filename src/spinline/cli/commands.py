@@ -20,6 +20,7 @@ import typer
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
+from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
@@ -169,6 +170,7 @@ def crossover(
 def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
     """What is wrong or odd with a scene, before anything runs."""
     loaded = load(scene, model, rtol, set_)
+    from spinline.plan.effects.lateral import lateral_words
     from spinline.solve.spine import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
@@ -176,6 +178,9 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
         say(f"remark: {remark}")
+    lateral = lateral_words(loaded, solution, jet)
+    if lateral:
+        say(f"note: {lateral}")
     phi = solution.volume_fraction
     say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
@@ -305,7 +310,15 @@ def import_jet(
     say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-for register in (register_fibre, register_sweep, register_fit, register_simulate, register_images):
+REGISTERED = (
+    register_fibre,
+    register_sweep,
+    register_fit,
+    register_simulate,
+    register_images,
+    register_deposit,
+)
+for register in REGISTERED:
     register(app)
 
 
