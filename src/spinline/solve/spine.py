@@ -4,6 +4,7 @@ Data goes one way. A `Context` holds what a scene needs; `plan` chooses the rung
 names everything as the design does.
 """
 
+import logging
 import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -44,6 +45,8 @@ __all__ = [
     "solved",
     "taken",
 ]
+
+_LOG = logging.getLogger("spinline")
 
 
 def run(scene: Scene) -> "xr.Dataset":
@@ -170,7 +173,10 @@ def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True)
     """
     context, plan = chosen(Context(scene, jet=jet), planned=attributes)
     remarks = remarks_of(context, plan)
+    if plan is not None:
+        _LOG.info("%s: %s", scene.name, plan.reason)
     answer = solve_stages(context, network=_network(context, plan))
+    _LOG.debug("%s: solved by %s, %d remarks", scene.name, context.scene.network.model, len(remarks))
     remarks += answer.remarks
     remarks += odd_places(context, answer.found)
     for name, places in answer.found.items():
