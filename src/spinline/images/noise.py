@@ -147,5 +147,7 @@ def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float
         count += number
     power = best
     along = (covariance[reach : reach + _REACH + 1, reach] - level) / power
-    patches = max(float(weight[reach, reach]) / count, 1.0)  # of the size that is summed over: each tells the power once
+    patches = max(
+        float(weight[reach, reach]) / count, 1.0
+    )  # of the size that is summed over: each tells the power once
     return power, float(np.sqrt(2.0 / patches)), tuple(along.tolist())
