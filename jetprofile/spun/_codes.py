@@ -137,10 +137,12 @@ COULOMB = 8.9875517873681764e9
     D_VOLUME,
     D_LABEL_VOLUME,
     D_CHARGE,
-    D_SPEED,
+    D_VX,
+    D_VY,
+    D_VZ,
     D_LABEL,
-) = range(14)
-DEPOSITS = 14
+) = range(16)
+DEPOSITS = 16
 
 # what an integration stopped for
 DONE, FULL, BROKEN, STALLED, EMPTY = range(5)

@@ -84,7 +84,11 @@ def first_touch(
         if held[i] == 1:
             continue
         after = distance(new[i, X], new[i, Y], p, k)
-        if after > 0.0:
+        if after > 1e-9 * p[GAP]:
+            continue
+        if after > 0.0:  # as good as there
+            if who < 0:
+                who, when = i, h
             continue
         low, high = 0.0, 1.0
         for _ in range(60):

@@ -116,6 +116,7 @@ def march_explicit(
             step = 0.5 * (stop - t)
         if fixed > 0.0 and step > 0.999 * (stop - t):
             step = stop - t
+        cut = False
         while True:
             good = _try(t, step, n, held, y, p, k, tables, w, f, d, trial, new)
             ratio = _error(n, step, y, new, d, tol, reach) if good else math.inf
@@ -125,7 +126,7 @@ def march_explicit(
                 who, when = first_touch(n, step, y, new, held, p, k)
                 if who < 0 or when > step * (1.0 - 1e-9):
                     break
-                step = max(when, 1e-9 * step)
+                step, cut = max(when, 1e-9 * step), True
                 continue
             clock[6] += 1
             step *= max(0.2, 0.9 * ratio**-0.2) if ratio < 1e300 else 0.2
@@ -138,7 +139,7 @@ def march_explicit(
         d[0, : n + 1] = d[6, : n + 1]
         if fixed <= 0.0:
             grow = step * min(5.0, 0.9 * max(ratio, 1e-10) ** -0.2)
-            h = grow if not reached else max(h, grow) if step >= 0.5 * h else h
+            h = max(h, grow) if reached or who >= 0 or cut else grow
         if who >= 0:
             touch(t, who, n, y, held, marks, p, k)
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), False)

@@ -77,6 +77,8 @@ def _viscous(n: int, gh: float, y: FloatArray, held: IntArray, p: FloatArray, w:
     for i in range(n):
         mass = 0.5 * p[RHO] * (y[i, VOLUME] + (y[i - 1, VOLUME] if i > 0 else 0.0))
         here = gh * 3.0 * w[SOLVENT_HERE, i] * w[AREA, i] / w[LENGTH, i]
+        if held[i] == 1 and w[RATE, i] < 0.0:
+            here = 0.0
         if held[i] == 1:
             for a in range(3):
                 right[i, a] = y[i, VX + a]

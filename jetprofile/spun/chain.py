@@ -212,6 +212,6 @@ def start_cylinder(settings: SpunSettings, capacity: int = 512) -> Chain:
     clock[0] = area * step
     clock[2] = (1.5 * step - pieces[-1]) / inlet.speed
     return Chain(
-        settings, 0.0, n, state, np.zeros(rows, dtype=np.int64), np.zeros((rows, 6)), clock,
+        settings, 0.0, n, state, np.zeros(rows, dtype=np.int64), np.zeros((rows, 9)), clock,
         np.zeros((rows, c.DEPOSITS)), 0.01 * step / inlet.speed,
     )  # fmt: skip

@@ -151,7 +151,7 @@ def _landings(run: SpunRun, r0: float) -> dict[str, FloatArray]:
         "deposit_radius": np.sqrt(volume / (math.pi * flight)), "deposit_stretch": flight * math.pi * r0**2 / label,
         "deposit_volume": volume, "deposit_polymer_volume": label * (drying.fraction if drying else 1.0),
         "deposit_charge": rows[:, c.D_CHARGE], "deposit_length": chord, "deposit_flight_length": flight,
-        "deposit_speed": rows[:, c.D_SPEED], "deposit_label": rows[:, c.D_LABEL],
+        "deposit_speed": np.linalg.norm(rows[:, c.D_VX : c.D_VZ + 1], axis=1), "deposit_label": rows[:, c.D_LABEL],
         "deposit_jet": np.zeros(len(rows), dtype=np.int64),
     }  # fmt: skip
 

@@ -25,6 +25,7 @@ from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say
+from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
@@ -303,7 +304,7 @@ def import_jet(
     say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-for register in (register_sweep, register_fit, register_simulate, register_images):
+for register in (register_sweep, register_fit, register_simulate, register_spin, register_images):
     register(app)
 
 
