@@ -163,7 +163,7 @@ def _forces(
     repulsion(n, y, p, k, w, f)
     for i in range(n):
         pull = w[TENSION, i]
-        if held[i] == 1 and pull < 0.0:
+        if held[i] == 1 and (pull < 0.0 or w[RATE, i] <= 0.0):
             pull = 0.0
         for c in range(3):
             f[i, c] -= pull * w[TX + c, i]

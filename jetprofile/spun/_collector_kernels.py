@@ -16,6 +16,7 @@ from spinline.jetprofile.spun._codes import (
     DRUM_RADIUS,
     GAP,
     NO_COLLECTOR,
+    RADIUS,
     VX,
     IntArray,
     X,
@@ -84,7 +85,7 @@ def first_touch(
         if held[i] == 1:
             continue
         after = distance(new[i, X], new[i, Y], p, k)
-        if after > 1e-9 * p[GAP]:
+        if after > max(1e-9 * p[GAP], 1e-3 * p[RADIUS]):
             continue
         if after > 0.0:  # as good as there
             if who < 0:

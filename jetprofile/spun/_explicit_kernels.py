@@ -15,6 +15,7 @@ from spinline.jetprofile.spun._codes import (
     DONE,
     FLOW,
     FULL,
+    LONGEST,
     MX,
     OUTFLOW,
     RADIUS,
@@ -27,6 +28,7 @@ from spinline.jetprofile.spun._codes import (
 from spinline.jetprofile.spun._collector_kernels import first_touch
 from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._nozzle_kernels import split
+from spinline.jetprofile.spun._refine_kernels import refine
 
 __all__ = ["march_explicit"]
 
@@ -150,6 +152,10 @@ def march_explicit(
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
             fresh = True
+        if p[LONGEST] > 0.0:
+            parts = refine(n, y, held, marks, p)
+            fresh = fresh or parts > n
+            n = parts
         if t >= entry:
             split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
             held[n + 1] = held[n] = 0

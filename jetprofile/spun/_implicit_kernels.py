@@ -30,6 +30,7 @@ from spinline.jetprofile.spun._codes import (
     GIVEN_CURRENT,
     LAW,
     LENGTH,
+    LONGEST,
     OUTFLOW,
     RADIUS,
     RATE,
@@ -50,6 +51,7 @@ from spinline.jetprofile.spun._collector_kernels import first_touch
 from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._law_kernels import stiffness
 from spinline.jetprofile.spun._nozzle_kernels import nozzle, split
+from spinline.jetprofile.spun._refine_kernels import refine
 
 __all__ = ["march_implicit"]
 
@@ -273,6 +275,8 @@ def march_implicit(
             leave(t, n, y, held, marks, p)
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
+        if p[LONGEST] > 0.0:
+            n = refine(n, y, held, marks, p)
         if t >= entry:
             split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
             held[n + 1] = held[n] = 0

@@ -172,6 +172,13 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     from spinline.solve.spine import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
+    if loaded.jet.profile == "spun":  # what it is given is checked; it is not spun for that
+        from spinline.setup.spun import spun_remarks
+
+        for remark in spun_remarks(loaded.jet, solution):
+            say(f"odd: {remark}")
+        say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
+        return
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:

@@ -42,6 +42,7 @@ class SpunJet(Section):
     start: Literal["needle"] = "needle"
     inlet_stress: Literal["free", "given"] = "free"
     element_length: Length | None = None
+    longest_element: Length | None = None
     nozzle_amplitude: Length | None = None
     nozzle_frequency: Frequency | None = None
     time: Time = Measured(0.02, 0.0, "20 ms")

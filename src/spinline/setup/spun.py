@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from spinline.scene.file import Scene
     from spinline.scene.spun import SpunJet
 
-__all__ = ["build_spun", "spun_settings"]
+__all__ = ["build_spun", "spun_remarks", "spun_settings"]
 
 
 def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None = None) -> SpunSettings:
@@ -56,6 +56,7 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
         step, tolerance=section.tolerance, repulsion="none" if section.charge == "none" else "hybrid",
         pressure=not frozen, feed_length=gap if frozen else 0.0, feed_charge=density * area if frozen else 0.0,
         log_length=gap, bending=section.bending,
+        longest=given(section.longest_element) or 0.0,
     )  # fmt: skip
     return SpunSettings(
         density=solution.density, law=law, inlet=inlet, loads=loads, grid=grid,
@@ -64,6 +65,26 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
         collector=Collector(section.collector, given(section.collector_speed) or 0.0, given(section.collector_radius) or 0.0),
         seed=section.seed if seed is None else seed,
     )  # fmt: skip
+
+
+def spun_remarks(section: "SpunJet", solution: "Solution") -> tuple[str, ...]:
+    """What is odd about a jet to be spun: the numbers that decide, before anything runs."""
+    s = spun_settings(section, solution)
+    r0, v0 = s.inlet.radius, s.inlet.speed
+    wave = math.sqrt(3 * s.law.modulus / s.density)
+    said = [
+        f"De = theta v0/r0 = {s.law.relaxation_time * v0 / r0:.3g}; v0/c = {v0 / wave:.3g}; element/radius = "
+        f"{s.grid.element_length / r0:.3g} at the nozzle"
+    ]
+    if s.inlet.charge_density:
+        line = s.inlet.charge_density * math.pi * r0**2
+        surface = line / (2 * math.pi * r0 * 8.8541878188e-12)
+        said.append(
+            f"charge frozen: e^2/(G A0) = {8.9875517873681764e9 * line**2 / (s.law.modulus * math.pi * r0**2):.3g}"
+        )
+        if surface > 3e6:
+            said.append(f"charge frozen: {surface / 1e6:.3g} MV/m at the surface, over the breakdown of air (3)")
+    return tuple(said)
 
 
 def _law(section: "SpunJet", solution: "Solution") -> JetLaw:
