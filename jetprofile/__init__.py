@@ -56,6 +56,7 @@ _NAMES = {
     "fit_power_law": "fit",
     "iter_jetspin": "jetspin",
     "read_jetspin": "jetspin",
+    "spun": "spun:",
     "write_jet": "jetspin",
 }
 

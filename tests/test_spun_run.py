@@ -107,6 +107,16 @@ def test_result_is_a_jet(landed):
     assert radius == pytest.approx(50e-6 * jet["deposit_stretch"].values ** -0.5, rel=1e-12)
 
 
+def test_landings_are_what_a_mat_is_laid_of(landed):
+    from spinline.deposit.landing import LandingRecord
+    from spinline.jetprofile.spun import landings
+
+    record = LandingRecord.from_dataset(landings(landed))
+    rows = landed.chain.deposited
+    assert len(record.touch_time) == len(rows) + 1
+    assert record.volume.sum() == pytest.approx(rows[:, c.D_VOLUME].sum(), rel=1e-12)
+
+
 @pytest.mark.parametrize(("kind", "more"), [("belt", {"speed": 2.0}), ("drum", {"speed": 2.0, "radius": 0.05})])
 def test_moving_collectors(kind, more):
     """The thread laid on a moving surface is as long as the surface's way, at least; and all is kept."""
@@ -253,11 +263,11 @@ def test_extremes_run(change):
 
 def test_refined_jet_keeps_everything_and_its_shape():
     """Elements split in flight: volume and charge to rounding, material points as on a finer grid."""
-    s = rotating(pvp(4e-4, charge=0.0), 2000.0, ramp=1e-3)
+    s = rotating(pvp(4e-4), 2000.0, ramp=1e-3)
     plain, split, fine = (
         s,
         replace(s, grid=replace(s.grid, longest=1e-3)),
-        rotating(pvp(1e-4, charge=0.0), 2000.0, ramp=1e-3),
+        rotating(pvp(1e-4), 2000.0, ramp=1e-3),
     )
     found = []
     for settings in (plain, split, fine):
