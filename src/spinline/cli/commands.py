@@ -20,6 +20,8 @@ import typer
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
+from spinline.cli.deposit import register as register_deposit
+from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
@@ -169,6 +171,7 @@ def crossover(
 def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
     """What is wrong or odd with a scene, before anything runs."""
     loaded = load(scene, model, rtol, set_)
+    from spinline.plan.effects.lateral import lateral_words
     from spinline.solve.spine import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
@@ -182,7 +185,10 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
-        say(f"odd: {remark}")
+        say(f"remark: {remark}")
+    lateral = lateral_words(loaded, solution, jet)
+    if lateral:
+        say(f"note: {lateral}")
     phi = solution.volume_fraction
     say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
@@ -202,10 +208,11 @@ def scenes(
     import tomllib
 
     from spinline.base.files import copy_file, copy_tree, writable
+    from spinline.recipe.recipe_file import bundled_recipes
     from spinline.scene.file import bundled_scenes
     from spinline.scene.images_file import bundled_images
 
-    known = bundled_scenes() | bundled_images()
+    known = bundled_scenes() | bundled_images() | bundled_recipes()
     if copy is None:
         for name, file in known.items():
             say(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
@@ -311,7 +318,15 @@ def import_jet(
     say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-for register in (register_sweep, register_fit, register_simulate, register_spin, register_images):
+REGISTERED = (
+    register_fibre,
+    register_sweep,
+    register_fit,
+    register_simulate, register_spin,
+    register_images,
+    register_deposit,
+)
+for register in REGISTERED:
     register(app)
 
 

@@ -459,6 +459,14 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "accuracy": AccuracySection,
     }
     section = key.rpartition(".")[0]
+    if root is not Scene and section in root.model_fields:  # another sheet: its own sections
+        kinds = [root.model_fields[section].annotation, *get_args(root.model_fields[section].annotation)]
+        return [
+            name
+            for kind in kinds
+            if isinstance(kind, type) and issubclass(kind, BaseModel)
+            for name in kind.model_fields
+        ]
     if section == "jet":
         section = f"jet {data['jet']['profile']}"
     return list(models.get(section, root).model_fields)
