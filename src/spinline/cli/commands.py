@@ -322,7 +322,8 @@ REGISTERED = (
     register_fibre,
     register_sweep,
     register_fit,
-    register_simulate, register_spin,
+    register_simulate,
+    register_spin,
     register_images,
     register_deposit,
 )
