@@ -40,6 +40,7 @@ from spinline.scene.quantities import (
     Viscosity,
     VolumeFraction,
 )
+from spinline.scene.spun import SpunJet
 
 __all__ = ["LONGEST", "Scene", "bundled_scenes", "given_file", "json_schema", "load_scene", "scene_from_dict"]
 
@@ -171,7 +172,7 @@ class LagrangianJetFile(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
+    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet, Field(discriminator="profile")
 ]
 JET_SECTIONS: dict[str, type[Section]] = {
     "power-law": PowerLawJet,
@@ -179,6 +180,7 @@ JET_SECTIONS: dict[str, type[Section]] = {
     "table": TableJet,
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
+    "spun": SpunJet,
 }
 
 
