@@ -423,9 +423,9 @@ def hidden_traces(
             part = _part(looked, absorber, (name,), shells, nuisances)
             if part is None:
                 continue
-            part.model.tail = (0.0, length)
-            index = part.shared[0]
-            part.at[index] = 0.0
+            if length:
+                part.model.tail = (0.0, length)
+            part.at[part.shared[0]] = 0.0
             f, g = _curvature(part, part.at, np.ones(1), block.good)
             matrix += float(f[0, 0])
             slope += float(g[0])
