@@ -17,6 +17,7 @@ from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
+from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
     Conductivity,
     Density,
@@ -170,11 +171,12 @@ class LagrangianJetFile(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
+    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
 ]
 JET_SECTIONS: dict[str, type[Section]] = {
     "power-law": PowerLawJet,
     "hyperbolic": HyperbolicJet,
+    "needle": NeedleJet,
     "table": TableJet,
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
