@@ -1,7 +1,7 @@
 """Electrified jets of random settings over the whole box: a jet, or a named verdict, and never the wrong branch.
 
 Each jet that comes out is checked by the three tests (thins everywhere, under tension everywhere, the mesh does not move
-it) and reached a second time by another way: the upwind equations alone, on another mesh, at full relaxation time. The two must agree.
+it) and reached a second time by another way: the upwind equations alone, on another mesh. The two must agree.
 
     python benchmarks/ehd_settings.py [number] [first]        # writes ehd_settings.json
 """

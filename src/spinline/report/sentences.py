@@ -117,7 +117,7 @@ def _dried(result: "xr.Dataset | NamedArrays", end: int) -> list[str]:
         )
         sentences.append(f"The jet {change}; its mean polymer fraction ends at {mean:.3g}.")
     if "deborah_number" in result:
-        w, affine = (float(result[name].values[end]) for name in ("network_velocity_ratio", "stretch_ratio"))
+        w, affine = (float(result[name].values[end]) for name in ("strand_stretch", "stretch_ratio"))
         sentences.append(
             f"The strands relax while they are stretched: {w:.3g} times at the end, where the solution is stretched "
             f"{affine:.3g} times."

@@ -16,7 +16,8 @@ from pydantic_core import ErrorDetails
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
-from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
+from spinline.rheology.constitutive import ConstitutiveLaw
+from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
 from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
     Conductivity,
@@ -188,6 +189,7 @@ MODELS: dict[str, bool] = {
     "affine": False,
     "manifold": True,
     "conformation": False,
+    "two-fluid": True,
     "chain": True,
     "walk": False,
 }
@@ -196,7 +198,7 @@ MODELS: dict[str, bool] = {
 class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
-    model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
+    model: Literal["auto", "affine", "manifold", "conformation", "two-fluid", "chain", "walk"] = "auto"
     closure: Literal["auto", "force", "stretch"] = "auto"
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
@@ -205,6 +207,8 @@ class NetworkSection(Section):
     lateral: bool = False
     inertia: NumberOrZero = Measured(0.0, 0.0, "0")
     force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
+    end: Literal["take-up", "free", "extended"] = "take-up"
+    strand_law: Literal["maxwell", "shortcut"] = "maxwell"
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 
@@ -252,6 +256,12 @@ def add_jet_section(section: type[Section]) -> None:
     (name,) = get_args(section.model_fields["profile"].annotation)
     JET_SECTIONS[name] = section
     Scene.model_fields["jet"].annotation = Union[tuple(JET_SECTIONS.values())]  # type: ignore[assignment]  # noqa: UP007
+    Scene.model_rebuild(force=True)
+
+
+def register_law(law: ConstitutiveLaw) -> None:
+    """Add a constitutive law: ``rheology.constitutive`` may name it, and its parameters are keys of ``[rheology]``."""
+    add_law(law)
     Scene.model_rebuild(force=True)
 
 
