@@ -2,9 +2,9 @@
 
     python benchmarks/bench_ehd.py        # writes bench_ehd.json
 
-The problem is Feng's set (Newtonian, current given, charge relaxation resolved) and the glycerol jet; truth is this solver at a
-tolerance of 1e-10. scipy's `solve_bvp` gets the same start, a vectorised right-hand side, and tolerances of 1e-3 to 1e-7; it is
-charged for the solution alone, ours for the whole way from a thread without forces as well as for the last step from the same start.
+The problem is Feng's set (Newtonian, current given, charge relaxation resolved) and the glycerol jet; truth is this solver at
+a tolerance of 1e-10. scipy's `solve_bvp` gets the same start, a vectorised right-hand side, and tolerances of 1e-3 to 1e-7; it
+is charged for the solution alone, ours for the whole way from a thread without forces as well as for the last step from the same start.
 Also timed: the closed elastic law, a warm and a cold solution of the PEO jet.
 """
 
@@ -74,7 +74,9 @@ def against_scipy(settings: NeedleSettings) -> list[dict[str, object]]:
     z = np.linspace(0, settings.end_position, 2001)
     s, true = z / settings.radius, exact.radius(z)
     found = solve(settings, tolerance=1e-3).discrete
-    start = np.array([found.y[:, 0], exact.tension(found.s * settings.radius) / settings.force_scale, found.y[:, 4], found.y[:, 2]])
+    start = np.array(
+        [found.y[:, 0], exact.tension(found.s * settings.radius) / settings.force_scale, found.y[:, 4], found.y[:, 2]]
+    )
     rows: list[dict[str, object]] = []
     mesh = remesh(found.s, found.y, 101)
     first = interpolate(found.s, start.T, mesh).T * np.array([[0.97], [1.05], [1.0], [1.02]])

@@ -1,7 +1,7 @@
 """``spinline jet``: the jet of a scene with its numbers and verdicts, before any network."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -9,6 +9,7 @@ from spinline.cli.options import ForceOption, JsonOption, SceneArgument, SetOpti
 from spinline.cli.speech import say
 
 if TYPE_CHECKING:
+    from spinline.base.checks import FloatArray
     from spinline.jetprofile.ehd import StraightEhdJet
 
 __all__ = ["register"]
@@ -33,7 +34,8 @@ def jet(
     from spinline.base.errors import InputError
     from spinline.base.files import writable
     from spinline.scene.needle import NeedleJet
-    from spinline.setup.build import build_jet, build_solution
+    from spinline.setup.build import build_solution
+    from spinline.setup.needle import needle_jet
 
     loaded = load(scene, None, None, set_)
     if not isinstance(loaded.jet, NeedleJet):
@@ -48,7 +50,7 @@ def jet(
         from spinline.report.figures import check_format
 
         check_format(figure)
-    made = build_jet(loaded, build_solution(loaded))
+    made = needle_jet(loaded.jet, loaded, build_solution(loaded))
     if csv is not None:
         _table(made, csv)
     if figure is not None:
@@ -75,10 +77,10 @@ def _print(made: "StraightEhdJet") -> None:
     say(f"{'z mm':>9}{'r um':>10}{'v m/s':>10}{'rate 1/s':>10}{'N1 Pa':>11}{'tension uN':>12}{'conducted':>11}")
     for share in _PLACES:
         z = share * made.end
-        columns = (
+        columns: list[Any] = [
             z * 1e3, made.radius(z) * 1e6, made.velocity(z), made.strain_rate(z), made.tensile_stress(z),
             made.tension(z) * 1e6, made.conduction_share(z),
-        )  # fmt: skip
+        ]  # fmt: skip
         widths = (9, 10, 10, 10, 11, 12, 11)
         say("".join(f"{float(value):>{width}.4g}" for value, width in zip(columns, widths, strict=True)))
     say("")
@@ -89,7 +91,7 @@ def _print(made: "StraightEhdJet") -> None:
             say(f"warning: {remark}", err=True)
 
 
-def _columns(made: "StraightEhdJet") -> "dict[str, object]":
+def _columns(made: "StraightEhdJet") -> "dict[str, FloatArray]":
     import numpy as np
 
     z = made.initial_radius / 4 * np.expm1(np.linspace(0.0, np.log1p(4 * made.end / made.initial_radius), 401))

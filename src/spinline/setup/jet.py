@@ -14,12 +14,12 @@ from spinline.scene.file import (
     HyperbolicJet,
     JetspinJet,
     LagrangianJetFile,
-    NeedleJet,
     PowerLawJet,
     Scene,
     TableJet,
     add_jet_section,
 )
+from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import Section
 from spinline.setup.values import given
 

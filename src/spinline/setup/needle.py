@@ -1,7 +1,8 @@
 """The jet of a scene with ``profile = "needle"``: bench and solution, brought together."""
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from spinline.base.errors import InputError
 from spinline.network.mesh import network_at_rest
@@ -11,7 +12,7 @@ from spinline.scene.needle import FieldTable, NeedleJet
 from spinline.setup.values import given
 
 if TYPE_CHECKING:
-    from spinline.jetprofile.ehd import NeedleSettings, StraightEhdJet
+    from spinline.jetprofile.ehd import NeedleSettings, StraightEhdJet, TableField
 
 __all__ = ["needle_jet", "needle_settings"]
 
@@ -34,7 +35,7 @@ def needle_settings(section: NeedleJet, scene: Scene, solution: Solution) -> "Ne
             "solution.relaxation_time", f'is missing: jet.law = "{section.law}" needs it',
             remedy='give it, or jet.law = "newtonian" (a Newtonian jet of a polymer solution thins ten times too far)',
         )  # fmt: skip
-    field = section.field
+    field: Any = section.field
     if isinstance(field, FieldTable):
         path = scene.folder / field.table
         if not path.exists():
@@ -74,7 +75,7 @@ def _solved(settings: "NeedleSettings", length: float | None) -> "StraightEhdJet
 
 
 @lru_cache(maxsize=8)
-def _table(path: object, changed: int) -> object:
+def _table(path: Path, changed: int) -> "TableField":
     from spinline.jetprofile.ehd import TableField
 
-    return TableField.from_csv(str(path))
+    return TableField.from_csv(path)
