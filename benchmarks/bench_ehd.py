@@ -2,10 +2,10 @@
 
     python benchmarks/bench_ehd.py        # writes bench_ehd.json
 
-The problem is Feng's set (Newtonian, current given, charge relaxation resolved) and the glycerol jet; truth is this solver at
-a tolerance of 1e-10. scipy's `solve_bvp` gets the same start, a vectorised right-hand side, and tolerances of 1e-3 to 1e-7; it
-is charged for the solution alone, ours for the whole way from a thread without forces as well as for the last step from the same start.
-Also timed: the closed elastic law, a warm and a cold solution of the PEO jet.
+The problem is Feng's set (Newtonian, current given, charge relaxation resolved) and the glycerol jet; truth is this
+solver at a tolerance of 1e-10. scipy's `solve_bvp` gets the same start, a vectorised right-hand side, and tolerances of
+1e-3 to 1e-7; it is charged for the solution alone, ours for the whole way from a thread without forces as well as for
+the last step from the same start. Also timed: the closed elastic law, a warm and a cold solution of the PEO jet.
 """
 
 import json
@@ -21,8 +21,8 @@ from spinline.jetprofile.ehd.boundary_value import interpolate, newton, remesh, 
 from spinline.jetprofile.ehd.solver import solve
 
 GLYCEROL = NeedleSettings(
-    radius=0.8e-3, flow_rate=1e-6 / 60, voltage=4e4, gap=0.08, conductivity=1e-6, viscosity=14.9e-4 * 1260, surface_tension=0.063,
-    density=1260.0, permittivity=46.5, law="newtonian", field="uniform", end=0.06, log="constant", current=170e-9,
+    radius=0.8e-3, flow_rate=1e-6 / 60, voltage=4e4, gap=0.08, conductivity=1e-6, viscosity=14.9e-4 * 1260,
+    surface_tension=0.063, density=1260.0, permittivity=46.5, law="newtonian", field="uniform", end=0.06, log="constant", current=170e-9,
 )  # fmt: skip
 PEO = NeedleSettings(
     radius=125e-6, flow_rate=3.2e-6 / 3600, voltage=6e3, gap=0.1, conductivity=0.01, viscosity=2.0, surface_tension=0.061,
@@ -99,8 +99,8 @@ def against_scipy(settings: NeedleSettings) -> list[dict[str, object]]:
     for tol in (1e-4, 1e-6, 1e-8):
         jet = StraightEhdJet(settings, length=settings.end_position, tolerance=tol)
         error = float(np.abs(jet.radius(z) / true - 1).max())
-        rows.append({"solver": "spinline, from nothing", "tol": tol, "nodes": jet.solved.discrete.s.size, "ok": True, "error": error,
-                     "seconds": best(lambda tol=tol: solve(settings, tolerance=tol), 3)})  # fmt: skip
+        rows.append({"solver": "spinline, from nothing", "tol": tol, "nodes": jet.solved.discrete.s.size, "ok": True,
+                     "error": error, "seconds": best(lambda tol=tol: solve(settings, tolerance=tol), 3)})  # fmt: skip
     return rows
 
 

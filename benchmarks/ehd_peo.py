@@ -2,10 +2,11 @@
 
     python benchmarks/ehd_peo.py        # writes ehd_peo.json
 
-Given in print: 5 wt% PEO 600 kDa in water, 0.6 kV/cm over 6.5 cm, 3.2 mL/h, r_0 125 um, 0.01 S/m, 2 Pa s (Fig. 34b, Fig. 35);
-surface tension of 6 wt% (Fig. 13). Not given: relaxation time and solvent share, which carry most of the spread. They are varied:
-theta 3, 7, 15 ms; field of a needle or hyperboloid; local or constant log; end strain rate x 0.5, 1, 2. Each jet is fitted by
-V = k^2 s^(2 beta) over 0.5 to 5 mm, as the figure is. Fig. 34c (3 wt%, 1.6 kV/cm, 2 mL/h) gives no viscosity and is left out.
+Given in print: 5 wt% PEO 600 kDa in water, 0.6 kV/cm over 6.5 cm, 3.2 mL/h, r_0 125 um, 0.01 S/m, 2 Pa s (Fig. 34b,
+Fig. 35); surface tension of 6 wt% (Fig. 13). Not given: relaxation time and solvent share, which carry most of the
+spread. They are varied: theta 3, 7, 15 ms; field of a needle or hyperboloid; local or constant log; end strain rate x
+0.5, 1, 2. Each jet is fitted by V = k^2 s^(2 beta) over 0.5 to 5 mm, as the figure is. Fig. 34c (3 wt%, 1.6 kV/cm, 2
+mL/h) gives no viscosity and is left out.
 """
 
 import json
