@@ -22,7 +22,8 @@ from spinline.jetprofile.ehd.solver import solve
 
 GLYCEROL = NeedleSettings(
     radius=0.8e-3, flow_rate=1e-6 / 60, voltage=4e4, gap=0.08, conductivity=1e-6, viscosity=14.9e-4 * 1260,
-    surface_tension=0.063, density=1260.0, permittivity=46.5, law="newtonian", field="uniform", end=0.06, log="constant", current=170e-9,
+    surface_tension=0.063, density=1260.0, permittivity=46.5, law="newtonian", field="uniform", end=0.06, log="constant",
+    current=170e-9,
 )  # fmt: skip
 PEO = NeedleSettings(
     radius=125e-6, flow_rate=3.2e-6 / 3600, voltage=6e3, gap=0.1, conductivity=0.01, viscosity=2.0, surface_tension=0.061,
