@@ -32,6 +32,8 @@ PACKAGES = [
     "spinline.jetprofile.readers",
     "spinline.rheology",
     "spinline.xray",
+    "spinline.deposit",
+    "spinline.jetprofile.blown",
     "spinline.scene",
     "spinline.solve",
     "spinline.solve.results",
