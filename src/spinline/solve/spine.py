@@ -23,6 +23,7 @@ from spinline.setup.context import Context
 from spinline.setup.jet import build_jet
 from spinline.solve.attributes import attributes_of, elsewhere
 from spinline.solve.crossovers import Crossover, crossover
+from spinline.solve.missing import explain
 from spinline.solve.stages import solve_stages
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ def solved(scene: Scene) -> NamedArrays:
             result.attrs["bands"] = f"68 and 95 % of {same.accuracy.draws} draws of the uncertain inputs"
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
+    remarks += explain(result, sampled=rung_of(same.network.model).sampled)
     result.attrs["warnings"] = "\n".join(remarks)
     return result
 
