@@ -25,11 +25,15 @@ from spinline.base.errors import SpinlineWarning
 
 
 def lay(path, segments, jets=20, speed=0.0):
-    law = dep.Laydown(speed=4.4, covariance=(2e-3) ** 2, noise=20.0, radius=1e-6, radius_spread=0.25, radius_length=1e-3)
+    law = dep.Laydown(
+        speed=4.4, covariance=(2e-3) ** 2, noise=20.0, radius=1e-6, radius_spread=0.25, radius_length=1e-3
+    )
     per_jet = segments // jets
     with dep.FibreWriter(path) as file:
         for k in range(jets):
-            for block in dep.surrogate_fibre(law, per_jet * 1e-4, step=1e-4, machine_speed=speed, centre=(0.0, 2e-3 * k), jet=k):
+            for block in dep.surrogate_fibre(
+                law, per_jet * 1e-4, step=1e-4, machine_speed=speed, centre=(0.0, 2e-3 * k), jet=k
+            ):
                 file.write(block)
 
 
@@ -123,7 +127,9 @@ def pixel():
     s = dep.Segments.from_paths(list(np.stack([middle - half, middle + half], 1)), 1.0)
     out = []
     for slope in (0.1, 1.0):
-        found = [dep.lay_stack(s, dep.Window(200, 200, periodic=True), pixel=p, slope=slope) for p in (1.0, 0.5, 0.25, 0.125)]
+        found = [
+            dep.lay_stack(s, dep.Window(200, 200, periodic=True), pixel=p, slope=slope) for p in (1.0, 0.5, 0.25, 0.125)
+        ]
         height = [one.mean_thickness for one in found]
         steps = np.abs(np.diff(height))
         out.append({"slope": slope, "pixel_over_radius": [1.0, 0.5, 0.25, 0.125], "mean_height": height,
