@@ -103,7 +103,7 @@ def drum():
         law = dep.Laydown(speed=4.4, covariance=(1e-4) ** 2, noise=60.0, radius=1e-6)
         turn = 4e-4
         s = dep.Segments.join(list(dep.surrogate_fibre(law, 0.4, step=5e-6, machine_speed=speed, seed=1)))
-        rolled = dep.Segments.join([chunk for chunk in _rolled(s, turn)]) if speed else s
+        rolled = dep.Segments.join(list(_rolled(s, turn))) if speed else s
         window = dep.Window(8e-5, 8e-5, 1.6e-4 if speed else -4e-5, -4e-5)
         laid = dep.lay_stack(rolled, window, slope=0.3)
         row = {"collector_speed": speed, "order_parameter": dep.order_of(s.angle, s.chord).order_parameter,
@@ -132,8 +132,9 @@ def pixel():
         ]
         height = [one.mean_thickness for one in found]
         steps = np.abs(np.diff(height))
-        out.append({"slope": slope, "pixel_over_radius": [1.0, 0.5, 0.25, 0.125], "mean_height": height,
-                    "solidity": [one.solidity() for one in found], "orders": np.log2(steps[:-1] / steps[1:]).tolist()})  # fmt: skip
+        row = {"slope": slope, "pixel_over_radius": [1.0, 0.5, 0.25, 0.125], "mean_height": height}
+        orders = np.log2(steps[:-1] / steps[1:]).tolist()
+        out.append(row | {"solidity": [one.solidity() for one in found], "orders": orders})
         print(out[-1], flush=True)
     return out
 
