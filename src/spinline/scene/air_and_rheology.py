@@ -19,6 +19,7 @@ from spinline.scene.quantities import (
     Read,
     Section,
     Temperature,
+    Time,
     Velocity,
 )
 
@@ -63,6 +64,9 @@ class RheologySection(Section):
     intrinsic_viscosity: IntrinsicViscosity | None = None
     martin_constant: NumberOrZero | None = None
     constitutive: str = "auto"
+    rouse_time: Time | None = None
+    constraint_release: Annotated[float, Field(ge=0, le=1)] = 1.0
+    entanglement_release: Annotated[float, Field(ge=0, le=1000)] = 0.3
     convention: Literal["mass", "yarin2001"] = "mass"
     activity: Literal["flory-huggins", "raoult", "unit"] = "flory-huggins"
     chi: Annotated[float, Field(ge=-5, le=5)] | None = None
@@ -133,3 +137,4 @@ class EffectsSection(Section):
     evaporation: Switch = "auto"
     relaxation: Switch = "auto"
     radial: Switch = "auto"
+    disentanglement: Switch = False
