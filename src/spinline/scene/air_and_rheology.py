@@ -10,11 +10,13 @@ from spinline.scene.quantities import (
     Diffusivity,
     Fraction,
     IntrinsicViscosity,
+    Lifetime,
     Number,
     NumberOrZero,
     Pressure,
     Proper,
     Section,
+    Supercooling,
     Temperature,
     Velocity,
 )
@@ -48,6 +50,10 @@ _PARAMETERS = (
     ("D_decay", "D_law", "exponential", True),
     ("D_gap", "D_law", "free-volume", True),
     ("D_growth", "D_law", "free-volume", True),
+    ("crystallisation_half_time", "crystallisation", "nakamura", True),
+    ("avrami_exponent", "crystallisation", "nakamura", False),
+    ("flow_enhancement", "crystallisation", "nakamura", False),
+    ("maximum_crystallinity", "crystallisation", "nakamura", False),
 )
 
 
@@ -73,10 +79,20 @@ class RheologySection(Section):
     D_gap: Number | None = None
     D_growth: NumberOrZero | None = None
     vitrification_fraction: Proper | None = None
+    transfer: Literal["kase-matsuo", "churchill-bernstein", "yarin"] = "kase-matsuo"
+    chi_water: Annotated[float, Field(ge=-10, le=20)] | None = None
+    chi_water_solvent: Annotated[float, Field(ge=-10, le=20)] | None = None
+    crystallisation: Literal["equilibrium", "nakamura", "none"] = "equilibrium"
+    supercooling: Supercooling = Measured(0.0, 0.0, "0 K")
+    crystallisation_half_time: Lifetime | None = None
+    avrami_exponent: Annotated[float, Field(ge=1, le=4)] | None = None
+    flow_enhancement: NumberOrZero | None = None
+    maximum_crystallinity: Fraction | None = None
 
     @model_validator(mode="after")
     def _parameters_have_a_law(self) -> Self:
-        chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law}
+        chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law,
+                  "crystallisation": self.crystallisation}  # fmt: skip
         for key, choice, needed, must in _PARAMETERS:
             given, used = getattr(self, key) is not None, chosen[choice]
             if given and used != needed and not (key == "extensibility" and used == "auto"):
@@ -95,3 +111,4 @@ class EffectsSection(Section):
     evaporation: Switch = "auto"
     relaxation: Switch = "auto"
     radial: Switch = "auto"
+    heat: Switch = "auto"
