@@ -25,17 +25,18 @@ if TYPE_CHECKING:
     from spinline.jetprofile.bead_age import bead_flow_rate, element_age
     from spinline.jetprofile.fit import PowerLawFit, fit_power_law
     from spinline.jetprofile.hyperbolic import Hyperbolic
+    from spinline.jetprofile.jet import Jet
     from spinline.jetprofile.jetspin import iter_jetspin, read_jetspin, write_jet
     from spinline.jetprofile.k_estimate import estimate_k
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.jetprofile.power_law import PowerLaw
-    from spinline.jetprofile.straight import Jet, StraightJet
+    from spinline.jetprofile.straight import StraightJet
     from spinline.jetprofile.table import Table
 
 # name: module; loaded when first asked for, since the readers are heavier than the laws
 _NAMES = {
     "Hyperbolic": "hyperbolic",
-    "Jet": "straight",
+    "Jet": "jet",
     "LagrangianJet": "lagrangian",
     "PowerLaw": "power_law",
     "PowerLawFit": "fit",

@@ -19,7 +19,7 @@ from spinline.base.checks import FloatArray
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
 
-__all__ = ["bead_flow_rate", "element_age"]
+__all__ = ["bead_ages", "bead_flow_rate", "element_age"]
 
 _SPREAD = 0.5  # of the middle half of the pairs, over their median
 
@@ -49,6 +49,21 @@ def bead_flow_rate(jet: "LagrangianJet") -> float:
         return float("nan")
     low, middle, high = np.percentile(mean[good] * fed[good] / rise[good], [25, 50, 75])
     return float(middle) if high - low <= _SPREAD * middle else float("nan")
+
+
+def bead_ages(jet: "LagrangianJet") -> tuple[FloatArray, float]:
+    """Age of the elements of a bead jet in s, and the flow rate (m3/s) behind it.
+
+    By what was fed since, at the flow rate that the motion implies; where there is none (NaN), by the time it takes along
+    the arc at the speed of the beads; NaN without velocities.
+    """
+    rate = bead_flow_rate(jet)
+    if np.isfinite(rate):
+        return element_age(jet, rate), rate
+    between = 0.5 * (jet.bead_velocity[..., 1:] + jet.bead_velocity[..., :-1])
+    step = np.diff(jet.arc_length, axis=-1, prepend=0.0)
+    ages: FloatArray = np.cumsum(step / np.where(between > 0, between, np.nan), axis=-1)
+    return ages, rate
 
 
 def element_age(jet: "LagrangianJet", flow_rate: float) -> FloatArray:

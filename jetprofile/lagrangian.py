@@ -259,6 +259,26 @@ class LagrangianJet:
             **picked,
         )
 
+    @property
+    def start(self) -> float:
+        """The nozzle, m along the arc."""
+        return 0.0
+
+    @property
+    def end(self) -> float:
+        """Middle of the last element that counts, m along the arc."""
+        return float(np.max(self.arc_length[self.usable]))
+
+    def fields(self, place: FloatArray) -> dict[str, FloatArray]:
+        """Further variables along the jet, by their names in a result; none."""
+        return {}
+
+    def residence_time(self, arc: ArrayLike) -> FloatArray:
+        """Age in s of the element at an arc length in m, linear between elements; NaN without velocities."""
+        from spinline.jetprofile.bead_age import bead_ages
+
+        return self._along(arc, bead_ages(self)[0][self.usable], 0.0)
+
     def stretch_ratio(self, arc: ArrayLike) -> FloatArray:
         """Material stretch at an arc length in m: linear in its logarithm between elements, 1 at the nozzle."""
         return np.exp(self._along(arc, np.log(self._one("stretch")), 0.0))

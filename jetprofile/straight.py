@@ -1,37 +1,21 @@
-"""What every straight steady jet has in common, and the protocol that anything called a jet meets.
+"""What every straight steady jet has in common.
 
 A jet of initial radius r_0 carries the flow rate Q: ``v_0 = Q / (pi r_0^2)``, ``s = z / r_0``, ``V = v / v_0``
 and, volume being conserved, ``r = r_0 V^(-1/2)``. In a straight steady jet the material stretch is V itself.
 """
 
 from abc import ABC, abstractmethod
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
+from spinline.jetprofile.jet import Jet
 
 __all__ = ["Jet", "StraightJet"]
 
 _FARTHEST = 1e50  # in initial radii; V stays below 1e300
-
-
-@runtime_checkable
-class Jet(Protocol):
-    """A jet is anything that says how it moves; z (or the arc length) in m, arrays in, arrays out."""
-
-    def velocity_ratio(self, z: ArrayLike) -> FloatArray:
-        """``V = v / v_0``."""
-
-    def strain_rate(self, z: ArrayLike) -> FloatArray:
-        """``dv/dz``, 1/s."""
-
-    def radius(self, z: ArrayLike) -> FloatArray:
-        """Jet radius, m."""
-
-    def stretch_ratio(self, z: ArrayLike) -> FloatArray:
-        """Material stretch since the start of the jet."""
 
 
 class StraightJet(ABC):
@@ -52,9 +36,12 @@ class StraightJet(ABC):
         Range of z in m where the profile is defined.
     given : {"velocity", "radius"}
         What the profile was given as: kept when the jet loses volume by evaporation.
+    time : None
+        It is steady.
     """
 
     given: Literal["velocity", "radius"] = "velocity"
+    time: None = None
     start: float = 0.0
     end: float = np.inf
 
@@ -94,6 +81,14 @@ class StraightJet(ABC):
         """First position in m where V is reached; NaN where the profile never reaches it."""
         v = real("velocity_ratio", velocity_ratio, above=0.0)
         return self.initial_radius * self._inverse(v)
+
+    def at(self, time: float | None = None) -> Self:
+        """The jet itself: it is steady."""
+        return self
+
+    def fields(self, place: FloatArray) -> dict[str, FloatArray]:
+        """Further variables along the jet, by their names in a result; none."""
+        return {}
 
     def kinks(self) -> tuple[float, ...]:
         """Places where the profile is not smooth, in initial radii from `start`."""

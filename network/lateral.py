@@ -139,17 +139,33 @@ def lateral_network(
     cap = np.where(np.abs(cap - 1) < 1e-12, 1.0, cap)  # rounding of w = V
     size, steps = int(layers), 1
     coarse, _, _ = _march(time, pull, cap, size, steps)
+    folded = False
     for _ in range(_MOST_REFINED):
         size, steps = 2 * size, 2 * steps
         lag, distance, detached = _march(time, pull, cap, size, steps)
         thickness = -np.diff(distance)
         mesh = shrink[:, None] * (1 - np.diff(lag, axis=1) / thickness)
         error = float(np.abs((lag[:, -1] - coarse[:, -1]) / cap).max()) / 3
-        if error <= tolerance and (mesh > 0).all():
+        settled = error <= tolerance
+        if settled and (mesh > 0).all():
             break
+        if settled and folded:  # twice: no finer grid unfolds it
+            station = int(np.argmax((mesh <= 0).any(axis=1)))
+            raise InputError(
+                "contraction",
+                f"folds layers of the network over one another at station {station}: it falls too steeply there",
+                value=float(q[station]),
+                remedy="give a denser or less stretched network, or leave the lateral motion out",
+            )
+        folded = settled
         coarse = lag
     else:
-        raise InputError("rtol", f"is not reached (error {error:.2g})", value=tolerance, remedy="give more stations")
+        raise InputError(
+            "rtol",
+            f"is not reached (error {error:.2g})",
+            value=tolerance,
+            remedy="give more stations, or a larger rtol",
+        )
     x = 1 - distance
     edges = shrink[:, None] * (x - lag)
     with np.errstate(over="ignore"):

@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+os.environ["SPINLINE_QUIET"] = "1"  # how far a command is would depend on the machine; tests of it take this away
 
 IMAGES_PIXEL, IMAGES_PHI = 0.67e-6, 0.0444256
 IMAGES = {

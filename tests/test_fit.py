@@ -426,7 +426,7 @@ FIT = 'scene = "peo5-water"\n[[data]]\npath = "r.csv"\nkind = "radius"\n[paramet
         (FIT.replace('kind = "radius"', 'kind = "radius"\nz_range = ["3 mm", "1 mm"]'), ["z_range", "empty"]),
         (FIT.replace('kind = "radius"', 'kind = "radius"\nuse = ["core"]'), ["data 1.use", "map"]),
         (FIT.replace('[[data]]\npath = "r.csv"\nkind = "radius"', ""), ["data", "empty"]),
-        ("scene = [", ["not TOML"]),
+        ("scene = [", ["not a TOML fit"]),
     ],
 )
 def test_bad_fit_files_are_refused(tmp_path, spinline, text, words):

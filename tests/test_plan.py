@@ -17,6 +17,7 @@ from spinline.plan import MARGIN, plan_scene, resolved
 from spinline.plan.estimates import elastic_coupling_effect, extensibility_effect, relaxation_effect
 from spinline.scene import load_scene
 from spinline.setup.build import build_jet, build_solution
+from spinline.setup.context import Context
 from spinline.solve import run
 from spinline.study.difference import REPORTED, difference, largest
 from spinline.study.trade import trade, variant
@@ -49,7 +50,7 @@ def planned(*overrides, name="peo5-water"):
 def test_estimate_of_slip_against_the_manifold(coupling, beta):
     overrides = (f"network.coupling={coupling}", f"jet.beta={beta}", "jet.length=1.5 mm")
     scene, solution, jet = parts(*overrides)
-    effect = elastic_coupling_effect(scene, solution, jet)
+    effect = elastic_coupling_effect(Context(scene, solution, jet))
     error = largest(difference(quiet(variant(scene, "affine")), quiet(variant(scene, "manifold", force_law="linear"))))
     assert 0.85 < effect.error / error < 1.5
     slope = jet.strain_rate(np.linspace(jet.onset, 10.8, 500) * 125e-6) * jet.initial_radius / jet.initial_velocity
@@ -59,7 +60,7 @@ def test_estimate_of_slip_against_the_manifold(coupling, beta):
 @pytest.mark.parametrize("theta", [1.0, 10.0, 100.0])
 def test_estimate_of_relaxation_against_the_conformation(theta):
     scene, solution, jet = parts(f"solution.relaxation_time={theta} s")
-    effect = relaxation_effect(scene, solution, jet, 1.0)
+    effect = relaxation_effect(Context(scene, solution, jet), 1.0)
     error = largest(difference(quiet(variant(scene, "affine")), quiet(variant(scene, "conformation"))))
     assert 0.85 < effect.error / error < 1.1
 
@@ -67,18 +68,18 @@ def test_estimate_of_relaxation_against_the_conformation(theta):
 def test_place_of_locking_against_the_manifold():
     scene, solution, jet = parts("network.coupling=1e9")
     locked = quiet(variant(scene, "manifold", force_law="lattice", closure="stretch"))
-    words = extensibility_effect(scene, solution, jet).words
+    words = extensibility_effect(Context(scene, solution, jet)).words
     place = float(words.split("locked from ")[1].split(" mm")[0])
     assert place == pytest.approx(1e3 * locked.attrs["locked_from"], rel=0.03)
     short, one, two = parts("jet.length=1 mm")
-    assert 0 < extensibility_effect(short, one, two).error < 1e-5
+    assert 0 < extensibility_effect(Context(short, one, two)).error < 1e-5
 
 
 def test_estimate_of_extensibility_short_of_the_contour():
     overrides = ("network.coupling=1000", "jet.length=2.6 mm", "network.closure=stretch")
     scene, solution, jet = parts(*overrides)
     linear, lattice = (quiet(variant(scene, "manifold", force_law=law)) for law in ("linear", "lattice"))
-    effect = extensibility_effect(scene, solution, jet)
+    effect = extensibility_effect(Context(scene, solution, jet))
     assert effect.number < 1
     assert 0.5 < effect.error / largest(difference(linear, lattice)) < 3
 

@@ -281,13 +281,13 @@ def test_a_manifold_goes_one_by_one_and_equals_its_run():
 
 
 def test_bead_jets_are_read_once_and_equal_their_run(monkeypatch):
-    from spinline.setup import build
+    from spinline.setup import jet as built
     from spinline.study import rows as sweep_rows
 
     sweep_rows._built.cache_clear()
     reads = []
-    real = build._jet_dataset
-    monkeypatch.setattr(build, "_jet_dataset", lambda *a: reads.append(1) or real(*a))
+    real = built._jet_dataset
+    monkeypatch.setattr(built, "_jet_dataset", lambda *a: reads.append(1) or real(*a))
     sweep = sweep_from_dict({"scene": "pvp-jetspin", "vary": {"solution.mass_fraction": {"linspace": [0.02, 0.04, 9]}}})
     result = run_sweep(sweep, workers=1)
     assert len(reads) == 1

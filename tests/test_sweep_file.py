@@ -37,7 +37,7 @@ BAD = {
         "makes 1e+12 scenes",
     ),
     "set": ('scene = "peo5-water"\nset = { jet.length = 3 }\n[vary]\njet.k = [1]', "set.jet.length = 3: needs a unit"),
-    "no table": ('scene = "peo5-water"\n[design]\nkind = "table"\npath = "x.csv"', "cannot be read"),
+    "no table": ('scene = "peo5-water"\n[design]\nkind = "table"\npath = "x.csv"', "is not a file"),
     "profile": ('scene = "peo5-water"\nprofiles = ["radus"]\n[vary]\njet.k = [1]', "did you mean 'radius'"),
     "points": ('scene = "peo5-water"\npoints = 1\n[vary]\njet.k = [1]', "points = 1: is not a whole number in range"),
     "bead profile": ('scene = "pvp-jetspin"\nprofiles = ["radius"]\n[vary]\nsolution.mass_fraction = [0.02]', "straight jet"),
@@ -54,7 +54,7 @@ BAD = {
         'scene = "peo5-water"\n[design]\nkind = "sensitivity"\nsamples = 5\n[vary]\njet.k = { uniform = [1, 2] }\n'
         "jet.beta = { uniform = [0.3, 0.5] }", "take 8",
     ),
-    "not TOML": ("scene = ", "is not a TOML file"),
+    "not TOML": ("scene = ", "is not a TOML sweep"),
 }  # fmt: skip
 
 

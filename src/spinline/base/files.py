@@ -44,7 +44,6 @@ __all__ = [
     "make_folder",
     "new_folder",
     "note_input",
-    "read_text",
     "readable",
     "replacing",
     "stamp",
@@ -118,31 +117,6 @@ def readable(path: str | Path, field: str | None = None, remedy: str = "check th
         raise InputError(name, f"is {kind_of(mode)}, not a file", value=shown, remedy=remedy)
     note_input(path)
     return Path(path)
-
-
-def read_text(path: str | Path, noun: str, longest: int, remedy: str = "check the path") -> str:
-    """Text of a file (or of the shell's ``/dev/stdin`` and ``<(...)``), UTF-8, up to so many characters.
-
-    Raises
-    ------
-    InputError
-    """
-    from_shell = str(path).startswith(("/dev/stdin", "/dev/fd/", "/proc/self/fd/"))
-    try:
-        mode = os.stat(path).st_mode
-        if not stat.S_ISREG(mode) and not (from_shell and stat.S_ISFIFO(mode)):
-            raise InputError(str(path), f"cannot be read as a {noun} (it is {kind_of(mode)})", remedy=remedy)
-        with Path(path).open(encoding="utf-8-sig") as file:
-            text = file.read(longest + 1)
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:
-        reason = reason_of(error) if isinstance(error, OSError) else "it is not text"
-        raise InputError(str(path), f"cannot be read as a {noun} ({reason})", remedy=remedy) from None
-    if len(text) > longest:
-        raise InputError(str(path), f"is too long for a {noun}", allowed=f"up to {longest} characters")
-    note_input(path)
-    return text
 
 
 def writable(path: str | Path, *, force: bool = False) -> Path:

@@ -4,6 +4,7 @@ Work calls `report`; nothing is said of what takes less than two seconds. Whatev
 at work, for `telling` looks at the clock.
 """
 
+import os
 import sys
 import threading
 import time
@@ -65,8 +66,11 @@ _teller: _Teller | None = None
 
 @contextmanager
 def telling(stream: TextIO | None = None) -> Iterator[None]:
-    """Within it, what goes on is told on standard error once it has taken two seconds."""
+    """Within it, what goes on is told on standard error once it has taken two seconds; not if SPINLINE_QUIET is set."""
     global _teller
+    if os.environ.get("SPINLINE_QUIET"):
+        yield
+        return
     before, _teller = _teller, _Teller(stream or sys.stderr)
     mine = _teller
     thread = threading.Thread(target=mine.watch, daemon=True)

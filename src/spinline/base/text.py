@@ -1,11 +1,15 @@
 """Text files as people's programs write them: with or without a byte order mark, UTF-8, UTF-16, or a Windows code page."""
 
+import os
+import stat
 from pathlib import Path
+from typing import Any
 
 from spinline.base.errors import InputError
-from spinline.base.files import readable
+from spinline.base.files import note_input, readable
+from spinline.base.naming import kind_of, reason_of
 
-__all__ = ["LONGEST_TEXT", "decoded", "read_text"]
+__all__ = ["LONGEST_TEXT", "decoded", "parsed_toml", "read_text", "read_toml_text"]
 
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
@@ -84,3 +88,74 @@ def read_text(path: str | Path, *, most: int = LONGEST_TEXT) -> tuple[str, str]:
     except OSError as error:
         raise InputError(name, f"cannot be read ({error.strerror})", remedy="check the path") from None
     return decoded(data, name)
+
+
+def read_toml_text(
+    path: str | Path, noun: str, longest: int, remedy: str = "check the path"
+) -> tuple[dict[str, Any], str]:
+    """Tables and text of a TOML file, or of the shell's ``/dev/stdin`` and ``<(...)``; what it names counts as input.
+
+    Parameters
+    ----------
+    path : path
+    noun : str
+        What it should be, for errors: "scene".
+    longest : int
+        Characters.
+    remedy : str
+        For a file that cannot be read.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is too long, or is no TOML.
+    """
+    name = str(path)
+    from_shell = name.startswith(("/dev/stdin", "/dev/fd/", "/proc/self/fd/"))
+    try:
+        mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode) and not (from_shell and stat.S_ISFIFO(mode)):
+            raise InputError(name, f"cannot be read as a {noun} (it is {kind_of(mode)})", remedy=remedy)
+        with Path(path).open("rb") as file:
+            text, _ = decoded(file.read(4 * longest + 1), name)
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(name, f"cannot be read as a {noun} ({reason_of(error)})", remedy=remedy) from None
+    if len(text) > longest:
+        raise InputError(name, f"is too long for a {noun}", allowed=f"up to {longest} characters")
+    data = parsed_toml(text, name, noun)
+    note_input(path)
+    _note_named(data, Path(path).resolve().parent)
+    return data, text
+
+
+def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
+    """Tables of TOML text.
+
+    Raises
+    ------
+    InputError
+        For text that is no TOML, or nested without end.
+    """
+    import tomllib
+
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        reason = "nested too deeply"
+    except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
+        reason = str(error)
+    raise InputError(name, f"is not a TOML {noun} ({reason})", remedy="see `spinline scenes --copy`")
+
+
+def _note_named(data: Any, folder: Path) -> None:
+    """Files that a scene names are inputs of the command, whether they are read yet or not."""
+    if isinstance(data, dict):
+        for value in data.values():
+            _note_named(value, folder)
+    elif isinstance(data, list):
+        for value in data[:1000]:
+            _note_named(value, folder)
+    elif isinstance(data, str) and 0 < len(data) < 4096:
+        note_input(folder / data.partition(":/")[0])

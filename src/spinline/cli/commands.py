@@ -4,6 +4,9 @@ Bad input ends with exit code 2 and one message on standard error; warnings go t
 output holds the answer alone.
 """
 
+import contextlib
+import os
+import signal
 import sys
 import warnings
 from enum import StrEnum
@@ -13,10 +16,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.files import command
+from spinline.base.progress import telling
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.simulate import register as register_simulate
+from spinline.cli.speech import say
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
@@ -50,7 +56,7 @@ def _version(wanted: bool) -> None:
     if wanted:
         from spinline.base.version import __version__
 
-        typer.echo(f"spinline {__version__}")
+        say(f"spinline {__version__}")
         raise typer.Exit
 
 
@@ -109,7 +115,7 @@ def run(
     if trade:
         from spinline.study.trade import trade as measure
 
-        measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
+        measured = measure(loaded, quick=quick, progress=lambda words: say(f"measuring {words}", err=True))
         result.attrs["trade"] = measured.json()
     results.save(result, target, force=force)
     if picture is not None:
@@ -123,16 +129,16 @@ def run(
     if csv is not None:
         results.to_csv(result, csv, force=force)
     if json:
-        typer.echo(results.to_json(result))
+        say(results.to_json(result))
         return
     from spinline.report.page import words
 
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for sentence in words(result):
-        typer.echo(f"  {sentence}")
+        say(f"  {sentence}")
     if trade:
-        typer.echo(f"  Measured: {measured.recommendation}.")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  Measured: {measured.recommendation}.")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 @app.command()
@@ -151,13 +157,13 @@ def crossover(
     result = solve(loaded)
     if json:
         names = tuple(str(name) for name in result.data_vars if str(name).startswith("crossover"))
-        typer.echo(results.to_json(result, ("volume_fraction", *names, *(["time"] if "time" in result.dims else []))))
+        say(results.to_json(result, ("volume_fraction", *names, *(["time"] if "time" in result.dims else []))))
         return
     if "time" in result.dims:
         for moment in range(result.sizes["time"]):
-            typer.echo(f"{float(result['time'][moment]):.6g} s: {_crossover_line(result.isel(time=moment))}")
+            say(f"{float(result['time'][moment]):.6g} s: {_crossover_line(result.isel(time=moment))}")
         return
-    typer.echo(_crossover_line(result))
+    say(_crossover_line(result))
 
 
 @app.command()
@@ -170,9 +176,9 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
-        typer.echo(f"odd: {remark}")
+        say(f"odd: {remark}")
     phi = solution.volume_fraction
-    typer.echo(
+    say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
         + (", nothing odd" if not remarks else "")
     )
@@ -196,7 +202,7 @@ def scenes(
     known = bundled_scenes() | bundled_images()
     if copy is None:
         for name, file in known.items():
-            typer.echo(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
+            say(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
         return
     if copy not in known:
         raise InputError("--copy", "is not a bundled scene", value=copy, allowed=", ".join(known))
@@ -213,7 +219,7 @@ def scenes(
         else:
             copy_file(origin, target, force=force)
     copy_file(source, to / source.name, force=force)
-    typer.echo(f"wrote {to / source.name}")
+    say(f"wrote {to / source.name}")
 
 
 @app.command()
@@ -229,7 +235,7 @@ def schema(
 
     text = json.dumps(json_schema(), indent=2)
     if out is None:
-        typer.echo(text)
+        say(text)
     else:
         write_text(out, text + "\n", force=force)
 
@@ -267,13 +273,11 @@ def fit_jet(
     if json:
         from spinline.solve.results import plain
 
-        typer.echo(json_.dumps({key: plain(value) for key, value in fit.__dict__.items()}))
+        say(json_.dumps({key: plain(value) for key, value in fit.__dict__.items()}))
         return
     share = fit.covariance[0, 1] / (fit.k_std * fit.beta_std) if fit.k_std and fit.beta_std else 0.0
-    typer.echo(
-        f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}, correlation {share:.3f}"
-    )
-    typer.echo(
+    say(f"k = {fit.k:.5g} +/- {fit.k_std:.2g}, beta = {fit.beta:.5g} +/- {fit.beta_std:.2g}, correlation {share:.3f}")
+    say(
         f"over {1e3 * fit.z_min:.4g} to {1e3 * fit.z_max:.4g} mm ({fit.samples} of {fit.samples_given} samples), "
         f"r0 = {1e6 * fit.initial_radius:.4g} um, R^2 = {fit.r_squared:.6f}, departure {100 * fit.departure:.2g} %"
     )
@@ -298,7 +302,7 @@ def import_jet(
     writable(target, force=force)
     write_jet(run_dir, target, source=source, unit=unit, force=force)
     jet = results.open_dataset(target)
-    typer.echo(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
+    say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
 for register in (register_sweep, register_fit, register_simulate, register_images):
@@ -306,22 +310,70 @@ for register in (register_sweep, register_fit, register_simulate, register_image
 
 
 def main() -> None:
-    """Run the command line; bad input ends with one message and exit code 2."""
+    """Run the command line; bad input ends with one message and exit code 2, a fault of the program with 70."""
+    os.environ["MPLBACKEND"] = "agg"  # figures are files; another value may not even exist
     warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
+    signal.signal(signal.SIGTERM, _stop)
+    code = 0
     try:
-        app()
+        with command(), telling():
+            code = int(app(standalone_mode=True) or 0)
+        sys.stdout.flush()
+    except SystemExit as ended:
+        code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+        code = _flushed(code)
     except InputError as error:
-        typer.echo(f"error: {error}", err=True)
-        sys.exit(2)
+        say(f"error: {error}", err=True)
+        code = 2
     except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(0)
+        _quietly()
+    except MemoryError:
+        say("error: there is not enough memory for this; take fewer points, shells, strands or frames", err=True)
+        code = 2
+    except OSError as error:
+        say(f"error: {error.filename or 'the system'}: {error.strerror or error}", err=True)
+        _quietly()
+        code = 2
+    except Exception as error:
+        if os.environ.get("SPINLINE_TRACEBACK"):
+            raise
+        say(
+            f"error: a fault of this program, please report it: {type(error).__name__}: {error} "
+            "(SPINLINE_TRACEBACK=1 shows where)",
+            err=True,
+        )
+        code = 70
+    sys.exit(code)
+
+
+def _flushed(code: int) -> int:
+    """Write out what was said; a reader that went away is no error, a full disk is."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _quietly()
+    except OSError as error:
+        say(f"error: standard output: {error.strerror}", err=True)
+        _quietly()
+        return code or 2
+    return code
+
+
+def _quietly() -> None:
+    """Nothing more goes to standard output, not even at exit."""
+    with contextlib.suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _stop(*_: object) -> None:
+    """SIGTERM ends the program as an exception does: what is half written is removed."""
+    sys.exit(143)
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    typer.echo(f"warning: {message}", err=True)
+    say(f"warning: {message}", err=True)
 
 
 def _default_out(scene: str, loaded: "Scene") -> Path:

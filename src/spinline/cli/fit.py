@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from spinline.base.errors import InputError
+from spinline.cli.speech import say
 
 __all__ = ["register"]
 
@@ -64,12 +65,12 @@ def fit(
 
         save_fit_figure(result, picture, force=force)
     if json:
-        typer.echo(fit_json(result))
+        say(fit_json(result))
         return
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for line in fit_words(result):
-        typer.echo(f"  {line}")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  {line}")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 def compare_theory(
@@ -113,12 +114,12 @@ def compare_theory(
 
         save_overlay(result, files[-1], force=force)
     if json:
-        typer.echo(results.to_json(result))
+        say(results.to_json(result))
         return
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for line in theory_words(result):
-        typer.echo(f"  {line}")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  {line}")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 def _fitted(path: Path) -> dict[str, float]:
@@ -158,7 +159,7 @@ def _copy(name: str, *, force: bool) -> None:
     if folder.exists() and not force:
         raise InputError(name, "exists", remedy="--force to overwrite its files")
     copy_tree(known[name].parent, folder, force=force)
-    typer.echo(f"wrote {folder / 'fit.toml'}")
+    say(f"wrote {folder / 'fit.toml'}")
 
 
 def register(app: typer.Typer) -> None:

@@ -1,6 +1,7 @@
 """The commands for X-ray images: preview, reduce, exposure."""
 
 import os
+import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
+from spinline.base.progress import report, silent
 from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.speech import say
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -54,13 +57,13 @@ def preview(
     if json:
         _print_json(seen.numbers())
         return
-    typer.echo(loaded.title or loaded.name)
+    say(loaded.title or loaded.name)
     for sentence in seen.lines():
-        typer.echo(f"  {sentence}")
+        say(f"  {sentence}")
     for remark in seen.experiment.remarks:
-        typer.echo(f"warning: {remark}", err=True)
+        say(f"warning: {remark}", err=True)
     if picture is not None:
-        typer.echo(f"wrote {picture}")
+        say(f"wrote {picture}")
 
 
 def reduce(
@@ -116,12 +119,12 @@ def reduce(
     if csv is not None:
         reduction.to_csv(result, csv, force=force)
     if json:
-        typer.echo(results.to_json(result))
+        say(results.to_json(result))
         return
-    typer.echo(result.attrs["title"])
+    say(result.attrs["title"])
     for sentence in reduction.lines(result):
-        typer.echo(f"  {sentence}")
-    typer.echo("wrote " + ", ".join(map(str, files)))
+        say(f"  {sentence}")
+    say("wrote " + ", ".join(map(str, files)))
 
 
 _OPTIONS = {
@@ -187,12 +190,12 @@ def exposure(
     if json:
         _print_json(as_rows(plans))
         return
-    typer.echo(
+    say(
         f"{solution.polymer.name}, fraction {solution.volume_fraction:.4g}: photons per {1e6 * width:.3g} um pixel, "
         f"over rows and frames, for a standard deviation of {sigma:g} of the mean fraction"
     )
     for line in table(plans):
-        typer.echo(line)
+        say(line)
 
 
 def _solution(source: str, overrides: list[str]) -> "tuple[Solution, float | None, float | None, bool]":
@@ -226,20 +229,19 @@ def _print_json(data: Any) -> None:
             return {key: clean(item) for key, item in value.items()}
         return [clean(item) for item in value] if isinstance(value, list) else plain(value)
 
-    typer.echo(json.dumps(clean(data), allow_nan=False, ensure_ascii=False))
+    say(json.dumps(clean(data), allow_nan=False, ensure_ascii=False))
 
 
 @contextmanager
 def _progress() -> "Iterator[Callable[[str, int, int], None]]":
-    """A bar on standard error where that is a terminal; nothing otherwise."""
+    """A bar on standard error where that is a terminal; elsewhere a line now and then."""
+    if not sys.stderr.isatty():
+        yield report
+        return
     from rich.console import Console
     from rich.progress import Progress
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda *_: None
-        return
-    with Progress(console=console, transient=True) as bar:
+    with silent(), Progress(console=Console(stderr=True), transient=True) as bar:
         tasks: dict[str, Any] = {}
 
         def said(what: str, done: int, total: int) -> None:

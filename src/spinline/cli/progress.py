@@ -5,7 +5,8 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
-import typer
+from spinline.base.progress import silent
+from spinline.cli.speech import say
 
 __all__ = ["progress_of"]
 
@@ -26,7 +27,7 @@ def progress_of(what: str) -> Iterator[Callable[[int, int], None]]:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
-        with Progress(BarColumn(), MofNCompleteColumn(), what, TimeRemainingColumn(), console=Console(stderr=True),
+        with silent(), Progress(BarColumn(), MofNCompleteColumn(), what, TimeRemainingColumn(), console=Console(stderr=True),
                       transient=True) as bar:  # fmt: skip
             job = bar.add_task(what, total=None)
             yield lambda done, total: bar.update(job, completed=done, total=total)
@@ -38,6 +39,7 @@ def progress_of(what: str) -> Iterator[Callable[[int, int], None]]:
         now = time.monotonic()
         if now - said > _EVERY and done < total:
             said = now
-            typer.echo(f"{done} of {total} {what}", err=True)
+            say(f"{done} of {total} {what}", err=True)
 
-    yield line
+    with silent():
+        yield line

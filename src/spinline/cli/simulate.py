@@ -7,6 +7,7 @@ import typer
 
 from spinline.base.constants import KEV
 from spinline.base.errors import InputError
+from spinline.cli.speech import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,11 +96,11 @@ def simulate_image(
     )  # fmt: skip
     files = write_frames(made, result, target, force=force)
     _, rows, pixels = made.counts.shape
-    typer.echo(
+    say(
         f"{made.counts.shape[0]} frames of {rows} x {pixels} pixels; darkest {100 * (1 - made.transmission.min()):.3g} % "
         f"under the beam, mean polymer fraction {made.jet.mean_fraction.min():.4g} to {made.jet.mean_fraction.max():.4g}"
     )
-    typer.echo("wrote " + ", ".join(map(str, files)))
+    say("wrote " + ", ".join(map(str, files)))
 
 
 def _result(source: str) -> "xr.Dataset":

@@ -7,6 +7,7 @@ import typer
 
 from spinline.base.errors import InputError
 from spinline.cli.progress import progress_of
+from spinline.cli.speech import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,7 +64,7 @@ def sweep(
         try:
             result = run_sweep(loaded, target, workers=workers, scheduler=scheduler, force=force, progress=progress)
         except KeyboardInterrupt:
-            typer.echo(f"stopped; what is done is in {target}: the same command goes on from there", err=True)
+            say(f"stopped; what is done is in {target}: the same command goes on from there", err=True)
             raise typer.Exit(130) from None
     status, counts = np.unique(result["status"].values, return_counts=True)
     tally = {STATUS_NAMES[int(s)]: int(n) for s, n in zip(status, counts, strict=True)}
@@ -73,16 +74,14 @@ def sweep(
     if json:
         if found is not None:
             answer["indices"] = _index_rows(found)
-        typer.echo(json_.dumps(answer))
+        say(json_.dumps(answer))
         return
-    typer.echo(
-        f"{answer['scenes']} scenes, {', '.join(f'{n} {name}' for name, n in tally.items())}; {answer['computed_by']}"
-    )
+    say(f"{answer['scenes']} scenes, {', '.join(f'{n} {name}' for name, n in tally.items())}; {answer['computed_by']}")
     for name, many in _reasons(result):
-        typer.echo(f"  {many}: {name}")
+        say(f"  {many}: {name}")
     if found is not None:
         _index_table(found)
-    typer.echo(f"wrote {target}")
+    say(f"wrote {target}")
 
 
 def window(
@@ -152,13 +151,13 @@ def window(
               "reached_low": float(reached[0]), "reached": float(reached[1]), "reached_high": float(reached[2]),
               "viscosity_law": found.attrs["viscosity_law"], "air": found.attrs["air"]}  # fmt: skip
     if json:
-        typer.echo(json_.dumps(answer))
+        say(json_.dumps(answer))
         return
-    typer.echo(f"k = {k.min():.3g} to {k.max():.3g}, to a factor of {factors[0]:g} to {factors[-1]:g}; "
+    say(f"k = {k.min():.3g} to {k.max():.3g}, to a factor of {factors[0]:g} to {factors[-1]:g}; "
                f"viscosity: {answer['viscosity_law']}; drying: {answer['air']}")  # fmt: skip
-    typer.echo(f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
+    say(f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
                f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)")  # fmt: skip
-    typer.echo("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))
+    say("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))
 
 
 def compare(
@@ -175,7 +174,7 @@ def compare(
 
     found = compare_(open_result(a), open_result(b), rtol=tolerance)
     if json:
-        typer.echo(json_.dumps(found.to_dict(), ensure_ascii=False))
+        say(json_.dumps(found.to_dict(), ensure_ascii=False))
         return
     _comparison(found)
 
@@ -183,31 +182,29 @@ def compare(
 def _comparison(found: "Comparison") -> None:
     for heading, texts in (("scene", found.scene), ("models", found.models)):
         for text in texts:
-            typer.echo(f"{heading:9s}{text.name}: {_shown(text.a)} | {_shown(text.b)}")
+            say(f"{heading:9s}{text.name}: {_shown(text.a)} | {_shown(text.b)}")
     for s in found.scalars:
         unit = "" if s.unit in ("", "1") else f" {s.unit}"
         apart = f", {s.sigmas:.2g} standard uncertainties" if s.sigmas == s.sigmas else ""
         one, other = (
             f"{x:.6g}" + (f" ± {std:.2g}" if std == std else "") for x, std in ((s.a, s.a_std), (s.b, s.b_std))
         )
-        typer.echo(f"number   {s.name}: {one} | {other}{unit} ({_percent(s.relative)}{apart})")
+        say(f"number   {s.name}: {one} | {other}{unit} ({_percent(s.relative)}{apart})")
     for p in found.profiles:
         alone = f"; {p.one_sided} places in one only" if p.one_sided else ""
-        typer.echo(f"profile  {p.name}: {_percent(p.largest)} at {1e3 * p.position:.4g} mm, "
+        say(f"profile  {p.name}: {_percent(p.largest)} at {1e3 * p.position:.4g} mm, "
                    f"{_percent(p.of_range)} of its largest{alone}")  # fmt: skip
     for which, names in (("first", found.only_a), ("second", found.only_b)):
         if names:
-            typer.echo(f"only in the {which}: {', '.join(names)}")
+            say(f"only in the {which}: {', '.join(names)}")
     if found.not_compared:
-        typer.echo(f"not compared, other places across the jet: {', '.join(found.not_compared)}")
+        say(f"not compared, other places across the jet: {', '.join(found.not_compared)}")
     if found.same:
-        typer.echo(f"no number differs by more than {found.rtol:g}")
+        say(f"no number differs by more than {found.rtol:g}")
     if found.places:
-        typer.echo(
-            f"profiles compared at {found.places} places, {1e3 * found.span[0]:.4g} to {1e3 * found.span[1]:.4g} mm"
-        )
+        say(f"profiles compared at {found.places} places, {1e3 * found.span[0]:.4g} to {1e3 * found.span[1]:.4g} mm")
     else:
-        typer.echo("the jets do not overlap: no profile was compared")
+        say("the jets do not overlap: no profile was compared")
 
 
 def _shown(value: Any) -> str:
@@ -285,12 +282,12 @@ def _index_rows(found: "xr.Dataset") -> list[dict[str, Any]]:
 
 def _index_table(found: "xr.Dataset") -> None:
     share = 100 * float(found.attrs["confidence"])
-    typer.echo(f"Sobol' indices, {share:g} % intervals; first order | total")
+    say(f"Sobol' indices, {share:g} % intervals; first order | total")
     for output in found["output"].values:
         one = found.sel(output=output)
-        typer.echo(f"{output}: {float(one['mean']):.4g} +/- {float(one['std']):.2g}")
+        say(f"{output}: {float(one['mean']):.4g} +/- {float(one['std']):.2g}")
         if not one["first_order"].notnull().any():
-            typer.echo("  does not vary")
+            say("  does not vary")
             continue
         for parameter in found["parameter"].values:
             at = one.sel(parameter=parameter)
@@ -298,4 +295,4 @@ def _index_table(found: "xr.Dataset") -> None:
                 f"{float(at[k]):6.3f} [{float(at[k + '_low']):6.3f}, {float(at[k + '_high']):6.3f}]"
                 for k in ("first_order", "total_order")
             )
-            typer.echo(f"  {parameter:28s} {text}")
+            say(f"  {parameter:28s} {text}")

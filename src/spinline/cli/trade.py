@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli.speech import say
 
 if TYPE_CHECKING:
     from spinline.plan.choice import Plan
@@ -29,13 +30,13 @@ def plan(
     solution = build_solution(loaded)
     made = plan_scene(loaded, solution, build_jet(loaded, solution))
     if json:
-        typer.echo(made.json())
+        say(made.json())
         return
-    typer.echo(made.reason)
+    say(made.reason)
     for line in _listed(made):
-        typer.echo(line)
+        say(line)
     for remark in made.remarks:
-        typer.echo(f"warning: {remark}", err=True)
+        say(f"warning: {remark}", err=True)
 
 
 def trade(
@@ -63,7 +64,7 @@ def trade(
         writable(file, force=force)
     from spinline.study.trade import trade as measure
 
-    measured = measure(loaded, quick=quick, progress=lambda words: typer.echo(f"measuring {words}", err=True))
+    measured = measure(loaded, quick=quick, progress=lambda words: say(f"measuring {words}", err=True))
     if figure is not None:
         from spinline.report.trade_figure import save_trade_figure
 
@@ -74,12 +75,12 @@ def trade(
 
         save_report(solve(loaded).assign_attrs(trade=measured.json()), report, force=force)
     if json:
-        typer.echo(measured.json())
+        say(measured.json())
         return
-    typer.echo(_table(measured))
-    typer.echo(measured.recommendation)
+    say(_table(measured))
+    say(measured.recommendation)
     if files:
-        typer.echo("wrote " + ", ".join(map(str, files)))
+        say("wrote " + ", ".join(map(str, files)))
 
 
 def _listed(made: "Plan") -> list[str]:

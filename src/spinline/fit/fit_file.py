@@ -21,7 +21,6 @@
 """
 
 import difflib
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
@@ -31,13 +30,15 @@ from typing import Any
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.text import read_toml_text
 from spinline.base.units import QUANTITIES, Measured, parse
+from spinline.base.words import label
 from spinline.fit.model import PARAMETERS
 from spinline.fit.observations import Observation, read_table
 from spinline.fit.observed_map import read_map
 from spinline.fit.problem import FitProblem, Prior
 from spinline.fit.scene_model import forward_model, typical_relaxation_time
-from spinline.scene.file import Scene, load_scene
+from spinline.scene.file import LONGEST, Scene, given_file, load_scene
 
 __all__ = ["FitFile", "bundled_fits", "load_fit", "scene_priors"]
 
@@ -100,20 +101,11 @@ def load_fit(source: str | Path) -> FitFile:
     InputError
         For an unreadable file, or any key, value or data file that cannot be right.
     """
-    path = Path(source)
-    name = path.stem
-    if not path.exists() and str(source) in bundled_fits():
-        path, name = bundled_fits()[str(source)], str(source)
-    try:
-        text = path.read_text(encoding="utf-8")
-        data = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
-        near = difflib.get_close_matches(str(source), bundled_fits(), n=1)
-        hint = f"did you mean the bundled {near[0]!r}?" if near else f"bundled: {', '.join(bundled_fits())}"
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError(str(source), f"cannot be read as a fit ({reason})", remedy=hint) from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(str(source), f"is not TOML ({error})", remedy="see docs: how to infer") from None
+    path = given_file(source, bundled_fits())
+    name = path.stem if path == Path(source) else str(source)
+    near = difflib.get_close_matches(str(source)[:200], bundled_fits(), n=1)
+    hint = f"did you mean the bundled {near[0]!r}?" if near else f"bundled: {', '.join(bundled_fits())}"
+    data, text = read_toml_text(path, "fit", LONGEST, hint)
     return _build(data, path.resolve().parent, text, name)
 
 
@@ -174,7 +166,7 @@ def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFi
     options = _section(data, "fit")
     _known(options, _FIT, "fit.")
     problem = FitProblem(model, tuple(_observations(data, folder)), free, options.get("loss", "gauss"),
-                         str(data.get("title", name)))  # fmt: skip
+                         label(str(data.get("title", name))))  # fmt: skip
     sampler = options.get("sampler", "least-squares")
     if sampler not in _SAMPLERS:
         raise InputError("fit.sampler", "is not known", value=sampler, allowed=", ".join(_SAMPLERS))

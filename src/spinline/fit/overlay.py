@@ -31,13 +31,13 @@ from spinline.fit.scene_model import forward_model
 from spinline.network.concentration import fraction_walk
 from spinline.network.crossover import crossover_velocity_ratio, radius_ratio
 from spinline.network.lattice_walk import random_walk
-from spinline.plan.effects import choose_effects
+from spinline.plan.switches import choose_effects
 from spinline.scene.file import Scene
-from spinline.setup.build import build_jet, build_solution
+from spinline.setup.context import Context
 from spinline.solve.bands import LEVELS, draw_scenes
 
 if TYPE_CHECKING:
-    from spinline.plan.effects import Effects
+    from spinline.setup.effects import Effects
 
 __all__ = ["compare_theory", "theory_words"]
 
@@ -83,8 +83,7 @@ def compare_theory(
     SpinlineWarning
         Where the theory does not describe the data.
     """
-    solution = build_solution(scene)
-    effects = choose_effects(scene, solution, build_jet(scene, solution))
+    effects = choose_effects(Context(scene))
     model = forward_model(scene, relaxation=effects.relaxation, evaporation=effects.evaporation, values=values)
     data = read_map(reduced, _KINDS, core_within=core_within)
     for part in data:

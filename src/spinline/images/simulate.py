@@ -306,14 +306,13 @@ def images_text(camera: Camera, result: "xr.Dataset", names: dict[str, Path]) ->
 
 def _data(result: "xr.Dataset") -> dict[str, Any]:
     """The scene of a result as dictionaries, with what ``--set`` changed in it."""
-    import tomllib
-
+    from spinline.base.text import parsed_toml
     from spinline.scene.file import _override
 
     text = str(result.attrs.get("scene", ""))
     if not text:
         raise InputError("result", "does not hold its scene", remedy="give a result of spinline run")
-    data = tomllib.loads(text)
+    data = parsed_toml(text, "result", "scene")
     for line in text.splitlines():
         if line.startswith("# --set "):
             _override(data, line.removeprefix("# --set "))

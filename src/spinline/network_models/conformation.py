@@ -1,4 +1,4 @@
-"""Rung ``conformation`` of the ladder: how far the strands are stretched while they relax, and the stress they carry.
+"""Rung ``conformation``: how far the strands are stretched while they relax, and the stress they carry.
 
 The material stretch drives the conformation tensor along every element, straight or bent; relaxation time and modulus follow
 the local concentration. The stretch ``w = sqrt(A_zz)`` then goes through the closure as the affine ``w = V`` does: theta -> inf
@@ -14,14 +14,17 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.setup.material import Material
+from spinline.network_models.rung import Relaxed, Rung, Setting
+from spinline.setup.history import History
+from spinline.setup.material import Material, constitutive_model
 
 if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
+    from spinline.setup.context import Context
 
 _RTOL = 1e-8  # far below what the closures differ by
 
-__all__ = ["Stretching", "stretch_strands"]
+__all__ = ["RUNG", "RelaxingStrands", "Stretching", "stretch_strands"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,3 +115,49 @@ def stretch_strands(
     return Stretching(
         state.stretch[cut], state.contraction[cut], theta, state.weissenberg[cut], stress, radial, force, model
     )
+
+
+class RelaxingStrands(Rung):
+    """Strands that move with the solution and relax; see `spinline.rheology.conformation`."""
+
+    name = "conformation"
+    words = "strands that relax as the jet stretches and dries: Maxwell, Oldroyd-B, Giesekus, FENE-P"
+    holds = ("relaxation",)
+    needs = ("relaxation time",)
+    relaxes = True
+    automatic = True
+    branch = "relaxation"
+    cost = "5 to 20 ms"
+
+    def relax(self, context: "Context", history: History) -> Relaxed:
+        """Stretch w along a material element, Weissenberg and Deborah numbers, stress where the viscosity is known."""
+        material = context.material
+        model = constitutive_model(context.scene, material, context.rest.full_stretch)
+        state = stretch_strands(
+            material, model, history.time, history.stretch, history.fraction, history.radius, history.strain_rate
+        )
+        assert material.solution.relaxation_time is not None
+        found = {
+            "weissenberg_number": state.weissenberg,
+            "deborah_number": state.weissenberg / state.relaxation_time * material.solution.relaxation_time,
+        }
+        if state.stress is not None and state.radial_stress is not None and state.tensile_force is not None:
+            found |= {
+                "stress": state.stress,
+                "radial_stress": state.radial_stress,
+                "tensile_force": state.tensile_force,
+            }
+        return Relaxed(state.stretch, found, repr(model))
+
+    def settings(self, context: "Context", quick: bool) -> list[Setting]:
+        """By samples along the jet."""
+        if context.solution.relaxation_time is None:
+            return []
+        return [Setting(f"{n} points", {"points": n}) for n in ((401,) if quick else (101, 401, 1601))]
+
+    def finest(self, context: "Context") -> Setting | None:
+        """Many samples."""
+        return Setting("", {"points": 6401})
+
+
+RUNG = RelaxingStrands()

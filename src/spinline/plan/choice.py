@@ -15,40 +15,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spinline.jetprofile.straight import StraightJet
-from spinline.plan.estimates import (
-    MARGIN,
-    UNSTEADY,
-    Effect,
-    elastic_coupling_effect,
-    extensibility_effect,
-    inertia_effect,
-    saturation_effect,
-)
-from spinline.plan.governing_numbers import EffectNumbers, effect_numbers
+from spinline.network_models.registry import RUNGS, cheapest, simplest
+from spinline.network_models.rung import Rung
+from spinline.plan.effects import EFFECTS, SWITCHED
+from spinline.plan.estimates import MARGIN, UNSTEADY, Estimate
+from spinline.plan.governing_numbers import EffectNumbers, numbers_of
 from spinline.rheology.solution import Solution
 from spinline.scene.file import Scene
+from spinline.setup.context import Context
 
 if TYPE_CHECKING:
-    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.jet import Jet
 
-__all__ = ["MARGIN", "Plan", "plan_scene", "resolved"]
+__all__ = ["MARGIN", "Plan", "plan_of", "plan_scene", "resolved"]
 
-_HELD = {  # by each rung
-    "affine": (),
-    "manifold": ("elastic coupling", "inertia", "finite extensibility"),
-    "chain": ("elastic coupling", "inertia", "finite extensibility"),
-    "conformation": ("relaxation",),
-    "walk": (),
-}
-_MOVING = ("elastic coupling", "relaxation")
-_COSTS = {
-    "affine": "a millisecond",
-    "manifold": "10 to 60 ms",
-    "conformation": "5 to 20 ms",
-    "chain": "seconds",
-    "walk": "0.1 ms a place and thousand strands",
-}
+_MOVING = tuple(effect.name for effect in EFFECTS if effect.moves)
 
 
 @dataclass(frozen=True)
@@ -61,7 +42,7 @@ class Plan:
         Rung of the ladder.
     forced : bool
         The scene names it.
-    effects : tuple of Effect
+    effects : tuple of Estimate
         Every effect with its number and the error of leaving it out.
     used, left_out : tuple of str
         Names of effects.
@@ -76,7 +57,7 @@ class Plan:
 
     model: str
     forced: bool
-    effects: tuple[Effect, ...]
+    effects: tuple[Estimate, ...]
     used: tuple[str, ...]
     left_out: tuple[str, ...]
     rtol: float
@@ -84,7 +65,7 @@ class Plan:
     reason: str
     remarks: tuple[str, ...]
 
-    def effect(self, name: str) -> Effect:
+    def effect(self, name: str) -> Estimate:
         """One effect by name."""
         return next(effect for effect in self.effects if effect.name == name)
 
@@ -114,15 +95,18 @@ class Plan:
         return json.dumps(self.plain(), ensure_ascii=False, allow_nan=False)
 
 
-def plan_scene(
-    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", numbers: EffectNumbers | None = None
-) -> Plan:
+def plan_scene(scene: Scene, solution: Solution, jet: "Jet", numbers: EffectNumbers | None = None) -> Plan:
+    """`plan_of` a scene and what `build_solution` and `build_jet` make of it."""
+    return plan_of(Context(scene, solution, jet), numbers)
+
+
+def plan_of(context: Context, numbers: EffectNumbers | None = None) -> Plan:
     """Choose the rung of a scene.
 
     Parameters
     ----------
-    scene, solution, jet
-        A scene and what `build_solution` and `build_jet` make of it; of a bead jet with many times the last is looked at.
+    context : Context
+        Of a bead jet with many times the last is looked at.
     numbers : EffectNumbers, optional
         If they are known already.
 
@@ -134,27 +118,26 @@ def plan_scene(
     -----
     A few milliseconds; about 10 where there is an ``[ambient]``.
     """
-    if not isinstance(jet, StraightJet) and jet.time is not None:
-        jet = jet.at()
-    known = effect_numbers(scene, solution, jet) if numbers is None else numbers
-    effects = _effects(scene, solution, jet, known)
+    context = context.frames[-1]
+    scene = context.scene
     rtol, asked = scene.accuracy.rtol, scene.network.model
+    if asked in RUNGS:
+        RUNGS[asked].require(context)
+    known = numbers_of(context) if numbers is None else numbers
+    effects = tuple(effect.estimate(context, known) for effect in EFFECTS)
     errors = {effect.name: effect.error for effect in effects}
     wanted = _choice(scene, errors, rtol, effects[0].number)
-    model = wanted if asked == "auto" else asked
-    used = [*_HELD[model], "saturation"]
-    if not isinstance(jet, StraightJet):
-        used.append("bending")
-    dries, uneven = _drying(scene, errors, rtol)
-    used += [name for name, on in (("evaporation", dries), ("radial gradients", uneven)) if on]
-    if model == "manifold" and not _names_a_law(scene) and asked == "auto":
-        used.remove("finite extensibility")
-    if not scene.network.inertia.value and "inertia" in used:
-        used.remove("inertia")
+    rung = wanted if asked == "auto" else RUNGS[asked]
+    on = _switched_on(scene, errors, rtol)
+    used = {
+        effect.name
+        for effect in EFFECTS
+        if (on[effect.switch] if effect.switch and not effect.moves else effect.held(context, rung, asked == "auto"))
+    }
     left_out = tuple(effect.name for effect in effects if effect.name not in used)
-    reason, remarks = _words(scene, model, wanted, effects, left_out)
+    reason, remarks = _words(scene, rung, wanted, effects, left_out)
     return Plan(
-        model,
+        rung.name,
         asked != "auto",
         effects,
         tuple(e.name for e in effects if e.name in used),
@@ -171,71 +154,41 @@ def resolved(scene: Scene, plan: Plan) -> Scene:
     if scene.network.model == plan.model:
         return scene
     changes: dict[str, Any] = {"model": plan.model}
-    if plan.model == "manifold" and not _names_a_law(scene):
+    if RUNGS[plan.model].slips and not _names_a_law(scene):
         changes["force_law"] = "linear"
     return scene.model_copy(update={"network": scene.network.model_copy(update=changes)})
 
 
-def _effects(
-    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", known: EffectNumbers
-) -> tuple[Effect, ...]:
-    dried, uneven, lost = known.errors["evaporation"], known.errors["radial"], known.evaporated_fraction
-    drying = (
-        Effect("evaporation", "volume lost", lost, dried, known.missing.get("evaporation", f"{lost:.2g} of the volume")),
-        Effect("radial gradients", "drying Peclet", known.drying_peclet, uneven,
-               known.missing.get("radial", f"surface and mean differ by {uneven:.2g} of the mean")),
-    )  # fmt: skip
-    if isinstance(jet, StraightJet):
-        return (
-            elastic_coupling_effect(scene, solution, jet),
-            inertia_effect(scene, solution, jet, known.inertia),
-            known.relaxation,
-            *drying,
-            extensibility_effect(scene, solution, jet),
-            saturation_effect(scene, solution, jet),
-            Effect("bending", "bead jet", 0.0, float("nan"), "a straight profile: the first millimetres"),
-        )
-    nan, words = float("nan"), "not estimated along bead jets"
-    return (
-        Effect("elastic coupling", "c V'/alpha_v", nan, nan, words),
-        Effect("inertia", "I V'", nan, nan, words),
-        known.relaxation,
-        *drying,
-        Effect("finite extensibility", "V/V_S at the end", nan, nan, words),
-        Effect("saturation", "core fraction, held at 1", known.core_fraction, 0.0, "in every rung"),
-        Effect("bending", "bead jet", 1.0, 0.0, "the material stretch of the beads drives the network, bent or not"),
-    )
-
-
-def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float) -> str:
+def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float) -> Rung:
     """Rung for a scene; `steepest` is the largest eps V', beyond 1/4 of which nothing is steady."""
     elastic, relaxing = errors["elastic coupling"], errors["relaxation"]
+    simple = simplest()
     slips = MARGIN * elastic > rtol and steepest <= UNSTEADY
     relaxes = MARGIN * relaxing > rtol and scene.effects.relaxation is not False
+    slipping, relaxed = cheapest(["elastic coupling"]) or simple, cheapest(["relaxation"]) or simple
     if scene.effects.relaxation is True:
-        return "conformation"
+        return relaxed
     if _names_a_law(scene) or (slips and not (relaxes and relaxing >= elastic)):
-        return "manifold" if not np.isnan(elastic) else "affine"
+        return slipping if not np.isnan(elastic) else simple
     # a solution that dries relaxes by other times than it set out with: the rung that can hold that, if the time is known
     dries = _switched(scene.effects.evaporation, errors["evaporation"], rtol) and MARGIN * errors["evaporation"] > rtol
     knows = not np.isnan(relaxing) and scene.effects.relaxation is not False
-    return "conformation" if relaxes or (dries and knows) else "affine"
+    return relaxed if relaxes or (dries and knows) else simple
 
 
 def _names_a_law(scene: Scene) -> bool:
     return "force_law" in scene.network.model_fields_set
 
 
-def _drying(scene: Scene, errors: dict[str, float], rtol: float) -> tuple[bool, bool]:
-    """Evaporation and radial gradients, which need it, as `choose_effects` takes them."""
-    asked = scene.effects
-    dries, uneven = (
-        _switched(switch, errors[name], rtol)
-        for switch, name in ((asked.evaporation, "evaporation"), (asked.radial, "radial gradients"))
-    )
-    if uneven and not dries and asked.radial is True and asked.evaporation == "auto":
-        dries = True
-    return dries, uneven and dries
+def _switched_on(scene: Scene, errors: dict[str, float], rtol: float) -> dict[str, bool]:
+    """Effects with a switch, and what they need, as `choose_effects` takes them; those that a rung holds apart."""
+    asked = {effect.switch: getattr(scene.effects, effect.switch) for effect in SWITCHED}
+    on = {effect.switch: _switched(asked[effect.switch], errors[effect.name], rtol) for effect in SWITCHED}
+    for effect in SWITCHED:
+        if effect.after and on[effect.switch] and not on[effect.after]:
+            needed = asked[effect.switch] is True and asked[effect.after] == "auto"
+            on[effect.after if needed else effect.switch] = needed
+    return on
 
 
 def _switched(switch: object, error: float, rtol: float) -> bool:
@@ -243,7 +196,7 @@ def _switched(switch: object, error: float, rtol: float) -> bool:
 
 
 def _words(
-    scene: Scene, model: str, wanted: str, effects: tuple[Effect, ...], left_out: tuple[str, ...]
+    scene: Scene, rung: Rung, wanted: Rung, effects: tuple[Estimate, ...], left_out: tuple[str, ...]
 ) -> tuple[str, tuple[str, ...]]:
     rtol, known = scene.accuracy.rtol, {effect.name: effect for effect in effects}
     errors = {name: known[name].error for name in _MOVING}
@@ -254,19 +207,26 @@ def _words(
         else f"{name} is not estimated"
         for name in _MOVING
     )
-    reason = f"{model}: {said}; rtol = {rtol:g}"
-    if scene.network.model not in ("auto", model, wanted):
-        reason += f"; asked for, {wanted} would be taken"
+    reason = f"{rung.name}: {said}; rtol = {rtol:g}"
+    if scene.network.model not in ("auto", rung.name, wanted.name):
+        reason += f"; asked for, {wanted.name} would be taken"
     elif scene.network.model != "auto":
-        reason += "; asked for" + (
-            "" if wanted == model else f" ({_COSTS[model]}); {wanted} would do ({_COSTS[wanted]})"
-        )
+        reason += "; asked for" + ("" if wanted is rung else f" ({rung.cost}); {wanted.name} would do ({wanted.cost})")
+    return reason, tuple(_remarks(rung, rtol, known, errors, missed))
+
+
+def _remarks(
+    rung: Rung, rtol: float, known: dict[str, Estimate], errors: dict[str, float], missed: list[str]
+) -> list[str]:
+    """What a choice loses."""
     remarks = []
-    if "elastic coupling" in missed and model != "conformation":
+    steady, relaxed = cheapest(["elastic coupling"]), cheapest(["relaxation"])
+    if "elastic coupling" in missed and not rung.relaxes:
+        transient = next((other.name for other in RUNGS.values() if other.slips and other.sampled), "")
         finer = (
-            "no steady network there, see --model chain"
+            f"no steady network there, see --model {transient}"
             if known["elastic coupling"].number > UNSTEADY
-            else ("see --model manifold")
+            else f"see --model {'' if steady is None else steady.name}"
         )
         remarks.append(
             f"the affine network errs by about {errors['elastic coupling']:.2g} without elastic coupling, more than "
@@ -277,15 +237,16 @@ def _words(
             f"relaxation is left out: De = {known['relaxation'].number:.3g} at the crossover (or the end of the jet), so the "
             f"stretch errs by about {errors['relaxation']:.2g}, more than rtol = {rtol:g}"
         )
-    if len(missed) == 2 or (missed and model in ("manifold", "chain", "conformation")):
+    if len(missed) == 2 or (missed and set(_MOVING) & set(rung.holds)):
+        other = " and ".join(one.name for one in (steady, relaxed) if one is not None)
         remarks.append(
             f"no model holds both elastic coupling (error of about {errors['elastic coupling']:.2g}) and relaxation "
-            f"({errors['relaxation']:.2g}) within rtol = {rtol:g}: compare manifold and conformation"
+            f"({errors['relaxation']:.2g}) within rtol = {rtol:g}: compare {other}"
         )
-    return reason, tuple(remarks)
+    return remarks
 
 
-def _plain(effect: Effect) -> dict[str, Any]:
+def _plain(effect: Estimate) -> dict[str, Any]:
     data = asdict(effect)
     return {
         "name": data["name"],

@@ -19,13 +19,10 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.jetprofile.straight import StraightJet
 from spinline.network.crossover import extension_velocity_ratio
-from spinline.network.mesh import network_at_rest
 from spinline.network.state import NetworkState, affine_network, network_state
-from spinline.rheology.solution import Solution
-from spinline.scene.file import Scene
-from spinline.setup.build import coupling, jet_grid, jet_length
+from spinline.network_models.registry import cheapest
+from spinline.setup.context import Context
 
 if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
@@ -33,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "MARGIN",
     "UNSTEADY",
-    "Effect",
+    "Estimate",
     "elastic_coupling_effect",
     "extensibility_effect",
     "inertia_effect",
@@ -48,8 +45,8 @@ UNSTEADY = 0.25  # eps V' from which no steady network exists
 
 
 @dataclass(frozen=True)
-class Effect:
-    """One effect: its number, and the error of an answer without it.
+class Estimate:
+    """One effect in one scene: its number, and the error of an answer without it.
 
     Attributes
     ----------
@@ -70,58 +67,58 @@ class Effect:
     words: str
 
 
-def elastic_coupling_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
+def elastic_coupling_effect(context: Context) -> Estimate:
     """Slip of the network against the solution at finite alpha_v."""
-    alpha, _, viscosity = coupling(scene, solution, jet)
-    eps = scene.network.spring.value / alpha
-    number, error = _slip(scene, solution, jet, eps)
+    alpha, viscosity = context.coupling.alpha, context.coupling.words
+    eps = context.scene.network.spring.value / alpha
+    number, error = _slip(context, eps)
     if np.isnan(alpha):
         words = f"alpha_v is {viscosity}"
     elif number > UNSTEADY:
         words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
     else:
         words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
-    return Effect("elastic coupling", "c V'/alpha_v", number, error, words)
+    return Estimate("elastic coupling", "c V'/alpha_v", number, error, words)
 
 
-def inertia_effect(scene: Scene, solution: Solution, jet: StraightJet, inertia: float) -> Effect:
+def inertia_effect(context: Context, inertia: float) -> Estimate:
     """Mass of the strands; `inertia` is I, NaN where not known."""
-    number, error = _slip(scene, solution, jet, -inertia)
+    number, error = _slip(context, -inertia)
     words = "I is not known" if np.isnan(inertia) else f"I = {inertia:.3g}"
-    return Effect("inertia", "I V'", abs(number), error, words)
+    return Estimate("inertia", "I V'", abs(number), error, words)
 
 
-def extensibility_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
+def extensibility_effect(context: Context) -> Estimate:
     """Contour length of the strands, as the network as a whole feels it."""
-    full = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).full_stretch)
-    z = _grid(scene, jet, 1.0)
+    full, jet = context.rest.full_stretch, context.line
+    z = _grid(context, 1.0)
     v = jet.velocity_ratio(z)
     number = float(v.max()) / full
     name, symbol = "finite extensibility", "V/V_S at the end"
     if number < 1:
-        return Effect(
-            name, symbol, number, _stiffer(scene, solution, jet, full), f"the jet ends at {number:.2g} of full stretch"
-        )
+        return Estimate(name, symbol, number, _stiffer(context, full), f"the jet ends at {number:.2g} of full stretch")
     step = np.diff(z) * (full - 0.5 * (v[1:] + v[:-1]))
     room = np.append(np.cumsum(step[::-1])[::-1], 0.0)  # of the contour, from z to the end
     first = int(np.flatnonzero(room <= 0)[0])
     passes = _passage(z - jet.start, v, full)  # where a network that overstretches does
     later = passes / (z[max(first, 1)] - jet.start) - 1
     error = float(max(full / v[first] - 1, later)) if z[first] < _KEPT * z[-1] else 0.0
+    held = cheapest([name])
+    finer = "" if held is None else held.name
     words = (
         f"a steady network that cannot overstretch is locked from {1e3 * z[first]:.3g} mm (V = {v[first]:.3g}) to its free "
-        'end, if its strands hold: see model = "manifold" with a force_law'
+        f'end, if its strands hold: see model = "{finer}" with a force_law'
     )
-    return Effect(name, symbol, number, error, words)
+    return Estimate(name, symbol, number, error, words)
 
 
-def _stiffer(scene: Scene, solution: Solution, jet: StraightJet, full: float) -> float:
+def _stiffer(context: Context, full: float) -> float:
     """Slip that a law with a contour adds to the linear spring's, short of the contour: ``eps V' (T' - 1)``."""
     from spinline.network.tension import Tension
 
+    scene, jet, alpha = context.scene, context.line, context.coupling.alpha
     law = "lattice" if scene.network.force_law == "linear" else scene.network.force_law
-    alpha = coupling(scene, solution, jet)[0]
-    z = _grid(scene, jet, _KEPT)
+    z = _grid(context, _KEPT)
     spring = Tension.of(law, full)
     v = jet.velocity_ratio(z)
     _, compliance = spring.state(spring.tension(v))
@@ -130,22 +127,22 @@ def _stiffer(scene: Scene, solution: Solution, jet: StraightJet, full: float) ->
         added = np.minimum(scene.network.spring.value / alpha * slope * np.abs(1 / compliance - 1), 1.0)
     if np.isnan(alpha):
         return 0.0
-    return _moved(scene, solution, z, v, np.minimum(v * (1 + added), (1 - 1e-6) * full))
+    return _moved(context, z, v, np.minimum(v * (1 + added), (1 - 1e-6) * full))
 
 
-def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, deborah: float) -> Effect:
+def relaxation_effect(context: Context, deborah: float) -> Estimate:
     """Strands that give back some of their stretch on the way; `deborah` is theta edot at the crossover."""
     from spinline.rheology.conformation import Maxwell
-    from spinline.setup.material import build_material, constitutive_model
+    from spinline.setup.material import constitutive_model
 
-    theta = solution.relaxation_time
+    theta, jet = context.solution.relaxation_time, context.line
     name, symbol = "relaxation", "De"
     if theta is None:
-        return Effect(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
-    z = _grid(scene, jet, _KEPT)
+        return Estimate(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
+    z = _grid(context, _KEPT)
     v, time = jet.velocity_ratio(z), jet.residence_time(z)
     try:
-        model: Model = constitutive_model(scene, build_material(scene, solution))
+        model: Model = constitutive_model(context.scene, context.material, context.rest.full_stretch)
     except InputError as problem:  # a run by that rung is refused; whether one is needed can be said all the same
         if problem.field != "rheology.extensibility":
             raise
@@ -156,8 +153,8 @@ def relaxation_effect(scene: Scene, solution: Solution, jet: StraightJet, debora
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
     if contour < v[-1]:  # never quite there
         w = np.minimum(w, (1 - 1e-6) * contour)
-    error = _moved(scene, solution, z, v, w)
-    return Effect(
+    error = _moved(context, z, v, w)
+    return Estimate(
         name, symbol, deborah, error, f"a strand gives back {-np.expm1(-given_back[-1]):.2g} of its stretch on the way"
     )
 
@@ -174,41 +171,47 @@ def _stiffening(model: "Model", v: FloatArray) -> tuple[FloatArray, float]:
     return np.ones_like(v), float("inf")
 
 
-def saturation_effect(scene: Scene, solution: Solution, jet: StraightJet) -> Effect:
+def saturation_effect(context: Context) -> Estimate:
     """Polymer fraction of the core held at 1."""
     from spinline.network.concentration import log_fraction_walk
 
-    n, v = scene.network, jet.velocity_ratio(_grid(scene, jet, 1.0))
-    state = affine_network(v, solution.volume_fraction, closure=n.closure_used, solvent_quality=n.solvent_quality)
-    passed = float(np.max(log_fraction_walk(state.conformation, solution.volume_fraction)))
+    n, v, phi = (
+        context.scene.network,
+        context.line.velocity_ratio(_grid(context, 1.0)),
+        context.solution.volume_fraction,
+    )
+    state = affine_network(v, phi, closure=n.closure_used, solvent_quality=n.solvent_quality)
+    passed = float(np.max(log_fraction_walk(state.conformation, phi)))
     number = float(np.exp(min(passed, 700.0)))
     words = "the core is compact polymer before the end" if number > 1 else "the core is not compact anywhere"
-    return Effect("saturation", "unbounded core fraction", number, max(1 - 1 / number, 0.0), words)
+    return Estimate("saturation", "unbounded core fraction", number, max(1 - 1 / number, 0.0), words)
 
 
-def _slip(scene: Scene, solution: Solution, jet: StraightJet, eps: float) -> tuple[float, float]:
+def _slip(context: Context, eps: float) -> tuple[float, float]:
     """Largest eps V', and what w = V + eps V V' + ... changes."""
     if not eps:
         return 0.0, 0.0
     if np.isnan(eps):
         return eps, eps
-    z = _grid(scene, jet, _KEPT)
+    z, jet = _grid(context, _KEPT), context.line
     v = jet.velocity_ratio(z)
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
     number = float(np.abs(eps) * slope.max())
     if number > UNSTEADY:
         return number, max(1.0, number)
     first = eps * slope
-    return number, _moved(scene, solution, z, v, v * (1 + first + 2 * first**2))
+    return number, _moved(context, z, v, v * (1 + first + 2 * first**2))
 
 
-def _moved(scene: Scene, solution: Solution, z: FloatArray, v: FloatArray, w: FloatArray) -> float:
+def _moved(context: Context, z: FloatArray, v: FloatArray, w: FloatArray) -> float:
     """What a stretch w in place of V changes: the network's state, and where it passes both criteria."""
-    n, phi = scene.network, solution.volume_fraction
+    n, phi = context.scene.network, context.solution.volume_fraction
     rules = {"closure": n.closure_used, "solvent_quality": n.solvent_quality}
     shift = change(network_state(w, v, phi, **rules), affine_network(v, phi, **rules))  # type: ignore[arg-type]
-    full = float(network_at_rest(phi, n.solvent_quality).full_stretch)
-    for target in (full, float(extension_velocity_ratio(n.crossover_extension.value, phi, **rules))):  # type: ignore[arg-type]
+    reach = extension_velocity_ratio(
+        n.crossover_extension.value, phi, closure=n.closure_used, solvent_quality=n.solvent_quality
+    )
+    for target in (context.rest.full_stretch, float(reach)):
         here, there = _passage(z, w, target), _passage(z, v, target)
         if np.isnan(here) != np.isnan(there):
             shift = max(shift, 1.0)
@@ -238,7 +241,8 @@ def change(state: NetworkState, reference: NetworkState) -> float:
     )
 
 
-def _grid(scene: Scene, jet: StraightJet, share: float) -> FloatArray:
+def _grid(context: Context, share: float) -> FloatArray:
     """Places along the jet, fine at the nozzle, its kinks among them."""
-    end = jet.start + share * (jet_length(scene, jet) - jet.start)
-    return np.clip(jet_grid(jet, end, _POINTS), jet.start, end)
+    jet = context.line
+    end = jet.start + share * (context.length - jet.start)
+    return np.clip(context.grid(_POINTS, share), jet.start, end)

@@ -9,24 +9,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.drying.along_jet import biot_number, check_radial, dry, element_path, fourier_number, peclet_number
-from spinline.jetprofile.straight import StraightJet
 from spinline.network.coupling import strand_force
-from spinline.network.mesh import network_at_rest
 from spinline.network.state import network_state
-from spinline.plan.estimates import Effect, relaxation_effect
+from spinline.plan.estimates import Estimate, relaxation_effect
 from spinline.rheology.solution import Solution
 from spinline.rheology.vapour import equilibrium_fraction
 from spinline.scene.file import Scene
-from spinline.setup.air import build_air
-from spinline.setup.build import bead_ages, coupling, coupling_error, drag_of_solvent, jet_grid, jet_length
-from spinline.setup.material import diffusion_law
+from spinline.setup.context import Context
+from spinline.setup.coupling import drag_of_solvent
 
 if TYPE_CHECKING:
-    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.jet import Jet
 
-__all__ = ["EffectNumbers", "deborah_number", "effect_numbers"]
+__all__ = ["EffectNumbers", "coupling_error", "deborah_number", "effect_numbers", "numbers_of"]
 
 _NAN = float("nan")
 _PLACES = 201
@@ -62,7 +60,7 @@ class EffectNumbers:
         Estimate of the relative error of leaving out "slip", "inertia", "relaxation", "evaporation", "radial".
     missing : dict
         Why an effect has no estimate.
-    relaxation : Effect
+    relaxation : Estimate
         The estimate of relaxation.
     """
 
@@ -78,18 +76,22 @@ class EffectNumbers:
     core_fraction: float
     slip_ratio: float
     strand_force: float
-    relaxation: Effect
+    relaxation: Estimate
     errors: dict[str, float] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
 
 
-def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> EffectNumbers:
+def effect_numbers(scene: Scene, solution: Solution, jet: "Jet") -> EffectNumbers:
+    """`numbers_of` a scene and what `build_solution` and `build_jet` make of it."""
+    return numbers_of(Context(scene, solution, jet))
+
+
+def numbers_of(context: Context) -> EffectNumbers:
     """Numbers of a scene; of a bead jet with many times, those of the last.
 
     Parameters
     ----------
-    scene, solution, jet
-        A scene and what `build_solution` and `build_jet` make of it.
+    context : Context
 
     Returns
     -------
@@ -107,25 +109,25 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
     and mean over the mean, ``Pe (a - a_inf)/2`` once diffusion has crossed the jet, ``4 (Fo/pi)^(1/2)`` of that before, at most
     what a surface in equilibrium with the air has.
     """
-    if not isinstance(jet, StraightJet) and jet.time is not None:
-        jet = jet.at()
+    context = context.frames[-1]
+    scene, solution = context.scene, context.solution
     phi, quality = solution.volume_fraction, scene.network.solvent_quality
     missing: dict[str, str] = {}
-    stretch = _largest_stretch(scene, jet)
+    stretch = _largest_stretch(context)
     state = network_state(stretch, stretch, phi, closure=scene.network.closure_used, solvent_quality=quality)
     walk = state.conformation
     de = _NAN
     if solution.relaxation_time is None:
         missing["relaxation"] = "solution.relaxation_time is not given"
     else:
-        de = deborah_number(scene, solution, jet)
-    if isinstance(jet, StraightJet):
-        relaxing = relaxation_effect(scene, solution, jet, de)
+        de = deborah_number(context)
+    if context.straight:
+        relaxing = relaxation_effect(context, de)
     else:
         about = _NAN if np.isnan(de) else min(1.0, 1 / de) if de > 0 else 1.0
-        relaxing = Effect("relaxation", "De", de, about, missing.get("relaxation", "about 1/De"))
-    slip, inertia, steepest = _slip(scene, solution, jet, missing)
-    lost, biot, peclet, fourier, uneven = _drying(scene, solution, jet, missing)
+        relaxing = Estimate("relaxation", "De", de, about, missing.get("relaxation", "about 1/De"))
+    slip, inertia, steepest = _slip(context, missing)
+    lost, biot, peclet, fourier, uneven = _drying(context, missing)
     return EffectNumbers(
         stretch=stretch,
         deborah=de,
@@ -151,7 +153,7 @@ def effect_numbers(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
     )
 
 
-def deborah_number(scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet") -> float:
+def deborah_number(context: Context) -> float:
     """``theta edot`` where the network is fully stretched, or at the end; in bead jets edot is the mean rate to there.
 
     Raises
@@ -159,35 +161,43 @@ def deborah_number(scene: Scene, solution: Solution, jet: "StraightJet | Lagrang
     InputError
         Where the relaxation time, or the time along a bead jet, is not known.
     """
-    if solution.relaxation_time is None:
+    theta, full = context.solution.relaxation_time, context.rest.full_stretch
+    if theta is None:
         raise InputError("solution.relaxation_time", "is missing", remedy="give it")
-    full = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).full_stretch)
-    if isinstance(jet, StraightJet):
-        place = float(np.fmin(jet.position_of(full), jet_length(scene, jet)))
-        return solution.relaxation_time * float(jet.strain_rate(place))
-    time, stretch = bead_ages(jet)[0][jet.usable], jet.stretch[jet.usable]
+    if context.straight:
+        jet = context.line
+        place = float(np.fmin(jet.position_of(full), context.length))
+        return theta * float(jet.strain_rate(place))
+    beads = context.beads
+    time, stretch = context.ages[beads.usable], beads.stretch[beads.usable]
     if not np.isfinite(time).all():
         return _NAN
     reached = np.flatnonzero(stretch >= full)
     i = int(reached[0]) if reached.size else int(np.argmax(stretch))
-    return solution.relaxation_time * float(np.log(stretch[i]) / time[i])
+    return theta * float(np.log(stretch[i]) / time[i])
 
 
-def _largest_stretch(scene: Scene, jet: "StraightJet | LagrangianJet") -> float:
-    if isinstance(jet, StraightJet):
-        return float(jet.stretch_ratio(jet_length(scene, jet)))
-    return float(jet.stretch[jet.usable].max())
+def coupling_error(context: Context) -> float:
+    """Largest relative error of w = V along the jet, ``c V' / alpha_v`` (first term of the series of Eq. 33)."""
+    jet = context.line
+    slope = jet.strain_rate(context.grid(257)) * jet.initial_radius / jet.initial_velocity
+    return float(context.scene.network.spring.value * slope.max() / context.coupling.alpha)
 
 
-def _slip(
-    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", missing: dict[str, str]
-) -> tuple[float, float, float]:
+def _largest_stretch(context: Context) -> float:
+    if context.straight:
+        return float(context.line.stretch_ratio(context.length))
+    return float(context.beads.stretch[context.beads.usable].max())
+
+
+def _slip(context: Context, missing: dict[str, str]) -> tuple[float, float, float]:
     """``eps V'``, I and V'."""
-    if not isinstance(jet, StraightJet):
+    if not context.straight:
         missing["slip"] = missing["inertia"] = "not estimated along bead jets"
         return _NAN, _NAN, _NAN
-    slip = coupling_error(scene, solution, jet)
-    alpha, _, words = coupling(scene, solution, jet)
+    scene, solution, jet = context.scene, context.solution, context.line
+    slip = coupling_error(context)
+    alpha, words = context.coupling.alpha, context.coupling.words
     if np.isnan(slip):
         missing["slip"] = missing["inertia"] = words
         return _NAN, _NAN, _NAN
@@ -199,30 +209,29 @@ def _slip(
         except InputError as error:
             missing["inertia"] = str(error)
             return slip, _NAN, steepest
-        xi = float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).size) * solution.kuhn_length
+        xi = context.rest.size * solution.kuhn_length
         mass = solution.volume_fraction * solution.polymer.density * xi**3
         inertia = mass * jet.initial_velocity / (xi * viscosity * jet.initial_radius)
     return slip, inertia, steepest
 
 
-def _drying(
-    scene: Scene, solution: Solution, jet: "StraightJet | LagrangianJet", missing: dict[str, str]
-) -> tuple[float, float, float, float, float]:
+def _drying(context: Context, missing: dict[str, str]) -> tuple[float, float, float, float, float]:
     """Evaporated fraction, Biot, Peclet and Fourier numbers, and how uneven the jet is."""
+    scene, solution = context.scene, context.solution
     if scene.ambient is None and True not in (scene.effects.evaporation, scene.effects.radial):
         missing["evaporation"] = missing["radial"] = "there is no [ambient]"
         return (_NAN,) * 5
     try:
-        air = build_air(scene, solution)
-        age = None if isinstance(jet, StraightJet) else bead_ages(jet)[0][jet.usable]
-        path = element_path(jet, _places(scene, jet), age)
+        air = context.air
+        age = None if context.straight else context.ages[context.beads.usable]
+        path = element_path(context.jet, _places(context), age)
         dried = dry(path, solution, air)
     except InputError as error:
         missing["evaporation"] = missing["radial"] = str(error)
         return (_NAN,) * 5
     lost = float(dried.lost[-1])
     try:
-        diffusion = diffusion_law(scene)
+        diffusion = context.diffusion
         check_radial(air)
     except InputError as error:
         missing["radial"] = str(error)
@@ -240,7 +249,7 @@ def _drying(
     return lost, float(biot[-1]), float(peclet.max()), float(fourier[-1]), float(uneven.max())
 
 
-def _places(scene: Scene, jet: "StraightJet | LagrangianJet") -> np.ndarray:
-    if not isinstance(jet, StraightJet):
-        return np.asarray(jet.arc_length[jet.usable])
-    return jet_grid(jet, jet_length(scene, jet), _PLACES)
+def _places(context: Context) -> FloatArray:
+    if not context.straight:
+        return np.asarray(context.beads.arc_length[context.beads.usable])
+    return context.grid(_PLACES)

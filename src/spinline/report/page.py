@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from spinline.base.files import write_text
+from spinline.network_models.registry import RUNGS
 from spinline.report.figures import headline, png
 from spinline.report.page_parts import planned, traded
 from spinline.solve.results import described, scalars
@@ -59,11 +60,17 @@ def words(result: xr.Dataset) -> list[str]:
         sentences.append(f"At the crossover {_state(result, here)}.")
     end = int(np.flatnonzero(known)[-1])
     sentences += _dried(result, end)
-    where = "At the free end" if result.attrs["model"] in ("manifold", "chain") else "At the end"
+    where = "At the free end" if _slips(result.attrs["model"]) else "At the end"
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
     sentences += _frozen(result)
     sentences += _uncertain(result)
     return sentences
+
+
+def _slips(model: str) -> bool:
+    """Whether a result's network ends at a free end of its own."""
+    rung = RUNGS.get(model)
+    return rung is not None and rung.slips
 
 
 def _uncertain(result: xr.Dataset) -> list[str]:

@@ -85,7 +85,7 @@ def sheet_of(
 def titled(sheet: Figure, own: bool, text: str, **style: Any) -> None:
     """Title of a sheet of ours; a sheet that the caller made keeps its own."""
     if own:
-        sheet.suptitle(text, **style)
+        sheet.suptitle(text.replace("$", r"\$"), **style)  # a dollar is a dollar: titles come from files
 
 
 def grid(axis: Axes) -> None:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from spinline.network_models.registry import RUNGS
 from spinline.report.style import (
     BLUE,
     DPI,
     GREEN,
+    GREY,
     ORANGE,
     PURPLE,
     RED,
@@ -27,13 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["save_trade_figure", "trade_figure", "trade_png"]
 
-_MARKS = {
-    "affine": ("o", BLUE),
-    "manifold": ("s", ORANGE),
-    "chain": ("^", RED),
-    "conformation": ("D", GREEN),
-    "walk": ("v", PURPLE),
-}
+_LOOKS = (("o", BLUE), ("s", ORANGE), ("D", GREEN), ("^", RED), ("v", PURPLE), ("P", GREY), ("X", BLUE), ("*", ORANGE))
 _LEAST = 1e-15  # an error of nothing is drawn at a tenth of the smallest other
 
 
@@ -49,7 +45,7 @@ def trade_figure(measured: Trade, axes: SheetAxes = None) -> Figure:
     for axis, branch in zip(panels[0], branches, strict=True):
         _panel(axis, measured, [(i, rung) for i, rung in enumerate(run, 1) if branch in rung.errors], branch)
     keys = [
-        Line2D([], [], linestyle="", marker=_MARKS[rung.model][0], color=_MARKS[rung.model][1], markersize=7,
+        Line2D([], [], linestyle="", marker=_look(rung.model)[0], color=_look(rung.model)[1], markersize=7,
                label=f"{i}  {rung.model}, {rung.setting}")
         for i, rung in enumerate(run, 1)
     ]  # fmt: skip
@@ -57,12 +53,17 @@ def trade_figure(measured: Trade, axes: SheetAxes = None) -> Figure:
     return sheet
 
 
+def _look(model: str) -> tuple[str, str]:
+    """Marker and colour of a rung: by its place in the ladder."""
+    return _LOOKS[list(RUNGS).index(model) % len(_LOOKS)]
+
+
 def _panel(axis: "Axes", measured: Trade, rungs: list[tuple[int, Measured]], branch: str) -> None:
     errors = [rung.errors[branch] for _, rung in rungs]
     floor = 0.1 * min([measured.rtol, *(error for error in errors if error > _LEAST)])
     points = sorted((rung.seconds, error, i, rung) for (i, rung), error in zip(rungs, errors, strict=True))
     for n, (seconds, error, i, rung) in enumerate(points):
-        mark, colour = _MARKS[rung.model]
+        mark, colour = _look(rung.model)
         none = error <= _LEAST
         place = (1e3 * seconds, floor if none else error)
         axis.plot(*place, mark, color=colour, markersize=7, markerfacecolor="white" if none else colour)

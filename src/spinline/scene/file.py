@@ -5,17 +5,16 @@ A scene is TOML. Quantities are text with their unit; unknown keys are refused a
 """
 
 import difflib
-import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar, Union, get_args
 
 from pydantic import BaseModel, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
 from spinline.base.errors import InputError
-from spinline.base.text import decoded
+from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
 from spinline.scene.quantities import (
@@ -27,6 +26,7 @@ from spinline.scene.quantities import (
     FlowRate,
     HeatCapacity,
     KuhnLength,
+    Label,
     LatentHeat,
     Length,
     Lifetime,
@@ -44,17 +44,17 @@ from spinline.scene.quantities import (
     VolumeFraction,
 )
 
-__all__ = ["Scene", "bundled_scenes", "json_schema", "load_scene", "scene_from_dict"]
+__all__ = ["LONGEST", "Scene", "bundled_scenes", "given_file", "json_schema", "load_scene", "scene_from_dict"]
 
 
 _Sheet = TypeVar("_Sheet", bound=Sheet)
-_LONGEST = 1_000_000  # characters of a scene
+LONGEST = 1_000_000  # characters of a scene
 
 
 class PolymerData(Section):
     """A polymer that is not built in."""
 
-    name: str = "polymer"
+    name: Label = "polymer"
     density: Density
     repeat_unit_molar_mass: MolarMass | None = None
     backbone_bonds: Annotated[int, Field(ge=1, le=1000)] | None = None
@@ -69,7 +69,7 @@ class PolymerData(Section):
 class SolventData(Section):
     """A solvent that is not built in; what follows the density matters to evaporation only, the heats to a jet that cools."""
 
-    name: str = "solvent"
+    name: Label = "solvent"
     density: Density
     molar_mass: MolarMass | None = None
     vapour_pressure: VapourPressure | None = None
@@ -188,6 +188,23 @@ class LagrangianJetFile(Section):
 JetSection = Annotated[
     PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
 ]
+JET_SECTIONS: dict[str, type[Section]] = {
+    "power-law": PowerLawJet,
+    "hyperbolic": HyperbolicJet,
+    "table": TableJet,
+    "jetspin": JetspinJet,
+    "lagrangian": LagrangianJetFile,
+}
+
+
+# rungs of the ladder by name, and whether their network slips against the solution: `spinline.network_models` has the rest
+MODELS: dict[str, bool] = {
+    "affine": False,
+    "manifold": True,
+    "conformation": False,
+    "chain": True,
+    "walk": False,
+}
 
 
 class NetworkSection(Section):
@@ -213,7 +230,7 @@ class NetworkSection(Section):
         """
         if self.closure != "auto":
             return self.closure
-        return "stretch" if self.model in ("manifold", "chain") and self.force_law != "linear" else "force"
+        return "stretch" if MODELS.get(self.model, False) and self.force_law != "linear" else "force"
 
 
 class AccuracySection(Section):
@@ -234,7 +251,7 @@ class AccuracySection(Section):
 class Scene(Sheet):
     """A checked scene. `text` and `folder` say where it came from."""
 
-    title: str = ""
+    title: Label = ""
     solution: SolutionSection
     jet: JetSection
     ambient: AmbientSection | None = None
@@ -242,6 +259,22 @@ class Scene(Sheet):
     effects: EffectsSection = EffectsSection()
     network: NetworkSection = NetworkSection()
     accuracy: AccuracySection = AccuracySection()
+
+
+def add_jet_section(section: type[Section]) -> None:
+    """Let ``[jet]`` have another profile; `section` names it in ``profile: Literal["name"]``."""
+    (name,) = get_args(section.model_fields["profile"].annotation)
+    JET_SECTIONS[name] = section
+    Scene.model_fields["jet"].annotation = Union[tuple(JET_SECTIONS.values())]  # type: ignore[assignment]  # noqa: UP007
+    Scene.model_rebuild(force=True)
+
+
+def add_model(name: str, slips: bool) -> None:
+    """Let ``network.model`` be another rung."""
+    MODELS[name] = slips
+    NetworkSection.model_fields["model"].annotation = Literal["auto", *MODELS]  # type: ignore[assignment]
+    NetworkSection.model_rebuild(force=True)
+    Scene.model_rebuild(force=True)
 
 
 def scene_from_dict(
@@ -299,30 +332,24 @@ def read_toml(
     source: str | Path, bundled: Mapping[str, Path], overrides: Sequence[str], noun: str = "scene"
 ) -> tuple[dict[str, Any], str, Path]:
     """Content, text and path of a TOML file or of a bundled one of that name, overrides applied."""
-    path = Path(source)
-    if not path.exists():
-        path = bundled.get(str(source), path)
-    try:
-        with path.open("rb") as file:
-            text, _ = decoded(file.read(4 * _LONGEST + 1), str(source))
-    except (OSError, ValueError) as error:
-        near = difflib.get_close_matches(str(source), bundled, n=1)
-        hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError(str(source), f"cannot be read as a {noun} ({reason})", remedy=hint) from None
-    if len(text) > _LONGEST:
-        raise InputError(str(source), f"is too long for a {noun}", allowed=f"up to {_LONGEST} characters")
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            str(source), f"is not a TOML {noun} ({error})", remedy="see `spinline scenes --copy`"
-        ) from None  # fmt: skip
+    path = given_file(source, bundled)
+    near = difflib.get_close_matches(str(source)[:200], bundled, n=1)
+    hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
+    data, text = read_toml_text(path, noun, LONGEST, hint)
     for override in overrides:
         _override(data, override)
     if overrides:
         text = text.rstrip() + "\n" + "".join(f"# --set {override}\n" for override in overrides)
     return data, text, path
+
+
+def given_file(source: str | Path, bundled: Mapping[str, Path]) -> Path:
+    """The file of that name, else the bundled one."""
+    try:
+        there = Path(source).exists()
+    except (OSError, ValueError):  # a name that no file can have
+        there = False
+    return Path(source) if there else bundled.get(str(source), Path(source))
 
 
 def bundled_scenes() -> dict[str, Path]:
@@ -340,11 +367,11 @@ def json_schema() -> dict[str, Any]:
 def _override(data: dict[str, Any], override: str) -> None:
     key, equals, value = override.partition("=")
     steps = [step.strip() for step in key.split(".")]
-    if not equals or not all(steps):
+    if not equals or not all(steps) or "\n" in override:
         raise InputError("--set", "is not KEY=VALUE", value=override, remedy='for example --set "jet.radius=100 um"')
     try:
-        parsed = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
+        parsed = parsed_toml(f"value = {value}", "--set", "value")["value"]
+    except InputError:
         parsed = value.strip()
     for step in steps[:-1]:
         data = data.setdefault(step, {})
@@ -374,9 +401,7 @@ def _foremost(details: list[ErrorDetails]) -> list[ErrorDetails]:
 
 
 _TYPE_ERRORS = frozenset({"string_type", "literal_error", "model_type", "dict_type", "float_type", "bool_type"})
-_BRANCHES = frozenset(
-    {"power-law", "hyperbolic", "table", "jetspin", "lagrangian", "name", "mixture", "properties"}
-)  # of the unions: no keys of the user's
+_FORMS = frozenset({"name", "mixture", "properties"})  # branches of unions, as profiles are: no keys of the user's
 
 
 def _key(detail: ErrorDetails) -> str:
@@ -384,7 +409,8 @@ def _key(detail: ErrorDetails) -> str:
     kept = [
         step
         for i, step in enumerate(steps)
-        if not (step in _BRANCHES and i == (2 if steps[0] == "solution" else 1)) and "[" not in step
+        if not ((step in _FORMS or step in JET_SECTIONS) and i == (2 if steps[0] == "solution" else 1))
+        and "[" not in step
     ]
     context = detail.get("ctx") or {}
     return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
@@ -409,7 +435,7 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         section = value if isinstance(value, Mapping) else {}
         problem = "is not known" if "profile" in section else "is missing"
-        profiles = '"power-law", "hyperbolic", "table", "jetspin", "lagrangian"'
+        profiles = ", ".join(f'"{name}"' for name in JET_SECTIONS)
         return InputError(
             f"{key}.profile",
             problem,
@@ -434,11 +460,7 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "solution": SolutionSection,
         "solution.polymer": PolymerData,
         "solution.solvent": SolventData,
-        "jet power-law": PowerLawJet,
-        "jet hyperbolic": HyperbolicJet,
-        "jet table": TableJet,
-        "jet jetspin": JetspinJet,
-        "jet lagrangian": LagrangianJetFile,
+        **{f"jet {name}": section for name, section in JET_SECTIONS.items()},
         "ambient": AmbientSection,
         "rheology": RheologySection,
         "effects": EffectsSection,

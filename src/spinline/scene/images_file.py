@@ -22,7 +22,7 @@ from spinline.base.constants import KEV
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import refusal
 from spinline.scene.file import SolutionSection, checked, read_toml
-from spinline.scene.quantities import Length, Read, Sheet
+from spinline.scene.quantities import Label, Length, Read, Sheet
 
 __all__ = ["KEV", "Images", "Source", "bundled_images", "images_from_dict", "images_schema", "load_images"]
 
@@ -129,7 +129,7 @@ Rows = Annotated[tuple[int, int], _ReadSpan()]
 class Images(Sheet):
     """A checked images file. `text` and `folder` say where it came from."""
 
-    title: str = ""
+    title: Label = ""
     counts: str
     flat: Field_
     flat_after: Field_ | None = None

@@ -7,6 +7,7 @@ A key is "section.name" ("jet.k"), as on the command line with ``--set``; "model
 import difflib
 import typing
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 from pydantic import BaseModel
@@ -14,7 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from spinline.base.errors import InputError
 from spinline.base.units import QUANTITIES, Measured
-from spinline.scene.file import Scene
+from spinline.scene.file import JET_SECTIONS, Scene
 from spinline.scene.quantities import Read
 
 __all__ = ["full_key", "is_section", "placed", "read_value", "reader", "unit_of"]
@@ -150,20 +151,22 @@ def placed(data: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]
     return result
 
 
-_KEYS: dict[str, Any] = {}
-
-
 def _known() -> dict[str, Any]:
     """Every key of every form of a scene, and how it is read."""
-    if not _KEYS:
-        for section, field in Scene.model_fields.items():
-            models = list(_models(field.annotation, field.metadata))
-            if not models:
-                _KEYS[section] = None
-            for model in models:
-                for name, inner in model.model_fields.items():
-                    _KEYS.setdefault(f"{section}.{name}", _how(inner.annotation, inner.metadata))
-    return _KEYS
+    return _keys(tuple(JET_SECTIONS))
+
+
+@lru_cache(maxsize=4)
+def _keys(profiles: tuple[str, ...]) -> dict[str, Any]:
+    keys: dict[str, Any] = {}
+    for section, field in Scene.model_fields.items():
+        models = list(_models(field.annotation, field.metadata))
+        if not models:
+            keys[section] = None
+        for model in models:
+            for name, inner in model.model_fields.items():
+                keys.setdefault(f"{section}.{name}", _how(inner.annotation, inner.metadata))
+    return keys
 
 
 def _models(annotation: Any, metadata: Any = ()) -> Iterator[type[BaseModel]]:

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from spinline.base.errors import InputError
 from spinline.base.units import QUANTITIES, Measured, parse
+from spinline.base.words import label
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class Read:
 
 
 Length = Annotated[Measured, Read("length", 1e-12, 1e3)]
+Label = Annotated[str, AfterValidator(label)]  # a title or name: one harmless line
 KuhnLength = Annotated[Measured, Read("length", 1e-11, 1e-6)]
 FlowRate = Annotated[Measured, Read("flow rate", 1e-30, 1.0)]
 Time = Annotated[Measured, Read("time", 0.0, 1e9, closed=True)]

@@ -16,7 +16,7 @@ from spinline.base.errors import InputError
 from spinline.rheology.solution import Solution
 from spinline.scene.air_and_rheology import AmbientSection, RheologySection
 from spinline.scene.file import Scene, SolventData
-from spinline.setup.build import given
+from spinline.setup.values import given
 
 if TYPE_CHECKING:
     from spinline.rheology._evaporation_balance import Activity

@@ -12,11 +12,11 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.network.mesh import network_at_rest
 from spinline.rheology.solution import Solution, mass_fraction
 from spinline.scene.air_and_rheology import RheologySection
 from spinline.scene.file import Scene
-from spinline.setup.build import drag_of_solvent, given
+from spinline.setup.coupling import drag_of_solvent
+from spinline.setup.values import given
 
 if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
@@ -126,8 +126,8 @@ def build_material(scene: Scene, solution: Solution) -> Material:
     return Material(solution, laws, scene.network.solvent_quality, solvent)
 
 
-def constitutive_model(scene: Scene, material: Material) -> "Model":
-    """Constitutive model of a scene: by default Maxwell with closure "force", FENE-P with closure "stretch".
+def constitutive_model(scene: Scene, material: Material, full_stretch: float) -> "Model":
+    """Constitutive model of a scene, V_S at rest given: by default Maxwell with closure "force", FENE-P with closure "stretch".
 
     A strand's finite length is in the walk of closure "force" already, and in nothing but the model with "stretch".
     """
@@ -144,8 +144,7 @@ def constitutive_model(scene: Scene, material: Material) -> "Model":
     if name == "Giesekus":
         assert laws.mobility is not None
         return Giesekus(laws.mobility.value)
-    full = float(network_at_rest(material.solution.volume_fraction, scene.network.solvent_quality).full_stretch)
-    limit = given(laws.extensibility, full**2)
+    limit = given(laws.extensibility, full_stretch**2)
     if not limit > 3:
         raise InputError(
             "rheology.extensibility", "is that of strands too short for FENE-P", value=limit, allowed="(3, 1e12]",

@@ -1,21 +1,15 @@
 """What a result says of itself: models and why, numbers behind the choice, inputs, the answer in words."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from spinline.jetprofile.straight import StraightJet
-from spinline.network.mesh import network_at_rest
-from spinline.network_models.rungs import Crossover, SettledChain
+from spinline.network_models.registry import rung_of, simplest
+from spinline.network_models.rung import Network
 from spinline.plan.choice import Plan
-from spinline.plan.effects import NAMES, Effects
-from spinline.rheology.solution import Solution
-from spinline.scene.file import Scene
-from spinline.setup.build import bead_ages, coupling, coupling_error
-
-if TYPE_CHECKING:
-    from spinline.jetprofile.lagrangian import LagrangianJet
-    from spinline.network.manifold import Manifold
+from spinline.plan.governing_numbers import coupling_error
+from spinline.setup.context import Context
+from spinline.solve.crossovers import Crossover
 
 __all__ = ["attributes_of", "elsewhere"]
 
@@ -44,22 +38,19 @@ def _sentence(name: str, places: list[Crossover]) -> str:
 
 
 def attributes_of(
-    scene: Scene,
-    solution: Solution,
-    jet: "StraightJet | LagrangianJet",
+    context: Context,
     found: dict[str, list[Crossover]],
     remarks: list[str],
-    network: "Manifold | SettledChain | None",
-    effects: Effects,
+    network: Network | None,
     plan: Plan,
 ) -> dict[str, Any]:
     """Attributes of a run's Dataset."""
     from spinline.base.version import __version__
 
-    left_out = ([] if network else ["elastic slip", "inertia"]) + effects.left_out
+    scene, effects = context.scene, context.effects
+    left_out = ("elastic slip", "inertia", *effects.left_out) if network is None else effects.left_out
     model = scene.network.model
-    why = f"{model}, asked for" if plan.forced and model != "affine" else model
-    attributes: dict[str, Any] = {
+    return {
         "title": scene.title or scene.name,
         "Conventions": "CF-1.11",
         "source": f"spinline {__version__}",
@@ -76,7 +67,22 @@ def attributes_of(
         "crossover_extension": _sentence("crossover_extension", found["crossover_extension"]),
         "crossover_extension_criterion": scene.network.crossover_extension.value,
         "effects_left_out": ", ".join(left_out),
-        **{f"{name}_reason": effects.why[name] for name in NAMES},
+        **{f"{key}_reason": why for key, why in effects.why.items()},
+        **_solution(context),
+        "initial_radius": context.jet.initial_radius,
+        "warnings": "\n".join(remarks),
+        "references": (
+            "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31)-(40) of the review in the docs"
+            f"; polymer data: {context.solution.polymer.source}"
+        ),
+        **rung_of(model).attributes(context, network),
+        **_jet(context, plan),
+    }
+
+
+def _solution(context: Context) -> dict[str, Any]:
+    solution = context.solution
+    return {
         "polymer": solution.polymer.name,
         "polymer_density": solution.polymer.density,
         "solvent": ", ".join(f"{name} {share:g}" for name, share in solution.solvent.items()),
@@ -85,57 +91,44 @@ def attributes_of(
         "mass_fraction": solution.mass_fraction,
         "temperature": solution.temperature,
         "kuhn_length": solution.kuhn_length,
-        "strands_per_chain": solution.strands_per_chain(
-            float(network_at_rest(solution.volume_fraction, scene.network.solvent_quality).segments)
-        ),
-        "initial_radius": jet.initial_radius,
-        "warnings": "\n".join(remarks),
-        "references": (
-            "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31)-(40) of the review in the docs"
-            f"; polymer data: {solution.polymer.source}"
-        ),
+        "strands_per_chain": solution.strands_per_chain(context.rest.segments),
     }
-    if scene.network.model == "walk":
-        attributes |= {"strands": scene.accuracy.strands, "seed": scene.accuracy.seed}
-    if network is not None:
-        attributes |= {"locked_from": network.locked_from * jet.initial_radius, "inertia": network.inertia}
-    if isinstance(network, SettledChain):
-        attributes |= {
-            "coarse_grain": network.coarse_grain,
-            "drift": network.drift,
-            "beads": network.profile.beads.size,
-        }
-    if isinstance(jet, StraightJet):
-        alpha, a, viscosity = coupling(scene, solution, jet)
-        eps = coupling_error(scene, solution, jet)
-        attributes |= {
+
+
+def _jet(context: Context, plan: Plan) -> dict[str, Any]:
+    """The jet, what couples the network to it, and why this rung."""
+    scene, model = context.scene, context.scene.network.model
+    why = f"{model}, asked for" if plan.forced and model != simplest().name else model
+    if context.straight:
+        jet, coupling = context.line, context.coupling
+        eps = coupling_error(context)
+        found: dict[str, Any] = {
             "jet": repr(jet) if len(repr(jet)) < 400 else type(jet).__name__,
             "initial_velocity": jet.initial_velocity,
             "flow_rate": jet.flow_rate,
-            "coupling": alpha,
-            "affinity_of_solvent_drag": a,
-            "drag_viscosity": viscosity,
+            "coupling": coupling.alpha,
+            "affinity_of_solvent_drag": coupling.affinity,
+            "drag_viscosity": coupling.words,
             "spring": scene.network.spring.value,
             "coupling_error": eps,
-            "model_reason": (
-                f"{why}: elastic slip changes the network velocity by "
-                f"about {eps:.2g} (largest c V'/alpha_v, alpha_v = {alpha:.4g}; {viscosity}), rtol = {scene.accuracy.rtol:g}"
-            ),
         }
+        reason = (
+            f"{why}: elastic slip changes the network velocity by about {eps:.2g} (largest c V'/alpha_v, "
+            f"alpha_v = {coupling.alpha:.4g}; {coupling.words}), rtol = {scene.accuracy.rtol:g}"
+        )
     else:
-        rate = bead_ages(jet)[1]
-        if np.isfinite(rate):
-            attributes["flow_rate"] = rate
-        attributes |= {
+        beads, rate = context.beads, context.bead_flow_rate
+        found = {"flow_rate": rate} if np.isfinite(rate) else {}
+        found |= {
             "age_source": (
                 "volume fed since, at the flow rate that the motion of the elements implies"
                 if np.isfinite(rate)
                 else "arc length at the speed of the beads"
             ),
-            "jet": str(jet.attributes.get("title", jet.attributes.get("source", "bead jet"))),
-            "model_reason": f"{why}: the material stretch of each element drives the network; elastic slip not estimated",
-            "jet_attributes": "\n".join(f"{key} = {value}" for key, value in jet.attributes.items()),
+            "jet": str(beads.attributes.get("title", beads.attributes.get("source", "bead jet"))),
+            "jet_attributes": "\n".join(f"{key} = {value}" for key, value in beads.attributes.items()),
         }
-    if effects.relaxation:
-        attributes["model_reason"] = f"{attributes['model_reason']}; relaxation {effects.why['relaxation']}"
-    return attributes
+        reason = f"{why}: the material stretch of each element drives the network; elastic slip not estimated"
+    if context.effects.relaxation:
+        reason = f"{reason}; relaxation {context.effects.why['relaxation']}"
+    return {**found, "model_reason": reason}

@@ -29,7 +29,8 @@ from spinline.rheology.solution import volume_fraction as fraction_by_volume
 from spinline.scene.file import HyperbolicJet, PowerLawJet, Scene, SolventData
 from spinline.scene.keys import reader
 from spinline.scene.quantities import Read
-from spinline.setup.build import build_solution, drag_of_solvent
+from spinline.setup.build import build_solution
+from spinline.setup.coupling import drag_of_solvent
 from spinline.solve.uncertainty import uncertain_inputs
 from spinline.study.densities import densities
 from spinline.study.design import Column

@@ -25,12 +25,15 @@ from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
+from spinline.base.files import stamp
 from spinline.jetprofile.straight import StraightJet
-from spinline.scene.file import HyperbolicJet, PowerLawJet, Scene, scene_from_dict
+from spinline.network_models.registry import RUNGS, rung_of
+from spinline.scene.file import Scene, scene_from_dict
 from spinline.scene.keys import placed
-from spinline.setup.build import build_jet, build_solution
+from spinline.setup.build import build_solution
+from spinline.setup.jet import build_jet, built_from_numbers
 from spinline.solve.results import VARIABLES
-from spinline.solve.spine import SAMPLED, Solved, evaluate
+from spinline.solve.spine import Solved, evaluate
 from spinline.solve.summary import SUMMARISED, summarised
 from spinline.solve.uncertainty import shares
 from spinline.study.design import Column
@@ -69,7 +72,6 @@ BEYOND = {  # reasons of status 1
     "crossover_extension_position": "the extension of the criterion is not reached within the jet",
 }
 BOTH = "; ".join(BEYOND.values())
-_LEAN = ("auto", "affine", "manifold", "conformation")  # their numbers do not depend on how many points are written
 _LONGEST = 400  # characters of a reason
 
 
@@ -201,11 +203,11 @@ def _uncertainties(solved: Solved, task: Task, found: Mapping[str, float]) -> di
     """Standard uncertainties from the inputs', by the rung that was taken, and how far they were followed."""
     if not task.uncertain:
         return {}
-    if solved.scene.network.model in SAMPLED:
+    if rung_of(solved.scene.network.model).sampled:
         return {STD_FLAG: 2.0}
 
     def again(scene: Scene) -> dict[str, float]:
-        jet = None if isinstance(scene.jet, PowerLawJet | HyperbolicJet) else jet_of(scene, task.folder)
+        jet = None if built_from_numbers(scene) else jet_of(scene, task.folder)
         return numbers(evaluate(scene, jet, attributes=False))
 
     stds, remarks = shares(solved.scene, found, again)
@@ -213,7 +215,7 @@ def _uncertainties(solved: Solved, task: Task, found: Mapping[str, float]) -> di
 
 
 def profile_grid(span: FloatArray, scale: FloatArray, points: int) -> FloatArray:
-    """Places of a profile in initial radii from the start, (..., points): `spinline.setup.build.jet_grid` without kinks."""
+    """Places of a profile in initial radii from the start, (..., points): `spinline.setup.grid.jet_grid` without kinks."""
     share = np.linspace(0.0, 1.0, points)
     length = np.asarray(scale)[..., np.newaxis]
     grid = length * np.expm1(share * np.log1p(np.asarray(span)[..., np.newaxis] / length))
@@ -223,11 +225,14 @@ def profile_grid(span: FloatArray, scale: FloatArray, points: int) -> FloatArray
 
 def solve_row(scene: Scene, task: Task) -> Solved:
     """`spinline.solve.spine.evaluate` with no more points than needed, and a jet from files read once a process."""
-    if task.profiles or scene.network.model in _LEAN:
+    rung = RUNGS.get(
+        scene.network.model
+    )  # of the rungs that "auto" takes numbers do not depend on how many points are written
+    if task.profiles or rung is None or rung.lean:
         points = task.points if task.profiles else 2
         scene = scene.model_copy(update={"accuracy": scene.accuracy.model_copy(update={"points": points})})
         scene._folder = Path(task.folder)
-    if isinstance(scene.jet, PowerLawJet | HyperbolicJet):
+    if built_from_numbers(scene):
         return evaluate(scene, attributes=False)
     return evaluate(scene, jet_of(scene, task.folder), attributes=False)
 
@@ -247,10 +252,13 @@ def _profiles(solved: Solved, task: Task) -> dict[str, FloatArray]:
 
 
 class _Key:
-    """A jet section and its folder; the scene rides along and does not count."""
+    """A jet section, its folder and the state of its files; the scene rides along and does not count."""
 
     def __init__(self, section: Any, folder: str, scene: Scene) -> None:
-        self.identity, self.scene = (section, folder), scene
+        file = Path(folder) / getattr(section, "path", "")
+        files = sorted(file.iterdir()) if file.is_dir() else [file] if file.exists() else []
+        files = files if hasattr(section, "path") else []
+        self.identity, self.scene = (section, folder, tuple((str(f), stamp(f)) for f in files)), scene
 
     def __hash__(self) -> int:
         return hash(self.identity)
@@ -261,7 +269,7 @@ class _Key:
 
 def jet_of(scene: Scene, folder: str) -> Any:
     """The jet of a scene; one that is read from files is kept, since it does not depend on the solution."""
-    if isinstance(scene.jet, PowerLawJet | HyperbolicJet):
+    if built_from_numbers(scene):
         return build_jet(scene, build_solution(scene))
     return _built(_Key(scene.jet, folder, scene))
 

@@ -383,6 +383,8 @@ def _attributes(sweep: Sweep, task: Task) -> dict[str, Any]:
         "points": task.points,
         "extra": " ".join(task.extra),
         "uncertain_inputs": ", ".join(task.uncertain),
-        "computed_by": "closed forms on arrays" if task.vectorise else "one scene at a time",
+        "computed_by": "closed forms on arrays, single runs where there is none"
+        if task.vectorise
+        else "one scene at a time",
         "fingerprint": sweep.fingerprint(),
     }

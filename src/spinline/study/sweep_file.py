@@ -20,14 +20,15 @@
 import difflib
 import hashlib
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from spinline.base.errors import InputError
-from spinline.scene.file import Scene, _override, bundled_scenes, scene_from_dict
+from spinline.base.text import parsed_toml, read_toml_text
+from spinline.base.words import label
+from spinline.scene.file import LONGEST, Scene, _override, bundled_scenes, given_file, scene_from_dict
 from spinline.scene.keys import full_key, is_section, placed, read_value
 from spinline.study.axes import axes_of, column, not_both
 from spinline.study.design import KINDS, Axis, Design
@@ -97,7 +98,7 @@ class Sweep:
 
 def scene_tables(text: str) -> dict[str, Any]:
     """Tables of a scene from its text, overrides (``# --set`` at its end) put in."""
-    data = tomllib.loads(text)
+    data = parsed_toml(text, "scene", "scene")
     for line in text.splitlines():
         if line.startswith("# --set "):
             _override(data, line.removeprefix("# --set "))
@@ -127,19 +128,10 @@ def load_sweep(source: str | Path, overrides: Sequence[str] = (), *, sensitivity
     InputError
         For a file that cannot be read, and every key or value that cannot be right.
     """
-    path = Path(source)
-    if not path.exists():
-        path = bundled_sweeps().get(str(source), path)
-    try:
-        text = path.read_text(encoding="utf-8")
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(str(source), f"is not a TOML file ({error})", remedy="see the how-to page on sweeps") from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        near = difflib.get_close_matches(str(source), bundled_sweeps(), n=1)
-        hint = f"did you mean the bundled {near[0]!r}?" if near else f"bundled ones: {', '.join(bundled_sweeps())}"
-        raise InputError(str(source), f"cannot be read as a sweep ({reason})", remedy=hint) from None
+    path = given_file(source, bundled_sweeps())
+    near = difflib.get_close_matches(str(source)[:200], bundled_sweeps(), n=1)
+    hint = f"did you mean the bundled {near[0]!r}?" if near else f"bundled ones: {', '.join(bundled_sweeps())}"
+    data, text = read_toml_text(path, "sweep", LONGEST, hint)
     if sensitivity:
         design = data.get("design")
         data["design"] = {**(design if isinstance(design, dict) else {}), "kind": "sensitivity"}
@@ -185,7 +177,7 @@ def sweep_from_dict(
     if sampled and "samples" not in design:
         raise InputError("design.samples", "is missing", remedy="say how many scenes, for example samples = 1024")
     sweep = Sweep(
-        title=_string(data, "title"),
+        title=label(_string(data, "title")),
         text=text,
         base=base,
         folder=at,
@@ -214,10 +206,7 @@ def _base(scene: Any, home: Path) -> tuple[dict[str, Any], Path]:
             near = difflib.get_close_matches(scene, bundled_scenes(), n=1)
             raise InputError("scene", "is not a scene", value=scene, allowed="a path from the sweep file, or a bundled name",
                              remedy=f"did you mean {near[0]!r}?" if near else "`spinline scenes` lists them")  # fmt: skip
-        try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise InputError("scene", f"cannot be read ({error})", value=scene, remedy="give a TOML scene") from None
+        data, _ = read_toml_text(path, "scene", LONGEST, "give a TOML scene")
         at = path.resolve().parent
     else:
         problem = "is missing" if scene is None else "is neither a name nor a scene"

@@ -1,12 +1,14 @@
 """Rows of a sweep from a CSV file: one column a key, its unit in the header (``jet.radius [um]``) or in every cell."""
 
 import csv
+import io
 import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from spinline.base.errors import InputError
+from spinline.base.text import read_text
 from spinline.base.units import QUANTITIES, parse_unit
 from spinline.scene.keys import full_key, read_value, reader
 from spinline.scene.quantities import Read
@@ -37,11 +39,10 @@ def read_table(path: Path) -> Mapping[str, list[Any]]:
     """
     name = str(path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = [line for line in file if line.strip() and not line.lstrip().startswith("#")]
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError("design.path", f"cannot be read ({reason})", value=name, remedy="check the path") from None
+        text, _ = read_text(path)
+    except InputError as error:
+        raise InputError("design.path", error.problem, value=name, remedy=error.remedy) from None
+    lines = [line for line in io.StringIO(text, newline="") if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 2:
         raise InputError("design.path", "holds no rows", value=name, remedy="give a header of scene keys, then rows")
     mark = next((mark for mark in (",", ";", "\t") if mark in lines[0]), ",")

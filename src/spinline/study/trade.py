@@ -14,9 +14,10 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from spinline.base.errors import InputError, SpinlineWarning
-from spinline.jetprofile.straight import StraightJet
+from spinline.network_models.registry import RUNGS, simplest
+from spinline.network_models.rung import Rung
 from spinline.scene.file import Scene
-from spinline.setup.build import build_jet, build_solution
+from spinline.setup.context import Context
 from spinline.solve.uncertainty import certain
 from spinline.study.difference import difference, largest
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Measured", "Trade", "trade", "variant"]
 
-_FINER = 100.0
-_AFFORDABLE = 3000  # steps of a chain
 _PATIENCE = 2.0  # s; a rung slower than this is measured twice
 
 
@@ -141,52 +140,51 @@ def trade(scene: Scene, *, quick: bool = False, progress: Callable[[str], None] 
         For a scene that cannot be computed at all, or holds many times.
     """
     scene = certain(scene)  # a rung costs what one run of it does
-    solution = build_solution(scene)
-    jet = build_jet(scene, solution)
-    if not isinstance(jet, StraightJet) and jet.time is not None:
+    context = Context(scene)
+    if context.jet.time is not None:
         raise InputError("jet.time", "holds many times", remedy="take one")
     rtol = scene.accuracy.rtol
-    law = {"force_law": scene.network.force_law if "force_law" in scene.network.model_fields_set else "linear"}
-    rungs: list[tuple[str, str, dict[str, Any]]] = [("affine", "closed form", {})]
-    elastic, relaxing = isinstance(jet, StraightJet), solution.relaxation_time is not None
-    if elastic:
-        rungs.append(("manifold", "steady", law))
-        if not quick:
-            rungs += [
-                ("chain", f"rtol {r:.0e}", {"rtol": r, "steps": min(scene.accuracy.steps, _AFFORDABLE), **law})
-                for r in (max(rtol, 1e-3), 1e-3)[: 2 if rtol > 1e-3 else 1]
-            ]
-    if relaxing:
-        rungs += [("conformation", f"{n} points", {"points": n}) for n in ((401,) if quick else (101, 401, 1601))]
-    if not quick:
-        rungs += [("walk", f"{n} strands", {"strands": n}) for n in (1000, 10_000)]
     say = progress or (lambda _: None)
     references: dict[str, xr.Dataset] = {}
     words: dict[str, str] = {}
-    finest: dict[str, tuple[str, dict[str, Any], bool, str]] = {
-        "elastic": (
-            "manifold",
-            {"rtol": float(f"{max(rtol / _FINER, 1e-9):.0e}"), **law},
-            elastic,
-            "the jet is not straight",
-        ),
-        "relaxation": ("conformation", {"points": 6401}, relaxing, "solution.relaxation_time is not given"),
-    }
-    for branch, (model, changes, possible, why) in finest.items():
-        if not possible:
-            words[branch] = f"none: {why}"
+    for rung in RUNGS.values():
+        if not rung.branch:
             continue
-        say(f"reference of the {branch} branch: {model}")
+        setting, why = rung.finest(context), _impossible(context, rung)
+        if setting is None or why:
+            words[rung.branch] = f"none: {why}"
+            continue
+        say(f"reference of the {rung.branch} branch: {rung.name}")
         try:
-            references[branch] = _run(variant(scene, model, **changes))
-            words[branch] = f"{model}, {', '.join(f'{key} = {value}' for key, value in changes.items())}"
+            references[rung.branch] = _run(variant(scene, rung.name, **setting.changes))
+            listed = ", ".join(f"{key} = {value}" for key, value in setting.changes.items())
+            words[rung.branch] = f"{rung.name}, {listed}"
         except InputError as error:
-            words[branch] = f"none: {error}"
+            words[rung.branch] = f"none: {error}"
+    rungs = [(rung.name, one) for rung in _by_branch() for one in rung.settings(context, quick)]
     measured = []
-    for model, setting, changes in rungs:
-        say(f"{model}, {setting}")
-        measured.append(_measure(variant(scene, model, **changes), model, setting, references))
+    for model, setting in rungs:
+        say(f"{model}, {setting.label}")
+        measured.append(_measure(variant(scene, model, **setting.changes), model, setting.label, references))
     return Trade(tuple(measured), words, rtol, _recommendation(measured, rtol, words))
+
+
+def _impossible(context: Context, rung: Rung) -> str:
+    """Why a scene has no reference by a rung; empty where it may have."""
+    if "straight jet" in rung.needs and not context.straight:
+        return "the jet is not straight"
+    if "relaxation time" in rung.needs and context.solution.relaxation_time is None:
+        return "solution.relaxation_time is not given"
+    return ""
+
+
+def _by_branch() -> list[Rung]:
+    """The rungs as a trade lists them: the simplest, those that slip, those that relax, the others."""
+
+    def order(rung: Rung) -> int:
+        return 0 if rung is simplest() else 1 if rung.slips else 2 if rung.relaxes else 3
+
+    return sorted(RUNGS.values(), key=order)
 
 
 def _run(scene: Scene) -> "xr.Dataset":
@@ -227,7 +225,8 @@ def _recommendation(measured: list[Measured], rtol: float, words: dict[str, str]
     branches = [branch for branch, reference in words.items() if not reference.startswith("none")]
     if not branches:
         return (
-            "affine, unchecked: no finer rung gives a result on this scene, for the reasons named with the references"
+            f"{simplest().name}, unchecked: no finer rung gives a result on this scene, for the reasons named with the "
+            "references"
         )
     good = [rung for rung in measured if not rung.refused and all(rung.errors[branch] <= rtol for branch in branches)]
     if good:

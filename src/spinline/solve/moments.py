@@ -1,37 +1,28 @@
 """The effects of a run put together: one moment of the jet, or each of many, in the shape of the result."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.drying.along_jet import biot_number, fourier_number, peclet_number
 from spinline.drying.radial_map import contracted, excess_depth, on_shells
-from spinline.jetprofile.straight import StraightJet
 from spinline.network.state import network_state
-from spinline.network_models.rungs import Crossover, SettledChain, network_stretch
-from spinline.plan.effects import Effects
-from spinline.rheology.solution import Solution
-from spinline.scene.file import Scene
-from spinline.setup.build import jet_length
-from spinline.setup.material import diffusion_law
-from spinline.solve.drying_profile import Followed, follow, spread
+from spinline.setup.context import Context
+from spinline.solve.crossovers import Crossover
+from spinline.solve.element import Followed, follow, spread
 
-if TYPE_CHECKING:
-    from spinline.jetprofile.lagrangian import LagrangianJet
-    from spinline.network.manifold import Manifold
-
-__all__ = ["Extra", "follow_frames"]
+__all__ = ["Moments", "follow_moments"]
 
 
 @dataclass(frozen=True, eq=False)
-class Extra:
+class Moments:
     """What the effects add to a run, arrays in the shape of its profile.
 
     Attributes
     ----------
-    scene, solution, effects
+    context : Context
         Of the run.
     moments : list of Followed
         One, or one per time.
@@ -47,9 +38,7 @@ class Extra:
     attributes : dict
     """
 
-    scene: Scene
-    solution: Solution
-    effects: Effects
+    context: Context
     moments: list[Followed]
     lead: bool
     profile: dict[str, FloatArray]
@@ -62,7 +51,7 @@ class Extra:
     @property
     def dries(self) -> bool:
         """The jet loses volume."""
-        return self.effects.evaporation
+        return self.context.effects.evaporation
 
     def across(self, contraction: FloatArray) -> dict[str, FloatArray]:
         """Map of the fraction, skin, and the numbers of radial drying; nothing where it is off.
@@ -72,20 +61,19 @@ class Extra:
         contraction : ndarray
             Radial contraction of the strands, in the shape of the profile.
         """
-        if not self.effects.radial:
+        if not self.context.effects.radial:
             return {}
         rows = contraction if self.lead else contraction[np.newaxis]
         each = [self._one(moment, row) for moment, row in zip(self.moments, rows, strict=True)]
         fields = {name: np.stack([one[name] for one in each]) if self.lead else each[0][name] for name in each[0]}
-        edges = np.linspace(0.0, 1.0, self.scene.accuracy.shells + 1)
+        edges = np.linspace(0.0, 1.0, self.context.scene.accuracy.shells + 1)
         return {"r": 0.5 * (edges[1:] + edges[:-1]), **fields}
 
     def _one(self, moment: Followed, contraction: FloatArray) -> dict[str, FloatArray]:
         assert moment.dried is not None
         assert moment.dried.radial is not None
-        assert moment.air is not None
-        radial, at, phi = moment.dried.radial, moment.at, self.solution.volume_fraction
-        n = self.scene.network
+        radial, at, phi = moment.dried.radial, moment.at, self.context.solution.volume_fraction
+        n, air, law = self.context.scene.network, self.context.air, self.context.diffusion
         rest = network_state(1.0, 1.0, phi, closure=n.closure_used, solvent_quality=n.solvent_quality)
         here = replace(
             radial,
@@ -94,12 +82,11 @@ class Extra:
             edges=radial.edges[at],
             mean_fraction=radial.mean_fraction[at],
         )
-        _, dried = on_shells(here, self.scene.accuracy.shells)
+        _, dried = on_shells(here, self.context.scene.accuracy.shells)
         joined = contracted(dried, contraction[moment.known] / float(rest.conformation.radial_contraction))
         glass = moment.frozen.scalars["vitrification_fraction"] if moment.frozen is not None else float("nan")
         skin = excess_depth(here) if np.isnan(glass) else here.skin_thickness(glass)
-        law = diffusion_law(self.scene)
-        peclet = peclet_number(moment.dried, moment.air, law, phi)
+        peclet = peclet_number(moment.dried, air, law, phi)
         fields = {
             "polymer_fraction": joined,
             "drying_polymer_fraction": dried,
@@ -107,38 +94,42 @@ class Extra:
             "axis_polymer_fraction": here.polymer_fraction[:, 0],
             "skin_thickness": skin,
             "drying_peclet": peclet[at],
-            "drying_biot": biot_number(peclet, moment.dried, moment.air, phi)[at],
+            "drying_biot": biot_number(peclet, moment.dried, air, phi)[at],
             "fourier_number": fourier_number(moment.dried, law, phi)[at],
         }
         return {name: spread(values, moment.known) for name, values in fields.items()}
 
 
-def follow_frames(
-    scene: Scene,
-    solution: Solution,
-    jet: "StraightJet | LagrangianJet",
-    frames: "list[StraightJet | LagrangianJet]",
-    effects: Effects,
+def follow_moments(
+    context: Context,
     profile: dict[str, FloatArray],
-    network: "Manifold | SettledChain | None",
+    slipping: FloatArray | None,
     found: dict[str, list[Crossover]],
-) -> Extra:
+) -> Moments:
     """Follow every moment of a jet, and put the crossovers of `found` where the network passes them.
+
+    Parameters
+    ----------
+    context : Context
+        Rung and effects chosen.
+    profile : dict
+        Jet variables without the effects.
+    slipping : ndarray or None
+        Stretch w at the profile's places of a network that slips.
+    found : dict
+        Crossovers without the effects, one a moment; replaced in place.
 
     Raises
     ------
     InputError
         For missing properties, or a jet that cannot be followed.
     """
-    lead = len(frames) > 1 or (not isinstance(jet, StraightJet) and jet.time is not None)
-    slipping = None if network is None else network_stretch(profile, network)
+    frames, lead = context.frames, context.jet.time is not None
+    solution, effects = context.solution, context.effects
     moments = [
-        follow(
-            scene, solution, frame, effects,
-            {name: values[i] for name, values in profile.items()} if lead else profile, slipping,
-        )
+        follow(frame, {name: values[i] for name, values in profile.items()} if lead else profile, slipping)
         for i, frame in enumerate(frames)
-    ]  # fmt: skip
+    ]
 
     def gather(values: list[FloatArray]) -> FloatArray:
         return np.stack(values) if lead else values[0]
@@ -146,14 +137,13 @@ def follow_frames(
     if slipping is None:
         for name, places in found.items():
             found[name] = [
-                _crossover(scene, effects, moment, frame, place)
-                for moment, frame, place in zip(moments, frames, places, strict=True)
+                _crossover(moment, frame, place) for moment, frame, place in zip(moments, frames, places, strict=True)
             ]
     else:
         for name, places in found.items():
             if not np.isnan(places[0].position):
                 radius = moments[0].along.at(places[0].position)["radius"]
-                found[name] = [replace(places[0], radius=radius, radius_ratio=radius / jet.initial_radius)]
+                found[name] = [replace(places[0], radius=radius, radius_ratio=radius / context.jet.initial_radius)]
     names = set.intersection(*(set(moment.fields) for moment in moments))
     new = {name: gather([moment.fields[name] for moment in moments]) for name in moments[0].fields if name in names}
     first = moments[0]
@@ -175,10 +165,8 @@ def follow_frames(
             if known
             else "depth at which the fraction of drying is half way between axis and surface"
         )
-    return Extra(
-        scene=scene,
-        solution=solution,
-        effects=effects,
+    return Moments(
+        context=context,
         moments=moments,
         lead=lead,
         profile=new,
@@ -190,9 +178,7 @@ def follow_frames(
     )
 
 
-def _crossover(
-    scene: Scene, effects: Effects, moment: Followed, jet: "StraightJet | LagrangianJet", affine: Crossover
-) -> Crossover:
+def _crossover(moment: Followed, context: Context, affine: Crossover) -> Crossover:
     """Where the stretch of the strands passes what the velocity passes in the affine jet."""
     target, along = affine.velocity_ratio, moment.along
     nan = float("nan")
@@ -201,12 +187,12 @@ def _crossover(
     place = moment.passage(target)
     if not np.isnan(place):
         radius = along.at(place)["radius"]
-        return Crossover(target, place, radius, radius / jet.initial_radius, place)
-    end = jet_length(scene, jet) if isinstance(jet, StraightJet) else float(along.position[-1])
+        return Crossover(target, place, radius, radius / context.jet.initial_radius, place)
+    end = context.length if context.straight else float(along.position[-1])
     if moment.frozen is not None and not np.isnan(moment.frozen.position):
         words = f"the network turns to glass before, at {moment.frozen.position:.6g} m, stretched w = {along.stretch[-1]:.6g}"
         return Crossover(target, nan, nan, nan, nan, words)
-    if effects.relaxation:
+    if context.effects.relaxation:
         i = int(np.argmax(along.stretch))
         words = (
             f"the network, as it relaxes, is stretched w = {along.stretch[i]:.6g} at most, at {along.position[i]:.6g} m; "

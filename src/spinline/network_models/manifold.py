@@ -1,0 +1,57 @@
+"""Rung ``manifold``: the steady network at its finite coupling, by one stiff equation marched the stable way."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spinline.network_models.rung import Setting
+from spinline.network_models.slipping import SlippingRung, force_law_of
+
+if TYPE_CHECKING:
+    from spinline.network.manifold import Manifold
+    from spinline.setup.context import Context
+
+__all__ = ["RUNG", "SteadyNetwork"]
+
+_FINER = 100.0  # times below rtol, of a reference
+
+
+class SteadyNetwork(SlippingRung):
+    """``w = V + (eps T'(w) - I) w dw/ds``; see `spinline.network.manifold`."""
+
+    name = "manifold"
+    words = "steady network that slips at finite alpha_v: one stiff equation"
+    automatic = True
+    branch = "elastic"
+    cost = "10 to 60 ms"
+
+    def solve(self, context: "Context") -> "Manifold":
+        """Steady network of a scene at its finite coupling."""
+        from spinline.network.manifold import steady_network
+        from spinline.network.tension import Tension
+
+        n, jet = context.scene.network, context.line
+        r0 = jet.initial_radius
+        length = context.length - jet.start
+        return steady_network(
+            lambda s: jet.velocity_ratio(np.minimum(jet.start + s * r0, jet.end)),
+            length / r0,
+            coupling=context.coupling.required(),
+            spring=n.spring.value,
+            inertia=n.inertia.value,
+            law=Tension.of(n.force_law, context.rest.full_stretch),
+            breaks=jet.kinks(),
+            rtol=min(1e-8, 1e-3 * context.scene.accuracy.rtol),
+        )
+
+    def settings(self, context: "Context", quick: bool) -> list[Setting]:
+        """By the scene's force law."""
+        return [Setting("steady", {**force_law_of(context)})] if context.straight else []
+
+    def finest(self, context: "Context") -> Setting | None:
+        """A hundred times finer than the scene's rtol."""
+        rtol = float(f"{max(context.scene.accuracy.rtol / _FINER, 1e-9):.0e}")
+        return Setting("", {"rtol": rtol, **force_law_of(context)})
+
+
+RUNG = SteadyNetwork()

@@ -1,0 +1,186 @@
+"""What a rung of the ladder is: an object with its traits as data and one method that solves.
+
+A rung is one file that ends in ``RUNG = MyRung()`` and one line in `spinline.network_models.registry`; the plan, the trade, the
+report, the command line and the docs read its traits. How to add one: CONTRIBUTING.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
+
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+
+if TYPE_CHECKING:
+    from spinline.setup.context import Context
+    from spinline.setup.history import History
+
+__all__ = ["Network", "Relaxed", "Rung", "Setting"]
+
+
+class Network(Protocol):
+    """A network that moves by itself, solved along a straight jet; s in initial radii from the jet's start.
+
+    What has a method ``velocity_ratio(s)`` besides moves otherwise than its strands are stretched.
+    """
+
+    @property
+    def length(self) -> float:
+        """Far end, initial radii."""
+
+    @property
+    def inertia(self) -> float:
+        """I."""
+
+    @property
+    def locked_from(self) -> float:
+        """First place beyond 0.95 of the contour, initial radii; NaN if none."""
+
+    def stretch(self, s: FloatArray, /) -> FloatArray:
+        """Stretch of the strands, xi_par/xi_0 > 0."""
+
+    def tension(self, s: FloatArray, /) -> FloatArray:
+        """Tension T over that at rest."""
+
+    def first_passage(self, stretch: float, /) -> float:
+        """First s where the stretch passes a value; NaN where it never does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """Strands that have given stretch back, at the samples of a `History`.
+
+    Attributes
+    ----------
+    stretch : ndarray, (n,)
+        w, over the size at rest.
+    fields : dict
+        Further variables along the jet, by their names in a result.
+    words : str
+        The constitutive model.
+    """
+
+    stretch: FloatArray
+    fields: dict[str, FloatArray]
+    words: str
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A rung as `spinline trade` runs it: a label, and changes of ``[network]`` and ``[accuracy]``."""
+
+    label: str
+    changes: dict[str, Any] = field(default_factory=dict)
+
+
+class Rung:
+    """A rung of the ladder; a new one overrides what it does otherwise.
+
+    Attributes
+    ----------
+    name : str
+        Value of ``network.model``.
+    words : str
+        What it is, in a line.
+    holds : tuple of str
+        Names of the effects that it holds.
+    needs : tuple of str
+        What it cannot do without: "straight jet", "alpha_v", "relaxation time".
+    slips : bool
+        Its network does not move with the solution: `solve` gives it.
+    relaxes : bool
+        Its strands give stretch back: `relax` does it.
+    sampled : bool
+        Too slow, or too noisy, to be repeated for every uncertain input.
+    lean : bool
+        Its numbers do not depend on how many places are written.
+    automatic : bool
+        `network.model = "auto"` may take it.
+    branch : str
+        "elastic" or "relaxation": which effect it is the reference of in a trade; empty for none.
+    cost : str
+        Of a run, in words.
+    """
+
+    name: str = ""
+    words: str = ""
+    holds: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+    slips: bool = False
+    relaxes: bool = False
+    sampled: bool = False
+    lean: bool = True
+    automatic: bool = False
+    branch: str = ""
+    cost: str = ""
+
+    def check(self, context: "Context") -> None:
+        """Refuse a scene that this rung cannot do.
+
+        Raises
+        ------
+        InputError
+        """
+        n = context.scene.network
+        if "straight jet" in self.needs and not context.straight:
+            from spinline.network_models.registry import simplest
+
+            raise InputError("network.model", "needs a straight jet", value=self.name,
+                             remedy=f'take "{simplest().name}" for a bead jet')  # fmt: skip
+        if not self.slips and n.force_law != "lattice":
+            from spinline.network_models.registry import RUNGS
+
+            others = " or ".join(f'"{rung.name}"' for rung in RUNGS.values() if rung.slips)
+            raise InputError(
+                "network.force_law", "is not used by the affine network", value=n.force_law, allowed='"lattice"',
+                remedy=f"take model = {others} for other laws",
+            )  # fmt: skip
+
+    def require(self, context: "Context") -> None:
+        """Refuse where data are missing that not even a plan can do without.
+
+        Raises
+        ------
+        InputError
+        """
+        if "alpha_v" in self.needs and context.straight:
+            context.coupling.required()
+
+    def remarks(self, context: "Context") -> list[str]:
+        """What is odd about a scene that it takes."""
+        return []
+
+    def solve(self, context: "Context") -> Network | None:
+        """The network along a straight jet; None where it moves with the solution.
+
+        Raises
+        ------
+        InputError
+            Where there is none.
+        """
+        return None
+
+    def relax(self, context: "Context", history: "History") -> Relaxed:
+        """Strands along a material element; of a rung that relaxes."""
+        raise NotImplementedError(self.name)
+
+    def solved_remarks(self, context: "Context", network: Network) -> list[str]:
+        """What is odd about the network that was found."""
+        return []
+
+    def fields(
+        self, context: "Context", fields: dict[str, FloatArray], network: Network | None
+    ) -> dict[str, FloatArray]:
+        """Variables that only this rung has, or has better, from those of every rung."""
+        return {}
+
+    def attributes(self, context: "Context", network: Network | None) -> dict[str, Any]:
+        """What a result says of it."""
+        return {}
+
+    def settings(self, context: "Context", quick: bool) -> list[Setting]:
+        """How a trade runs it; none where it cannot be run on the scene."""
+        return [Setting("")]
+
+    def finest(self, context: "Context") -> Setting | None:
+        """How it serves as the reference of its branch; None where it does not."""
+        return None

@@ -1,0 +1,223 @@
+"""Evaporation, relaxation and glass along one moment of a jet: what they make of the profile and of the strands' stretch.
+
+One direction: jet -> volume left -> local fraction -> viscosity and relaxation time -> stretch of the strands -> glass.
+Solved on a grid of its own, at least as fine as the result's, and read at the result's places.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spinline.base.checks import BoolArray, FloatArray
+from spinline.base.errors import InputError
+from spinline.drying.along_jet import Dried, dry, element_path, first_passage, where_mean_reaches
+from spinline.network_models.registry import rung_of
+from spinline.network_models.variables import strand_conformation
+from spinline.setup.context import Context
+from spinline.setup.grid import jet_grid
+from spinline.setup.history import History
+from spinline.setup.material import Material
+from spinline.solve.frozen_structure import Along, Frozen, freeze
+
+__all__ = ["Followed", "follow"]
+
+IntArray = NDArray[np.intp]
+_LEAST, _COARSE = 401, 1e-2  # samples along a jet, from this rtol on
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """What the effects make of a jet.
+
+    Attributes
+    ----------
+    fields : dict
+        Along the jet, in the shape of the profile; NaN where nothing is known.
+    stretch, remaining : ndarray
+        Stretch w of the network, as far as it is not frozen, and volume left; the shape of the profile.
+    along : Along
+        The samples behind them.
+    frozen : Frozen or None
+        What freezes; None without evaporation.
+    dried : Dried or None
+    at : ndarray of int
+        Samples at the places of the profile.
+    known : ndarray of bool
+        Places of the profile where anything is known.
+    attributes : dict
+    remarks : list of str
+    """
+
+    fields: dict[str, FloatArray]
+    stretch: FloatArray
+    remaining: FloatArray
+    along: Along
+    frozen: Frozen | None
+    dried: Dried | None
+    at: IntArray
+    known: BoolArray
+    attributes: dict[str, str] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+    def passage(self, stretch: float) -> float:
+        """First place where w passes a value, m; NaN where it never does."""
+        return first_passage(self.along.position, np.log(self.along.stretch), float(np.log(stretch)))
+
+
+def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None = None) -> Followed:
+    """Follow the solution along one moment of a jet.
+
+    Parameters
+    ----------
+    context : Context
+        Rung and effects chosen.
+    profile : dict
+        Jet variables without the effects.
+    slipping : ndarray, optional
+        Stretch w of the network at the profile's places, of a rung that slips.
+
+    Raises
+    ------
+    InputError
+        For missing properties, or a jet that cannot be followed.
+    """
+    place = profile["z" if context.straight else "arc_length"]
+    known = np.isfinite(profile["stretch_ratio"])
+    x = _samples(context, place[known])
+    at = np.searchsorted(x, place[known])
+    material, glass = context.material, context.glass[0]
+    dried = _dried(context, x, profile, known, glass)
+    history = _history(context, profile, known, x, dried)
+    fields: dict[str, Any] = {"radius": history.radius, "velocity": history.velocity, "residence_time": history.time,
+                              "stretch_ratio": history.stretch}  # fmt: skip
+    attributes: dict[str, str] = {"concentration_laws": material.words}
+    remarks: list[str] = []
+    if history.strain_rate is not None:
+        fields["strain_rate"] = history.strain_rate
+    if dried is not None:
+        fields |= {"evaporated_fraction": dried.lost, "reynolds_number": dried.reynolds,
+                   "sherwood_number": dried.sherwood}  # fmt: skip
+        attributes["evaporation"] = str(context.air)
+        remarks += [f"evaporation: {note}" for note in dried.notes]
+    fields |= _material_fields(material, history.fraction)
+    w = history.stretch
+    if slipping is not None:
+        w = np.exp(np.interp(x, place[known], np.log(slipping)))
+    if context.effects.relaxation:
+        relaxed = rung_of(context.scene.network.model).relax(context, history)
+        w, attributes["constitutive_model"] = relaxed.stretch, relaxed.words
+        fields |= relaxed.fields
+    along = Along(x, history.time, history.radius, w, history.stretch)
+    frozen = None
+    if dried is not None:
+        frozen = _frozen(context, along, dried)
+        attributes |= {f"{name}_structure": words for name, words in frozen.words.items()}
+        if not np.isnan(frozen.position):
+            beyond = x > frozen.position
+            w = np.where(beyond, frozen.scalars["frozen_stretch"], w)
+            for name in set(fields) & {"stress", "radial_stress", "tensile_force", "weissenberg_number"}:
+                fields[name] = np.where(beyond, np.nan, fields[name])
+            fields["frozen"] = beyond
+            along = Along(x, history.time, history.radius, w, history.stretch)
+    return Followed(
+        fields={name: spread(values[at], known) for name, values in fields.items()},
+        stretch=spread(w[at], known),
+        remaining=spread(history.remaining[at], known),
+        along=along,
+        frozen=frozen,
+        dried=dried,
+        at=at,
+        known=known,
+        attributes=attributes,
+        remarks=remarks,
+    )
+
+
+def spread(values: FloatArray, known: BoolArray) -> FloatArray:
+    """Values at the known places, NaN (or False) elsewhere; further dimensions stay."""
+    if known.all():
+        return values
+    full = np.full((*known.shape, *values.shape[1:]), False if values.dtype == bool else np.nan, dtype=values.dtype)
+    full[known] = values
+    return full
+
+
+def _samples(context: Context, place: FloatArray) -> FloatArray:
+    """The result's places, and more between them where they are few, along a straight jet."""
+    least = int(_LEAST * max(1.0, (_COARSE / context.scene.accuracy.rtol) ** 0.5))  # second order in the spacing
+    if not context.straight or place.size >= least:
+        return place
+    inner = jet_grid(context.line, float(place[-1]), least)[1:-1]
+    # places of the result stay as they are; a sample closer than rounding to one of them is none
+    near = place[np.clip(np.searchsorted(place, inner), 0, place.size - 1)]
+    before = place[np.clip(np.searchsorted(place, inner) - 1, 0, place.size - 1)]
+    gap = np.minimum(np.abs(near - inner), np.abs(inner - before))
+    return np.union1d(place, inner[gap > 1e-6 * np.minimum(inner - place[0], context.jet.initial_radius)])
+
+
+def _dried(
+    context: Context, x: FloatArray, profile: dict[str, FloatArray], known: BoolArray, glass: float
+) -> Dried | None:
+    """The drying stage; None where nothing evaporates."""
+    if not context.effects.evaporation:
+        return None
+    age = None if context.straight else profile["residence_time"][known]
+    law = context.diffusion if context.effects.radial else None
+    path = element_path(context.jet, x, age)
+    return dry(path, context.solution, context.air, law, glass=glass, cells=context.scene.accuracy.shells)
+
+
+def _history(
+    context: Context, profile: dict[str, FloatArray], known: BoolArray, x: FloatArray, dried: Dried | None
+) -> History:
+    """Age, material stretch, radius, velocity and strain rate (None along beads) of the jet as it dries."""
+    left = np.ones(x.size) if dried is None else dried.remaining
+    fraction = np.minimum(context.solution.volume_fraction / left, 1.0)  # rounding only
+    if not context.straight:
+        time = profile["residence_time"][known]
+        if not np.isfinite(time).all():
+            raise InputError(
+                "jet",
+                "has no velocities: the age of its elements is not known",
+                remedy="give the velocity of the beads",
+            )
+        radius, stretch = profile["radius"][known] * np.sqrt(left), profile["stretch_ratio"][known]
+        return History(x, time, stretch, radius, profile["velocity"][known], None, left, fraction)
+    jet = context.line
+    time, stretch, velocity = jet.residence_time(x), jet.stretch_ratio(x), jet.velocity(x)
+    rate, radius = jet.strain_rate(x), jet.radius(x)
+    if dried is None or dried.path.given == "velocity":
+        return History(
+            x, time, stretch, radius if dried is None else radius * np.sqrt(left), velocity, rate, left, fraction
+        )
+    slower = 0.5 * (1 / left[1:] + 1 / left[:-1])
+    time = np.concatenate((time[:1], time[0] + np.cumsum(np.diff(time) * slower)))
+    rate = np.gradient(velocity * left, x)
+    return History(x, time, stretch * left, radius, velocity * left, rate, left, fraction)
+
+
+def _material_fields(material: Material, fraction: FloatArray) -> dict[str, FloatArray]:
+    """Viscosity and relaxation time where they are known."""
+    fields: dict[str, FloatArray] = {}
+    if material.solution.viscosity is not None or material.laws.law == "martin":
+        fields["viscosity"] = material.viscosity(fraction)
+    if material.solution.relaxation_time is not None:
+        fields["relaxation_time"] = material.relaxation_time(fraction)
+    return fields
+
+
+def _frozen(context: Context, along: Along, dried: Dried) -> Frozen:
+    nan = float("nan")
+    glass, why = context.glass
+    places = {"frozen": (nan, nan)}
+    never = "where it would is not known"
+    if not np.isnan(glass):
+        if glass >= context.air.equilibrium:
+            never = f"drying ends at phi = {context.air.equilibrium:.4g}"
+        places["frozen"] = where_mean_reaches(dried, context.air, context.solution, context.jet, glass)
+    if dried.radial is not None:
+        surface, axis = dried.radial.vitrified_at if not np.isnan(glass) else (nan, nan)
+        places |= {"skin": (surface, surface), "core": (axis, axis)}
+    return freeze(along, places, glass, why, lambda w: strand_conformation(context, w), never)
