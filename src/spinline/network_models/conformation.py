@@ -132,6 +132,8 @@ class RelaxingStrands(Rung):
     def relax(self, context: "Context", history: History) -> Relaxed:
         """Stretch w along a material element, Weissenberg and Deborah numbers, stress where the viscosity is known."""
         material = context.material
+        if history.stiffening is not None:
+            material = material.stiffened(history.stiffening)
         model = constitutive_model(context.scene, material, context.rest.full_stretch)
         state = stretch_strands(
             material, model, history.time, history.stretch, history.fraction, history.radius, history.strain_rate

@@ -159,7 +159,7 @@ def library_name(name: str) -> str:
 
 
 def interaction_with(scene: Scene, solution: Solution, name: str) -> float:
-    """chi of the polymer with a liquid: the scene's, the library's, or that of the solvent's quality."""
+    """Chi of the polymer with a liquid: the scene's, the library's, or that of the solvent's quality."""
     from spinline.rheology.interactions import interaction
 
     laws = scene.rheology or RheologySection()

@@ -206,9 +206,7 @@ def _vapour_in_air(scene: Scene, names: list[str], warm: float) -> float:
     return ambient.relative_humidity.value * float(saturation_pressure("water", warm))
 
 
-def _evaporant(
-    scene: Scene, solution: Solution, name: str, warm: float, pressure: float, far: float
-) -> "Evaporant":
+def _evaporant(scene: Scene, solution: Solution, name: str, warm: float, pressure: float, far: float) -> "Evaporant":
     from spinline.rheology.evaporant import Evaporant
 
     ambient = scene.ambient or AmbientSection()

@@ -44,7 +44,7 @@ class Liquids:
 
     @property
     def mean_chi(self) -> FloatArray:
-        """chi of the liquid, by volume, (n,)."""
+        """Chi of the liquid, by volume, (n,)."""
         whole = self.liquid.sum(axis=0)
         mean = (self.liquid * self.chi[:, np.newaxis]).sum(axis=0)
         return np.divide(mean, whole, out=np.full_like(whole, float(self.chi[0])), where=whole > 1e-290)
@@ -143,9 +143,7 @@ def _glass(scene: Scene, solution: Solution, names: list[str]) -> GlassLaw | Non
         try:
             glass.append(solvents.solvent_glass_transition(name))
             alone = len(solution.solvent) == 1 and name in solution.solvent
-            density.append(
-                solution.solvent_density if alone else solvents.solvent_density(name, solution.temperature)
-            )
+            density.append(solution.solvent_density if alone else solvents.solvent_density(name, solution.temperature))
         except InputError:
             return None
     return GlassLaw(solution.polymer.glass_transition, solution.polymer.density, tuple(glass), tuple(density))

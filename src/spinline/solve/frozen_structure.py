@@ -70,6 +70,7 @@ def freeze(
     why: str,
     conformation: Conformation,
     never: str,
+    exact: dict[str, float] | None = None,
 ) -> Frozen:
     """Structure at the places where things freeze.
 
@@ -87,6 +88,8 @@ def freeze(
         Extension and orientation of strands stretched by w.
     never : str
         What to say where it is not reached and no prediction can be made.
+    exact : dict, optional
+        Radius and material stretch where "frozen" is, in place of those between the samples: r^2 Lambda phi is r_0^2 phi_0 there.
 
     Returns
     -------
@@ -98,6 +101,9 @@ def freeze(
         values = dict.fromkeys(FROZEN, float("nan"))
         if not np.isnan(place):
             here = along.at(place)
+            if name == "frozen" and exact is not None:
+                here["stretch"] *= exact["stretch_ratio"] / here["stretch_ratio"]
+                here |= exact
             w, affine = here["stretch"], here["stretch_ratio"]
             extension, orientation = conformation(w)
             values |= {
@@ -114,7 +120,7 @@ _WHAT = {"frozen": "the section's mean", "skin": "the surface", "core": "the axi
 
 def _sentence(name: str, values: dict[str, Any], predicted: float, fraction: float, why: str, never: str) -> str:
     what = _WHAT[name]
-    if np.isnan(fraction):
+    if np.isnan(fraction) and np.isnan(values["position"]):
         return f"the vitrification fraction is {why}"
     level = f"phi = {fraction:.4g} ({why})"
     if np.isnan(values["position"]):

@@ -91,7 +91,7 @@ class Moments:
             "polymer_fraction": joined,
             "drying_polymer_fraction": dried,
             "surface_polymer_fraction": here.polymer_fraction[:, -1],
-            "axis_polymer_fraction": here.polymer_fraction[:, 0],
+            "axis_polymer_fraction": here.axis_fraction,
             "skin_thickness": skin,
             "drying_peclet": peclet[at],
             "drying_biot": biot_number(peclet, moment.dried, air, phi)[at],

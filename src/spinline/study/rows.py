@@ -193,7 +193,7 @@ def numbers(solved: Solved) -> dict[str, float]:
     fields = solved.fields
     place = fields["arc_length" if "arc_length" in fields else "z"]
     known = np.flatnonzero(np.isfinite(fields["stretch_ratio"]))
-    result |= summarised(place, fields, result.get("crossover_position", np.nan))
+    result |= summarised(place, fields, result.get("crossover_position", np.nan), result)
     if known.size:
         result |= {f"end_{name}": float(fields[name][known[-1]]) for name in AT_END}
     return result
