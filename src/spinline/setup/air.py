@@ -1,9 +1,9 @@
 """The air of a scene and the solvents on their way into it: what evaporation needs, from the library or given.
 
-Relative humidity is that of the air at its own temperature, and of water alone: other solvents find none of their vapour
-in the room. Water is in the balance wherever there is any in the air, a solvent or not. Vapour leaves at the temperature of
-the jet, ``solution.temperature``; it spreads in air of ``ambient.temperature``, by default the same. A jet that cools is
-`heat`'s.
+Relative humidity is that of the air at its own temperature, and of water alone: other solvents find none of their
+vapour in the room. Water is in the balance wherever there is any in the air, a solvent or not. Vapour leaves at the
+temperature of the jet, ``solution.temperature``; it spreads in air of ``ambient.temperature``, by default the same. A
+jet that cools is `heat`'s.
 """
 
 from dataclasses import dataclass
@@ -208,8 +208,10 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
                 remedy='lower it, or set effects.evaporation = false',
             )  # fmt: skip
     if name not in map(library_name, solution.solvent):  # the air's water: what the scene gives is the solvent's
-        return Volatile.build(name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention,
-                              pressure=pressure, diffusivity=vapour.vapour_diffusivity(name, air_temperature, pressure))  # fmt: skip
+        return Volatile.build(
+            name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention, pressure=pressure,
+            diffusivity=vapour.vapour_diffusivity(name, air_temperature, pressure),
+        )  # fmt: skip
     spread = given(ambient.vapour_diffusivity, None)
     mass = given(own.molar_mass, None) if own is not None else None
     if spread is None:

@@ -66,12 +66,15 @@ def build_solution(scene: "Scene | Images") -> Solution:
         relaxation_time=None if s.relaxation_time == "estimate" else given(s.relaxation_time),
         field="solution.",
     )
-    asked = [key for key in ("viscosity", "relaxation_time") if getattr(s, key) == "estimate"]
-    return replace(solution, **{key: estimate_of(scene, solution, key).value for key in asked}) if asked else solution
+    if s.viscosity == "estimate":
+        solution = replace(solution, viscosity=estimate_of(solution, "viscosity").value)
+    if s.relaxation_time == "estimate":
+        solution = replace(solution, relaxation_time=estimate_of(solution, "relaxation_time").value)
+    return solution
 
 
-def estimate_of(scene: "Scene | Images", solution: Solution, key: str) -> "Estimate":
-    """Viscosity or relaxation time from the chains and the concentration.
+def estimate_of(solution: Solution, key: str) -> "Estimate":
+    """Viscosity or relaxation time from the chains and the concentration, as in a good solvent.
 
     Raises
     ------
@@ -80,10 +83,8 @@ def estimate_of(scene: "Scene | Images", solution: Solution, key: str) -> "Estim
     """
     from spinline.rheology.prior import estimated_relaxation_time, estimated_viscosity
 
-    network = getattr(scene, "network", None)
-    quality = "good" if network is None else network.solvent_quality
     try:
-        return (estimated_viscosity if key == "viscosity" else estimated_relaxation_time)(solution, quality)
+        return (estimated_viscosity if key == "viscosity" else estimated_relaxation_time)(solution)
     except InputError as error:
         raise InputError(f"solution.{error.field}", f"{error.problem}: the estimate of {key} needs it", value=error.value,
                          allowed=error.allowed, remedy=error.remedy) from None  # fmt: skip

@@ -1,8 +1,9 @@
-"""The air of a scene for a jet that cools: its solvents with their heats, and the water of the air, wherever there is any.
+"""The air of a scene for a jet that cools: its solvents with their heats, and the water of the air, wherever there is
+any.
 
-Everything is a function of temperature here: vapour pressures from the wet bulb to the nozzle, diffusion and conduction at the film's
-temperature. What the scene gives in place of the library's (vapour pressure, diffusivity, saturation, heats) holds at the temperature of
-the solution and is carried on from there.
+Everything is a function of temperature here: vapour pressures from the wet bulb to the nozzle, diffusion and
+conduction at the film's temperature. What the scene gives in place of the library's (vapour pressure, diffusivity,
+saturation, heats) holds at the temperature of the solution and is carried on from there.
 """
 
 from dataclasses import dataclass

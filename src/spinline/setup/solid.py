@@ -1,12 +1,15 @@
-"""What makes a solution of a scene solid: its glass, and its crystals, wherever its temperature and composition have got to.
+"""What makes a solution of a scene solid: its glass, and its crystals, wherever its temperature and composition have
+got to.
 
-Each is a *margin* along the jet, in kelvin: T_g(phi) - T, and T_m(phi) less the supercooling - T. The jet is solid where the first of them
-becomes positive. A vitrification fraction that the scene gives takes the place of the glass, at every temperature. A solution whose
-crystals do not melt at its own temperature to begin with (PVA in cold water) says that equilibrium means nothing there: it is left out, and
-kinetics can be given.
+Each is a *margin* along the jet, in kelvin: T_g(phi) - T, and T_m(phi) less the supercooling - T. The jet is solid
+where the first of them becomes positive. A vitrification fraction that the scene gives takes the place of the glass,
+at every temperature. A solution that is under its melting point at the nozzle already shows that its crystals wait for
+more than equilibrium: 30 K more are asked then (polymers that crystallise at all do so within seconds 30 to 60 K under
+their melting points), and where even that holds at the nozzle (PVA in cold water) crystals are left out; kinetics can
+be given.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,12 +25,15 @@ from spinline.setup.values import given
 
 __all__ = ["GEL", "Liquids", "Solid", "build_solid"]
 
+NUCLEATION = 30.0  # K
 GEL = 0.15  # of the crystallinity that it will have: from there on the crystals hold together
 
 
 @dataclass(frozen=True, eq=False)
 class Liquids:
-    """What is in the jet along it: T (K), polymer fraction (n,), fractions of the liquids (liquid, n), their molar volumes and chi."""
+    """What is in the jet along it: T (K), polymer fraction (n,), fractions of the liquids (liquid, n), their molar
+    volumes and chi.
+    """
 
     temperature: FloatArray
     polymer: FloatArray
@@ -39,8 +45,9 @@ class Liquids:
     def mean_volume(self) -> FloatArray:
         """Molar volume of the liquid, m3/mol, (n,)."""
         whole = np.maximum(self.liquid.sum(axis=0), 1e-300)
-        value: FloatArray = whole / np.maximum((self.liquid / self.molar_volume[:, np.newaxis]).sum(axis=0), 1e-300)
-        return np.where(self.liquid.sum(axis=0) > 1e-290, value, self.molar_volume[0])
+        value = whole / np.maximum((self.liquid / self.molar_volume[:, np.newaxis]).sum(axis=0), 1e-300)
+        found: FloatArray = np.where(self.liquid.sum(axis=0) > 1e-290, value, self.molar_volume[0])
+        return found
 
     @property
     def mean_chi(self) -> FloatArray:
@@ -65,6 +72,8 @@ class Solid:
         K.
     words : str
         What is known of the crystals.
+    nozzle : float
+        Temperature of the solution there, K.
     """
 
     glass: GlassLaw | None
@@ -72,6 +81,7 @@ class Solid:
     kinetics: Nakamura | None
     supercooling: float
     words: str
+    nozzle: float
 
     def glass_margin(self, here: Liquids) -> FloatArray:
         """``T_g - T`` in K; -inf where there is no glass."""
@@ -81,11 +91,11 @@ class Solid:
         return value
 
     def crystal_margin(self, here: Liquids) -> FloatArray:
-        """``T_m - supercooling - T`` in K; -inf where there are no crystals."""
+        """``T_m - supercooling - T`` in K, T not under the nozzle's: a chill of milliseconds is too short for nuclei."""
         if self.crystals is None:
             return np.full_like(here.polymer, -np.inf)
         melting = self.crystals.melting_point(np.minimum(here.polymer, 1.0), here.mean_volume, here.mean_chi)
-        value: FloatArray = melting - self.supercooling - here.temperature
+        value: FloatArray = melting - self.supercooling - np.maximum(here.temperature, self.nozzle)
         return value
 
 
@@ -100,14 +110,20 @@ def build_solid(scene: Scene, solution: Solution, names: list[str], first: Liqui
         )  # fmt: skip
     glass = _glass(scene, solution, names)
     crystals, words = _crystals(laws, solution)
-    found = Solid(glass, crystals, kinetics, laws.supercooling.value, words)
-    if crystals is not None and kinetics is None and float(found.crystal_margin(first)[0]) > 0:
+    found = Solid(glass, crystals, kinetics, laws.supercooling.value, words, solution.temperature)
+    if crystals is None or kinetics is not None or float(found.crystal_margin(first)[0]) <= 0:
+        return found
+    least = max(NUCLEATION, laws.supercooling.value)
+    later = replace(found, supercooling=least, words=words.rpartition("supercooling ")[0] + (
+        f"supercooling {least:g} K, since the solution is under its melting point at the nozzle already"
+    ))  # fmt: skip
+    if float(later.crystal_margin(first)[0]) > 0:
         words = (
             "the solution is under its melting point at the nozzle already: it is a question of time, not of equilibrium; give "
             'rheology.crystallisation = "nakamura" and a half time'
         )
-        return Solid(glass, None, None, laws.supercooling.value, words)
-    return found
+        return Solid(glass, None, None, laws.supercooling.value, words, solution.temperature)
+    return later
 
 
 def _crystals(laws: RheologySection, solution: Solution) -> tuple[Crystals | None, str]:
@@ -118,8 +134,8 @@ def _crystals(laws: RheologySection, solution: Solution) -> tuple[Crystals | Non
     if not all(value > 0 for value in known):
         if laws.crystallisation == "nakamura":
             raise InputError(
-                "rheology.crystallisation", f"needs melting_temperature, melting_enthalpy and repeat_unit_molar_mass of {p.name}",
-                value="nakamura", remedy="give them in solution.polymer, or in a file of materials",
+                "rheology.crystallisation", "needs melting_temperature, melting_enthalpy and repeat_unit_molar_mass of "
+                f"{p.name}", value="nakamura", remedy="give them in solution.polymer, or in a file of materials",
             )  # fmt: skip
         return None, f"{p.name} is not known to crystallise"
     return Crystals(known[0], known[1], known[2] / p.density), (

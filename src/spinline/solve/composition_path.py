@@ -1,12 +1,13 @@
 """Does the jet stay one phase as it dries in humid air: what can be said of it, in a sentence.
 
-Needs one solvent, water (in the jet or from the air), and three interaction parameters: given in ``[rheology]`` (chi, chi_water,
-chi_water_solvent) or known to the library. Where one is not known, that is said, and nothing is guessed. Inside the spinodal before it is solid the jet
-separates at once: porous.
+Needs one solvent, water (in the jet or from the air), and three interaction parameters: given in ``[rheology]`` (chi,
+chi_water, chi_water_solvent) or known to the library. Where one is not known, that is said, and nothing is guessed.
+Inside the spinodal before it is solid the jet separates at once: porous.
 """
 
 import numpy as np
 
+from spinline.base.checks import FloatArray
 from spinline.rheology.interactions import interaction, water_interaction
 from spinline.rheology.ternary import Ternary
 from spinline.scene.air_and_rheology import RheologySection
@@ -19,7 +20,7 @@ _CHAIN = 100.0  # kg/mol, where the molar mass is not known: it hardly matters t
 _TRACE = 1e-6  # volume fraction of water under which there is none
 
 
-def composition_path(context: Context, position: np.ndarray, here: Liquids, names: list[str], arrest: float) -> str:
+def composition_path(context: Context, position: FloatArray, here: Liquids, names: list[str], arrest: float) -> str:
     """The attribute ``composition_path``."""
     if "water" not in names or float(here.liquid[names.index("water")].max()) < _TRACE:
         return "no water in the jet or in its air: one phase"
@@ -34,14 +35,12 @@ def composition_path(context: Context, position: np.ndarray, here: Liquids, name
     chosen = (laws.chi, laws.chi_water, laws.chi_water_solvent)
     keys = (f"rheology.chi ({polymer} with {name})", f"rheology.chi_water ({polymer} with water)",
             f"rheology.chi_water_solvent (water with {name})")  # fmt: skip
-    values, missing = [], []
-    for given, known, key in zip(chosen, library, keys, strict=True):
-        value = given if given is not None else None if known is None else known[0]
-        values.append(value)
-        if value is None:
-            missing.append(key)
+    found = [given if given is not None else None if known is None else known[0]
+             for given, known in zip(chosen, library, strict=True)]  # fmt: skip
+    missing = [key for key, value in zip(keys, found, strict=True) if value is None]
+    values = [value for value in found if value is not None]
     if missing:
-        return f"not judged: {' and '.join(missing)} is not known; give it"
+        return f"not judged, for want of {' and '.join(missing)}: give what is known of it"
     s = context.solution
     chain = (s.molar_mass or _CHAIN) / s.polymer.density
     path = Ternary(

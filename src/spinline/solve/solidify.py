@@ -1,8 +1,8 @@
 """Where a jet becomes solid and stays as it is: glass or crystals, at the temperature and composition it has got to.
 
-At the solution's own temperature the glass is a fraction, reached or not. Along a jet that cools it is where T_g of what is left passes T;
-crystals are where their melting point does. What comes first arrests the jet: its stretch is held from there on, and the fibre is what that
-section makes when the rest of the solvent has gone.
+At the solution's own temperature the glass is a fraction, reached or not. Along a jet that cools it is where T_g of
+what is left passes T; crystals are where their melting point does. What comes first arrests the jet: its stretch is
+held from there on, and the fibre is what that section makes when the rest of the solvent has gone.
 """
 
 from dataclasses import dataclass
@@ -54,7 +54,9 @@ class Arrest:
 
 
 def liquids_along(context: Context, dried: Dried, fraction: FloatArray | None = None) -> tuple[Liquids, list[str]]:
-    """What is in the jet, at the drying's places, and the liquids' names; `fraction` of the polymer in place of the mean."""
+    """What is in the jet, at the drying's places, and the liquids' names; `fraction` of the polymer in place of the
+    mean.
+    """
     if dried.temperature is not None:
         liquids = context.heated_air.evaporants
         names, chi = [e.name for e in liquids], [e.chi for e in liquids]

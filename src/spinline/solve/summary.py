@@ -1,8 +1,8 @@
 """The structure in numbers: what the network is at the crossover, at the end of the jet, and the fibre it would make.
 
-Of the fibre only the radius can be said without a model of the rest of the flight. Where the jet becomes solid it is that of
-the polymer in the section that did, ``r_0 (phi_0/Lambda_f)^(1/2)``; otherwise that of the last cross-section, ``r
-(phi_mean)^(1/2)``, if nothing were stretched any more.
+Of the fibre only the radius can be said without a model of the rest of the flight. Where the jet becomes solid it is
+that of the polymer in the section that did, ``r_0 (phi_0/Lambda_f)^(1/2)``; otherwise that of the last cross-section,
+``r (phi_mean)^(1/2)``, if nothing were stretched any more.
 """
 
 from collections.abc import Mapping
@@ -48,7 +48,8 @@ def summarised(
 ) -> dict[str, float]:
     """`structure_summary` of arrays along the jet, at one time; `crossover` is its position, m.
 
-    `solid` may have the numbers of `SOLID`: radius and fraction where the jet becomes solid, and the strands' stretch over the jet's.
+    `solid` may have the numbers of `SOLID`: radius and fraction where the jet becomes solid, and the strands' stretch
+    over the jet's.
     """
     known = np.flatnonzero(np.isfinite(fields["stretch_ratio"]) & np.isfinite(place))
     found: dict[str, float] = {}

@@ -282,6 +282,7 @@ def _numbers(
     state |= {"radius": radius, "velocity_ratio": stretch, "network_radius": radius * state["network_radius_ratio"]}
     found |= {f"end_{name}": state[name] for name in AT_END}
     found["fibre_radius"] = radius * np.sqrt(state["mean_polymer_fraction"])
+    found["fibre_diameter"] = 2 * found["fibre_radius"]
     return {name: np.broadcast_to(column, (rows,)) for name, column in found.items()}, usable, jets, (full, target)
 
 

@@ -34,7 +34,7 @@ from spinline.setup.build import build_solution
 from spinline.setup.jet import build_jet, built_from_numbers
 from spinline.solve.results import VARIABLES
 from spinline.solve.spine import Solved, evaluate
-from spinline.solve.summary import SUMMARISED, summarised
+from spinline.solve.summary import FIBRE, SUMMARISED, summarised
 from spinline.solve.uncertainty import shares
 from spinline.study.design import Column
 
@@ -65,7 +65,7 @@ SCALARS: dict[str, tuple[str, str]] = (
     }
     | {f"crossover_{name}": (VARIABLES[name][0], f"at the crossover: {VARIABLES[name][1]}") for name in AT_CROSSOVER}
     | {f"end_{name}": (VARIABLES[name][0], f"at the end of the jet: {VARIABLES[name][1]}") for name in AT_END}
-    | {"fibre_radius": VARIABLES["fibre_radius"]}
+    | {name: VARIABLES[name] for name in FIBRE}
 )
 BEYOND = {  # reasons of status 1
     "crossover_position": "the crossover is not reached within the jet",
