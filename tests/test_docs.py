@@ -195,8 +195,10 @@ def test_packages_in_the_project_file_are_those_of_the_tree():
         for file in sorted((ROOT / top).rglob("__init__.py")):
             folder = file.parent.relative_to(ROOT).as_posix()
             found[f"spinline.{folder.replace('/', '.')}"] = folder
-    for file in sorted((ROOT / "src" / "spinline").glob("*/__init__.py")):
-        if not file.parent.is_symlink():
-            found[f"spinline.{file.parent.name}"] = f"src/spinline/{file.parent.name}"
+    source = ROOT / "src" / "spinline"
+    for file in sorted((*source.glob("*/__init__.py"), *source.glob("*/*/__init__.py"))):
+        folder = file.parent.relative_to(source)
+        if not (source / folder.parts[0]).is_symlink():
+            found[f"spinline.{'.'.join(folder.parts)}"] = f"src/spinline/{folder.as_posix()}"
     assert tool["package-dir"] == found
     assert sorted(tool["packages"]) == sorted(found)

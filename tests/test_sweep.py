@@ -256,7 +256,7 @@ def test_words_divide_a_sweep_into_groups_of_closed_forms():
 
 def test_many_temperatures_are_interpolated_to_rounding():
     from spinline.rheology import solvent_density
-    from spinline.study.densities import densities
+    from spinline.setup.densities import densities
 
     t = np.linspace(280.0, 340.0, 5000)
     for name in ("water", "ethanol"):
@@ -339,10 +339,10 @@ def test_an_unforeseen_error_is_a_row_too(monkeypatch):
 
 
 def test_closed_forms_that_are_wrong_are_not_believed(monkeypatch):
-    from spinline.study import closed_forms as sweep_affine
+    from spinline.solve import many
 
-    real = sweep_affine.crossover_velocity_ratio
-    monkeypatch.setattr(sweep_affine, "crossover_velocity_ratio", lambda phi, quality: 1.001 * real(phi, quality))
+    real = many.crossover_velocity_ratio
+    monkeypatch.setattr(many, "crossover_velocity_ratio", lambda phi, quality: 1.001 * real(phi, quality))
     sweep = sweep_from_dict({"scene": "peo5-water", "vary": {"jet.k": [1.0, 2.0]}})
     with pytest.warns(sl.SpinlineWarning, match="closed forms and single runs differ"):
         result = run_sweep(sweep, workers=1)

@@ -123,7 +123,8 @@ def test_a_row_is_that_of_the_row_model(blur, dark, veil) -> None:
     mean, jacobian = model.evaluate(turn @ local)
     jacobian = jacobian @ turn
     beam = [np.ascontiguousarray(a[None]) for a in (one.flat, one.dark, one.veil)]
-    optics = basis.table, 531.3 * PIXEL, -137.44 * PIXEL, model._parts, model._reach
+    matter = np.array([531.3 * PIXEL]), np.array([-137.44 * PIXEL])
+    optics = basis.table, *matter, model._parts, model._reach, (0.0, 1.0)
     found = np.empty((1, 200))
     expected_rows(*beam, local[None], *optics, found)
     assert found[0] == pytest.approx(mean, rel=1e-7)

@@ -11,6 +11,9 @@ module             law
 `model`            the same with its derivatives
 `limit`            what the photons allow: Cramer-Rao bound, photons needed
 `track`            the jet in every row of a frame: edges to a part of a pixel, level of the beam
+`lean`             how far a jet leans in the image: chord and radius by its cosine
+`tail`             glare: the far tail of a detector's point spread
+`shared`           what all rows share: blur, glare and attenuation, from many blocks together
 `frame`            a frame by likelihood, row by row or in blocks
 `quick`            a frame by Eqs. (41)-(42), all rows at once
 `edges`            edges of an opaque nozzle, for the size of a pixel
@@ -48,8 +51,10 @@ from spinline.base.lazy import lazily
 if TYPE_CHECKING:
     from spinline.xray.frame.blocks import FRAME_FLAGS, Frame, FrameFit, fit_frame
     from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
+    from spinline.xray.frame.lean import Lean, axis_lean
     from spinline.xray.frame.quick import chord_frame
     from spinline.xray.frame.several_jets import Section, SectionsFit, fit_sections, section_chord
+    from spinline.xray.frame.shared import Block, DetectorFit, fit_detector, hidden_traces
     from spinline.xray.frame.track import Track, track_jet
     from spinline.xray.map.fit import fit_map
     from spinline.xray.map.result import MapDraws, MapFit
@@ -153,6 +158,12 @@ _NAMES = {
     "usable_contrast": "matter.energy",
     "wavelength": "matter.refraction",
     "zero_contrast_energies": "matter.energy",
+    "Block": "frame.shared",
+    "DetectorFit": "frame.shared",
+    "fit_detector": "frame.shared",
+    "hidden_traces": "frame.shared",
+    "Lean": "frame.lean",
+    "axis_lean": "frame.lean",
 }
 
 __all__ = [
@@ -160,12 +171,15 @@ __all__ = [
     "SOLVENT_FORMULAS",
     "Absorber",
     "BestEnergy",
+    "Block",
     "ChordFractions",
     "Detector",
+    "DetectorFit",
     "Frame",
     "FrameFit",
     "FringeTest",
     "JetField",
+    "Lean",
     "Limit",
     "MapDraws",
     "MapFit",
@@ -178,6 +192,7 @@ __all__ = [
     "Spectrum",
     "Track",
     "attenuation_contrast",
+    "axis_lean",
     "best_energy",
     "chord_fractions",
     "chord_frame",
@@ -191,6 +206,7 @@ __all__ = [
     "error_limit",
     "expected_counts",
     "expected_image",
+    "fit_detector",
     "fit_frame",
     "fit_frame_phase",
     "fit_map",
@@ -203,6 +219,7 @@ __all__ = [
     "fresnel_counts",
     "gaussian_spectrum",
     "harmonic_spectrum",
+    "hidden_traces",
     "linear_attenuation",
     "mass_attenuation",
     "material",

@@ -86,7 +86,7 @@ MOVED = {
     "sweep": "study.sweep",
     "sweep_affine": "study.closed_forms",
     "sweep_axes": "study.axes",
-    "sweep_densities": "study.densities",
+    "sweep_densities": "setup.densities",
     "sweep_design": "study.design",
     "sweep_file": "study.sweep_file",
     "sweep_keys": "scene.keys",

@@ -7,13 +7,14 @@ deviation is added. A block that cannot be fitted is NaN with a flag and its rea
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray, positive
 from spinline.base.errors import InputError
+from spinline.xray.frame.shared import Block, row_shifts
 from spinline.xray.frame.track import Track, track_jet
 from spinline.xray.row.chords import checked_edges, equal_shells
 from spinline.xray.row.fit import fit_row
@@ -50,6 +51,8 @@ class Frame:
         False for pixels left out.
     pixel, blur : float
         Width of a pixel, and the standard deviation of the point spread, m.
+    tail_share, tail_length, scatter : float
+        As in `forward.Detector`.
     """
 
     counts: FloatArray
@@ -58,6 +61,9 @@ class Frame:
     good: BoolArray
     pixel: float
     blur: float = 0.0
+    tail_share: float = 0.0
+    tail_length: float = 0.0
+    scatter: float = 1.0
 
     def __post_init__(self) -> None:
         shape = np.shape(self.counts)
@@ -71,17 +77,47 @@ class Frame:
                 )  # fmt: skip
         positive("pixel", self.pixel, "m")
 
-    def block(self, start: int, stop: int) -> tuple[FloatArray, Detector, BoolArray]:
-        """Sum of the rows from `start` to before `stop`: counts, detector and mask of one row."""
+    def block(self, start: int, stop: int, slope: float = 0.0) -> tuple[FloatArray, Detector, BoolArray]:
+        """Sum of the rows from `start` to before `stop`: counts, detector and mask of one row.
+
+        Rows of a jet that leans by `slope` pixels a row are first put under each other, by whole pixels.
+        """
         good = self.good[start:stop]
-        counts, flat, dark = (
-            np.where(good, a[start:stop], 0.0).sum(axis=0) for a in (self.counts, self.flat, self.dark)
-        )
+        arrays = [np.where(good, a[start:stop], 0.0) for a in (self.counts, self.flat, self.dark)]
+        if slope:
+            arrays = [_upright(array, slope) for array in arrays]
+        counts, flat, dark = (array.sum(axis=0) for array in arrays)
         lit = flat > 0
         if not lit.any():
             raise InputError("flat", "has no good pixel in these rows", value=f"rows {start} to {stop}")
         filled = flat if lit.all() else np.where(lit, flat, np.median(flat[lit]))
-        return counts, Detector(filled, self.pixel, dark, blur=self.blur), lit
+        return counts, self.detector(filled, dark), lit
+
+    def detector(self, flat: FloatArray, dark: FloatArray) -> Detector:
+        """The detector of one row of it."""
+        return Detector(
+            flat, self.pixel, dark, blur=self.blur, tail_share=self.tail_share, tail_length=self.tail_length,
+            scatter=self.scatter,
+        )  # fmt: skip
+
+
+def row_steps(rows: int, slope: float) -> NDArray[np.int64]:
+    """Whole pixels by which the rows of a leaning jet lie aside of the middle one."""
+    steps: NDArray[np.int64] = np.rint(slope * (np.arange(rows) - 0.5 * (rows - 1))).astype(np.int64)
+    return steps
+
+
+def _upright(array: FloatArray, slope: float) -> FloatArray:
+    """Rows put under each other; what comes in at the ends is 0: no pixel."""
+    out = np.zeros_like(array)
+    for i, step in enumerate(row_steps(array.shape[0], slope).tolist()):
+        if step > 0:
+            out[i, :-step] = array[i, step:]
+        elif step < 0:
+            out[i, -step:] = array[i, :step]
+        else:
+            out[i] = array[i]
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +148,10 @@ class FrameFit:
         First row of a block that could not be fitted, to the reason.
     fringes : float
         Significance of fringes in a frame that is reduced as absorption (`fringe_frame`); NaN where they were not looked for.
+    shifts : ndarray, shape (blocks, shells, shared)
+        Derivatives of the fractions with what all blocks share (`shared.DetectorFit.names`); not in `covariance`.
+    excess : ndarray, shape (blocks,)
+        Pearson's chi-square over the degrees of freedom.
     """
 
     method: str
@@ -128,19 +168,24 @@ class FrameFit:
     flags: NDArray[np.int64]
     reasons: dict[int, str] = field(default_factory=dict)
     fringes: float = np.nan
+    shifts: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    excess: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
-    def empty(cls, method: str, edges: FloatArray, rows: NDArray[np.int64]) -> "FrameFit":
-        """A fit of nothing yet: NaN everywhere."""
+    def empty(
+        cls, method: str, edges: FloatArray, rows: NDArray[np.int64], more: Sequence[str] = (), shared: int = 0
+    ) -> "FrameFit":
+        """A fit of nothing yet: NaN everywhere. `more` are nuisances beyond the usual ones."""
         blocks, shells = rows.shape[0], edges.size - 1
 
         def nan(*shape: int) -> FloatArray:
             return np.full((blocks, *shape), np.nan)
 
-        names = ("radius", "axis", "amplitude", "slope", "blur")
+        names = ("radius", "axis", "amplitude", "slope", "blur", *more)
         return cls(
             method, edges, rows, nan(shells), nan(shells, shells), nan(), nan(), nan(), {n: nan() for n in names},
-            {n: nan() for n in names}, nan(), np.zeros(blocks, dtype=np.int64),
+            {n: nan() for n in names}, nan(), np.zeros(blocks, dtype=np.int64), shifts=np.zeros((blocks, shells, shared)),
+            excess=np.ones(blocks),
         )  # fmt: skip
 
     def flag(self, block: int, name: str) -> None:
@@ -183,6 +228,8 @@ def fit_frame(
     keep: Callable[[FrameFit], None] | None = None,
     change: FloatArray | None = None,
     again: tuple[FrameFit, BoolArray] | None = None,
+    lean: FloatArray | None = None,
+    shared: Sequence[str] = (),
 ) -> FrameFit:
     """Estimate the polymer fraction in the shells of every block of rows, by likelihood.
 
@@ -211,6 +258,11 @@ def fit_frame(
         Change of radius and axis over each block, m, for a `one` that takes them as taper and lean; else it is left to a blur.
     again : (FrameFit, ndarray of bool), optional
         A fit made before, and which of its blocks are to be fitted again, in place.
+    lean : ndarray, shape (rows,), optional
+        Pixels by which the jet's axis moves aside from row to row (`lean.axis_lean`). A row cuts a leaning jet wider than it
+        is, by 1/cos, while the chord along the beam stays: radius and chord are taken so.
+    shared : sequence of str
+        What the detector shares among blocks (`shared`), for `shifts`; `one` takes the absorber then.
 
     Returns
     -------
@@ -230,7 +282,9 @@ def fit_frame(
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     path = require_track(frame) if track is None else track
     half = 0.5 * frame.counts.shape[1] - 1.0
-    fresh = FrameFit.empty("row", edges, blocks_of(frame.counts.shape[0], block_rows))
+    more_names = [name for name in nuisances if name.startswith("shape")]
+    rows = blocks_of(frame.counts.shape[0], block_rows)
+    fresh = FrameFit.empty("row", edges, rows, more_names, len(shared))
     fit = again[0] if again is not None else fresh if begun is None else begun
     first: InputError | None = None
     for b, (start, stop) in enumerate(fit.rows.tolist()):
@@ -241,23 +295,35 @@ def fit_frame(
         more: dict[str, float] = {}
         inside = slice(start, stop)
         radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
+        slope = 0.0 if lean is None else float(lean[inside].mean())
+        cosine = 1.0 / float(np.hypot(1.0, slope))
+        aside = row_steps(stop - start, slope)
         smear = float(
             np.hypot(
                 _trend(radius, path.radius_std[inside], path.found[inside]),
-                _trend(axis, path.axis_std[inside], path.found[inside]),
+                _trend(axis - aside, path.axis_std[inside], path.found[inside]),
             )
         )
+        smear = float(np.hypot(smear, slope / np.sqrt(12.0)))  # a row is a pixel high
         if change is not None:
             more, smear = {"taper": float(change[b, 0]), "lean": float(change[b, 1])}, 0.0
         if smear > _SMEARED:
             fit.flag(b, "smeared")
         try:
-            counts, detector, good = frame.block(start, stop)
-            if smear > _SHARP:
-                detector = replace(detector, blur=float(np.hypot(frame.blur, smear * frame.pixel)))
+            counts, detector, good = frame.block(start, stop, slope)
+            smear = smear * frame.pixel if smear > _SHARP else 0.0
+            block = Block(
+                counts,
+                good,
+                detector,
+                float(radius.mean()) * frame.pixel,
+                float(axis.mean()) * frame.pixel,
+                cosine,
+                smear,
+            )
             row = one(
-                counts, absorber, detector, shells=edges, nuisances=nuisances, good=good,
-                radius=float(radius.mean()) * frame.pixel, axis=float(axis.mean()) * frame.pixel, **more,
+                counts, absorber.along(cosine), block.seen(), shells=edges, nuisances=nuisances, good=good,
+                radius=block.radius, axis=block.axis, **more,
             )  # fmt: skip
         except InputError as error:
             if again is not None:
@@ -268,7 +334,9 @@ def fit_frame(
         else:
             if again is not None:
                 fit.flags[b] = 0
-            _fill(fit, b, row)
+            _fill(fit, b, row, cosine)
+            if shared:
+                fit.shifts[b] = row_shifts(row, absorber, block, shared, nuisances)
         if done is not None:
             done(b + 1)
         if keep is not None:
@@ -294,14 +362,15 @@ def _trend(values: FloatArray, std: FloatArray, found: BoolArray) -> float:
     return spread if spread > 3.0 * noise else 0.0
 
 
-def _fill(fit: FrameFit, block: int, row: RowFit) -> None:
+def _fill(fit: FrameFit, block: int, row: RowFit, cosine: float = 1.0) -> None:
     shells = fit.fraction.shape[1]
     fit.fraction[block] = row.jet.fraction
     fit.covariance[block] = row.covariance[:shells, :shells]
     fit.mean[block], fit.mean_std[block], fit.limit_std[block] = row.mean_fraction, row.mean_fraction_std, row.limit_std
     for name in fit.values:
-        fit.values[name][block], fit.std[name][block] = row.values[name], row.std[name]
-    fit.misfit[block] = row.misfit
+        scale = cosine if name in ("radius", "blur") else 1.0
+        fit.values[name][block], fit.std[name][block] = scale * row.values[name], scale * row.std[name]
+    fit.misfit[block], fit.excess[block] = row.misfit, row.excess
     for name in row.flags or _evident(row):
         fit.flag(block, name)
 

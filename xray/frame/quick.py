@@ -26,7 +26,13 @@ _FRINGES = 5.0  # standard deviations
 
 
 def chord_frame(
-    frame: Frame, absorber: Absorber, *, shells: int = 3, block_rows: int = 1, track: Track | None = None
+    frame: Frame,
+    absorber: Absorber,
+    *,
+    shells: int = 3,
+    block_rows: int = 1,
+    track: Track | None = None,
+    lean: FloatArray | None = None,
 ) -> FrameFit:
     """Chord means of the polymer fraction of every block of rows, and the mean over the section.
 
@@ -36,6 +42,8 @@ def chord_frame(
         As in `frame.fit_frame`; a track is of the blocks.
     shells : int
         Intervals of ``|x|/R`` that chords are gathered in.
+    lean : ndarray, shape (rows,), optional
+        As in `blocks.fit_frame`.
 
     Returns
     -------
@@ -56,8 +64,11 @@ def chord_frame(
     fit = FrameFit.empty("chord", edges, blocks_of(frame.counts.shape[0], block_rows))
     small = frame if block_rows == 1 else _binned(frame, fit)
     path = require_track(small) if track is None else track
+    slope = np.zeros(frame.counts.shape[0]) if lean is None else lean
+    cosine = np.array([1.0 / np.hypot(1.0, float(slope[a:b].mean())) for a, b in fit.rows.tolist()])
     for start in range(0, fit.rows.shape[0], 64):  # rows: what the processor keeps at hand
-        _chords(fit, slice(start, start + 64), small, absorber, path)
+        part = slice(start, start + 64)
+        _chords(fit, part, small, absorber, path, cosine[part])
     if _bright(small, path) > _FRINGES:
         for block in range(fit.rows.shape[0]):
             fit.flag(block, "fringes")
@@ -81,7 +92,7 @@ def _binned(frame: Frame, fit: FrameFit) -> Frame:
     return Frame(counts, flat, dark, flat > 0, frame.pixel, frame.blur)
 
 
-def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: Track) -> None:
+def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: Track, cosine: FloatArray) -> None:
     counts, flat, dark, good = frame.counts[part], frame.flat[part], frame.dark[part], frame.good[part]
     r, a, level, slope = (v[part, None] for v in (path.radius, path.axis, path.level, path.slope))
     rows, n = counts.shape
@@ -90,7 +101,7 @@ def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: 
     s = (np.arange(n + 1) - 0.5 * n - a) / r
     inside = (np.maximum(np.abs(s[:, 1:]), np.abs(s[:, :-1])) <= 1.0) & good
     c = np.clip(s, -1.0, 1.0)
-    chord = np.diff(c * np.sqrt((1.0 - c) * (1.0 + c)) + np.arcsin(c), axis=1) * r**2 * p
+    chord = np.diff(c * np.sqrt((1.0 - c) * (1.0 + c)) + np.arcsin(c), axis=1) * r**2 * p * cosine[:, None]
     through = counts - dark
     lit = inside & (through > 0)
     safe = np.where(lit, through, 1.0)
@@ -121,8 +132,8 @@ def _chords(fit: FrameFit, part: slice, frame: Frame, absorber: Absorber, path: 
     )
     few = np.nansum(np.where(lit, noise, 0.0), axis=1) * 0.5 > 0.1 * np.sqrt(noise.sum(axis=1))
     for name, values, index in (("radius", r * p, 0), ("axis", a * p, 1), ("amplitude", level, 2), ("slope", slope, 3)):
-        scale = p if index < 2 else 1.0
-        fit.values[name][part] = values[:, 0]
+        scale = (p * cosine if index == 0 else p) if index < 2 else 1.0
+        fit.values[name][part] = values[:, 0] * (cosine if index == 0 else 1.0)
         fit.std[name][part] = scale * np.sqrt(np.maximum(path.covariance[part][:, index + 1, index + 1], 0.0))
     fit.values["blur"][part], fit.std["blur"][part] = frame.blur, 0.0
     for i in range(rows):

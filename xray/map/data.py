@@ -35,6 +35,12 @@ class MapData:
         m.
     dead : ndarray of bool, shape (rows,)
         Rows without a count above dark where many were due.
+    path : ndarray, shape (rows,)
+        Factor on the paths through the jet: the cosine of its lean.
+    tail : (float, float)
+        Share, and length in pixels, of the detector's tail.
+    scatter : float
+        Variance of a pixel over that of its photons.
     """
 
     counts: FloatArray
@@ -45,6 +51,9 @@ class MapData:
     pixel: float
     blur: float
     dead: BoolArray
+    path: FloatArray
+    tail: tuple[float, float] = (0.0, 0.0)
+    scatter: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +74,11 @@ class Start:
 
 
 def map_data(
-    counts: ArrayLike, detector: Detector | Sequence[Detector], good: ArrayLike | None, saturation: float
+    counts: ArrayLike,
+    detector: Detector | Sequence[Detector],
+    good: ArrayLike | None,
+    saturation: float,
+    path: ArrayLike = 1.0,
 ) -> MapData:
     """Check counts against one detector for all rows, or one for each."""
     each = [detector] if isinstance(detector, Detector) else list(detector)
@@ -77,8 +90,8 @@ def map_data(
         )  # fmt: skip
     if len(each) not in (1, raw.shape[0]):
         raise InputError("detector", "is neither one nor one for each row", value=len(each), allowed=f"1 or {len(raw)}")
-    if any((d.pixel, d.blur, d.flat.size) != (each[0].pixel, each[0].blur, each[0].flat.size) for d in each):
-        raise InputError("detector", "differs in pixels or blur from row to row")
+    if any(_optics(d) != _optics(each[0]) for d in each):
+        raise InputError("detector", "differs in pixels, blur or tail from row to row")
     mask = np.ones(raw.shape, dtype=np.bool_) if good is None else np.asarray(good)
     if mask.dtype != np.bool_ or mask.shape not in (raw.shape, raw.shape[1:]):
         raise InputError(
@@ -107,9 +120,20 @@ def map_data(
             "dark", "exceeds the counts: no signal is left", value=float(np.where(mask, dark, 0.0).sum()),
             allowed=f"under the counts' sum, {data.sum():g}", remedy="give raw counts with the dark image of the same exposure",
         )  # fmt: skip
+    longer = real("path", path, above=0.0, most=10.0)
+    if longer.shape not in ((), (raw.shape[0],)):
+        raise InputError("path", "is neither a number nor one for each row", value=f"array of shape {longer.shape}")
+    one = each[0]
     return MapData(
-        data, (mask & ~dead[:, None]).astype(np.float64), flat, dark, veil, each[0].pixel, each[0].blur, dead
-    )
+        data, (mask & ~dead[:, None]).astype(np.float64), flat, dark, veil, one.pixel, one.blur, dead,
+        np.broadcast_to(longer, (raw.shape[0],)).copy(), (one.tail_share, one.tail_length / one.pixel), one.scatter,
+    )  # fmt: skip
+
+
+def _optics(detector: Detector) -> tuple[float, ...]:
+    """What all rows of a map have in common."""
+    d = detector
+    return d.pixel, d.blur, d.tail_share, d.tail_length, d.scatter, float(d.flat.size)
 
 
 def started(data: MapData, radius: FloatArray | None, axis: FloatArray | None) -> Start:

@@ -18,7 +18,7 @@ References
 Nychka, J. Am. Statist. Assoc. 83, 1134 (1988). Wood, Pya and Safken, J. Am. Statist. Assoc. 111, 1548 (2016).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,7 +27,7 @@ from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 from spinline.xray.map.basis import axial_basis, radial_basis
 from spinline.xray.map.data import MapData, map_data, started
-from spinline.xray.map.result import MapFit
+from spinline.xray.map.result import MapFit, MapState
 from spinline.xray.row.chords import checked_edges, equal_shells
 from spinline.xray.row.forward import Absorber, Detector, row_model
 from spinline.xray.row.limit import free_parameters, require_contrast
@@ -54,6 +54,10 @@ def fit_map(
     axial_splines: int | None = None,
     good: ArrayLike | None = None,
     saturation: float = np.inf,
+    path: ArrayLike = 1.0,
+    axis_offset: ArrayLike | None = None,
+    begun: MapState | None = None,
+    keep: Callable[[MapState], None] | None = None,
 ) -> MapFit:
     """Estimate the polymer fraction phi(r, z) of a jet from an image of it.
 
@@ -80,6 +84,15 @@ def fit_map(
         False for bad pixels; the shape of `counts`, or of one row.
     saturation : float
         Counts at or over this are refused unless masked.
+    path : array_like, shape () or (rows,)
+        Factor on the paths through the jet: 1/cos of a tilt along the beam, cos of a lean in the image (then the radius is
+        that of the row, 1/cos wider than the jet's).
+    axis_offset : array_like, shape (rows,), optional
+        m: by how much the axis of a row lies aside of the smooth axis that all rows share, such as between images.
+    begun : MapState, optional
+        What an interrupted fit of the same counts passed to `keep` last: it goes on there, and ends in the same numbers.
+    keep : callable, optional
+        Called with the state before each turn.
 
     Returns
     -------
@@ -101,7 +114,7 @@ def fit_map(
     from spinline.xray.map.scoring import MapModel, best_map
 
     require_contrast(absorber)
-    data = map_data(counts, detector, good, saturation)
+    data = map_data(counts, detector, good, saturation, path)
     rows = data.counts.shape[0]
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     free_parameters(1, nuisances)
@@ -116,10 +129,15 @@ def fit_map(
     along = most if axial_splines is None else _count("axial_splines", axial_splines, 1, rows)
     held = _held(data, names, radius, axis, amplitude, slope)
     one = detector if isinstance(detector, Detector) else next(iter(detector))
+    offsets = None if axis_offset is None else real("axis_offset", axis_offset, unit="m") / data.pixel
+    if offsets is not None and offsets.shape != (rows,):
+        raise InputError("axis_offset", "is not one number for each row", value=f"array of shape {offsets.shape}")
     row = row_model(absorber, one, np.array([0.0, 1.0]), 3.0 * one.blur if "blur" in names else None)
-    model = MapModel(data, radial_basis(across), axial_basis(places, along), absorber, names, row._parts, row._reach)
+    model = MapModel(
+        data, radial_basis(across), axial_basis(places, along), absorber, names, row._parts, row._reach, offsets
+    )
     known_radius, known_axis = (held[:, i] if v is not None else None for i, v in ((0, radius), (1, axis)))
-    best = best_map(model, held, started(data, known_radius, known_axis))
+    best = best_map(model, held, started(data, known_radius, known_axis), begun, keep)
     return reported(model, best, places, edges)
 
 

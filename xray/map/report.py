@@ -32,7 +32,7 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
     expected = np.empty(data.counts.shape)
     expected_rows(
         data.flat, data.dark, data.veil, local, radial.table, model.base, model.contrast, model.parts, model.reach,
-        expected,
+        data.tail, expected,
     )  # fmt: skip
     unknowns = float(best.coefficients.size - left.sum())
     pixels = float(data.good.sum())
@@ -58,7 +58,8 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
         expected=expected,
         deviance=best.look.deviance,
         degrees_of_freedom=freedom,
-        misfit=float((best.look.pearson - freedom) / spread),
+        misfit=float((best.look.pearson / data.scatter - freedom) / spread),
+        excess=float(best.look.pearson / data.scatter / max(freedom, 1.0)),
         used=np.asarray(data.good.max(axis=1) > 0.0),
         converged=best.converged,
         iterations=best.turns,

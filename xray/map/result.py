@@ -13,7 +13,7 @@ from spinline.xray.map.basis import AxialBasis, RadialBasis
 if TYPE_CHECKING:
     from spinline.xray.map.band import Factor
 
-__all__ = ["MapDraws", "MapFit"]
+__all__ = ["MapDraws", "MapFit", "MapState"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,28 @@ class MapDraws:
     mean_fraction: FloatArray
     radius: FloatArray
     axis: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MapState:
+    """Where the search for a map is, before a turn: all that the rest of it depends on.
+
+    Attributes
+    ----------
+    coefficients, weights : ndarray
+        Of the splines, and of the roughness.
+    near, settled : bool
+        The start is forgotten; the weights no longer change.
+    turns, changes : int
+        Turns taken, and those of them that changed the weights.
+    """
+
+    coefficients: FloatArray
+    weights: FloatArray
+    near: bool
+    settled: bool
+    turns: int
+    changes: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +88,8 @@ class MapFit:
         Poisson deviance, and pixels less `effective_freedom`.
     misfit : float
         Pearson's chi-square less its expectation, in its standard deviations. Over 4 is a wrong model.
+    excess : float
+        Pearson's chi-square over the degrees of freedom: 1 for a good fit.
     used : ndarray of bool, shape (rows,)
         Rows that had a usable count; others are bridged by the splines.
     converged : bool
@@ -93,6 +117,7 @@ class MapFit:
     deviance: float
     degrees_of_freedom: float
     misfit: float
+    excess: float
     used: BoolArray
     converged: bool
     iterations: int

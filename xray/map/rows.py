@@ -10,6 +10,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
+from spinline.xray.row.tail import spread_pixels
 
 __all__ = ["expected_rows", "row_curvature"]
 
@@ -124,6 +125,16 @@ def _binned(
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
+def _spread(seen: FloatArray, low: int, high: int, share: float, length: float) -> tuple[int, int]:
+    """Spread the pixels from `low` to before `high`, of which alone `seen` says something, by the tail; all are touched."""
+    pixels = seen.shape[0]
+    seen[:low] = 0.0
+    seen[high:] = 0.0
+    spread_pixels(seen, share, length, low, high)
+    return 0, pixels
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
 def row_curvature(
     counts: FloatArray,
     good: FloatArray,
@@ -132,10 +143,11 @@ def row_curvature(
     veil: FloatArray,
     local: FloatArray,
     table: FloatArray,
-    base: float,
-    contrast: float,
+    base: FloatArray,
+    contrast: FloatArray,
     parts: int,
     reach: int,
+    tail: tuple[float, float],
     fisher: FloatArray,
     gradient: FloatArray,
     score: FloatArray,
@@ -149,10 +161,12 @@ def row_curvature(
     local : ndarray, shape (rows, size + 5)
         Lengths in pixels.
     table : ndarray, shape (cells, 4, size)
-    base, contrast : float
-        Per pixel's width.
+    base, contrast : ndarray, shape (rows,)
+        Per pixel's width, on the paths of each row.
     parts, reach : int
         Fine pixels in a pixel, and of them in the blur's half width.
+    tail : (float, float)
+        Share and length, pixels, of the detector's tail.
     fisher, gradient : ndarray, shapes (rows, size + 5, size + 5) and (rows, size + 5)
         Filled.
     score : ndarray, shape (rows, 4)
@@ -170,8 +184,10 @@ def row_curvature(
     residual = np.empty(pixels)
     for i in range(rows):
         ref = i if flat.shape[0] > 1 else 0
-        first, last = _row(local[i], size, table, base, contrast, step, offset, columns, low_h, high_h, mu)
+        first, last = _row(local[i], size, table, base[i], contrast[i], step, offset, columns, low_h, high_h, mu)
         low, high = _binned(columns, first, last, parts, reach, local[i, width - 1], step, seen)
+        if tail[0] != 0.0:
+            low, high = _spread(seen, low, high, tail[0], tail[1])
         amplitude, slope = local[i, size + 2], local[i, size + 3]
         score[i] = 0.0
         a_a, a_s, s_s, g_a, g_s = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -236,10 +252,11 @@ def expected_rows(
     veil: FloatArray,
     local: FloatArray,
     table: FloatArray,
-    base: float,
-    contrast: float,
+    base: FloatArray,
+    contrast: FloatArray,
     parts: int,
     reach: int,
+    tail: tuple[float, float],
     out: FloatArray,
 ) -> None:
     """Mean counts of each row, shape (rows, pixels); arguments as in `row_curvature`."""
@@ -252,8 +269,10 @@ def expected_rows(
     low_h, high_h, mu = np.empty(size), np.empty(size), np.empty(size)
     for i in range(rows):
         ref = i if flat.shape[0] > 1 else 0
-        first, last = _row(local[i], size, table, base, contrast, step, offset, columns, low_h, high_h, mu)
+        first, last = _row(local[i], size, table, base[i], contrast[i], step, offset, columns, low_h, high_h, mu)
         low, high = _binned(columns, first, last, parts, reach, local[i, size + 4], step, seen)
+        if tail[0] != 0.0:
+            low, high = _spread(seen, low, high, tail[0], tail[1])
         for x in range(pixels):
             through = 1.0 + seen[x, 0] if low <= x < high else 1.0
             u = (2.0 * x - (pixels - 1)) / (pixels - 1)

@@ -6,7 +6,7 @@ roughness together fall. It ends where a step is under 7 % of a standard deviati
 settled.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ from spinline.base.errors import InputError
 from spinline.xray.map.band import Factor, assembled, factorised
 from spinline.xray.map.basis import AxialBasis, RadialBasis
 from spinline.xray.map.data import MapData, Start
+from spinline.xray.map.result import MapState
 from spinline.xray.map.rows import row_curvature
 from spinline.xray.map.smoothing import Penalty
 from spinline.xray.row.forward import Absorber
@@ -66,10 +67,12 @@ class MapModel:
         names: Sequence[str],
         parts: int,
         reach: int,
+        offsets: FloatArray | None = None,
     ) -> None:
         self.data, self.radial, self.axial, self.names = data, radial, axial, tuple(names)
-        self.base = (absorber.solvent - absorber.air) * data.pixel
-        self.contrast = absorber.contrast * data.pixel
+        self.base = (absorber.solvent - absorber.air) * data.pixel * data.path
+        self.contrast = absorber.contrast * data.pixel * data.path
+        self.offsets = offsets
         self.parts, self.reach = parts, reach
         n = radial.size
         self.free = np.array([*range(n), *(n + NUISANCES.index(name) for name in names)])
@@ -80,6 +83,8 @@ class MapModel:
         out = np.empty((held.shape[0], self.radial.size + len(NUISANCES)))
         out[:, self.radial.size :] = held
         out[:, self.free] = self.axial.along(coefficients)
+        if self.offsets is not None:
+            out[:, self.radial.size + 1] += self.offsets
         return out
 
     def look(self, held: FloatArray, coefficients: FloatArray) -> Look | None:
@@ -93,7 +98,7 @@ class MapModel:
         d = self.data
         row_curvature(
             d.counts, d.good, d.flat, d.dark, d.veil, local, self.radial.table, self.base, self.contrast, self.parts,
-            self.reach, fisher, gradient, score,
+            self.reach, d.tail, fisher, gradient, score,
         )  # fmt: skip
         deviance, pearson, inverse_means, dark = score.sum(axis=0)
         if dark > 0.0 or not np.isfinite(deviance):
@@ -108,7 +113,7 @@ class MapModel:
         radius, axis, amplitude, slope, blur = local[:, n:].T
         lengths = (radius > 0.2) & (radius < 2.0 * pixels) & (np.abs(axis) < 0.5 * pixels)
         beam = (amplitude > 0.0) & (np.abs(slope) < 1.0)
-        depth = (self.base + self.contrast * local[:, :n]).min(axis=1) * 2.0 * radius
+        depth = (self.base[:, None] + self.contrast[:, None] * local[:, :n]).min(axis=1) * 2.0 * radius
         sharp = np.ones_like(lengths)
         if self.reach:
             sharp = (blur * self.parts > 0.1) & (blur * self.parts * 5.5 < self.reach * 1.001)
@@ -128,19 +133,33 @@ class BestMap:
     turns: int
 
 
-def best_map(model: MapModel, held: FloatArray, start: Start) -> BestMap:
-    """Maximise the likelihood from a start; `held` has the nuisances that are not fitted, shape (rows, 5)."""
+def best_map(
+    model: MapModel,
+    held: FloatArray,
+    start: Start,
+    begun: MapState | None = None,
+    keep: Callable[[MapState], None] | None = None,
+) -> BestMap:
+    """Maximise the likelihood from a start; `held` has the nuisances that are not fitted, shape (rows, 5).
+
+    `begun` is the last state that an interrupted search passed to `keep`.
+    """
     penalty = model.penalty
     first = np.array([_FIRST_CHANGES[name] ** -2.0 for name in penalty.names])
     weights = first
     c = _first(model, held, start)
+    settled = converged = near = False
+    turns = changes = 0
+    if begun is not None and begun.coefficients.shape == c.shape and begun.weights.shape == first.shape:
+        c, weights, near, settled = begun.coefficients, begun.weights, begun.near, begun.settled
+        turns, changes = begun.turns, begun.changes
     here = model.look(held, c)
     if here is None:
         raise InputError("radius", "the fit cannot start from here", remedy="give radius and axis near the jet's")
-    settled = converged = near = False
-    turns = changes = 0
     try:
         while turns < _TURNS:
+            if keep is not None:
+                keep(MapState(c, weights, near, settled, turns, changes))
             turns += 1
             matrix, right = assembled(model.axial, here.fisher, here.gradient)
             if not changes:
@@ -201,8 +220,9 @@ def _fallen(
 def _first(model: MapModel, held: FloatArray, start: Start) -> FloatArray:
     """Coefficients near a start: one fraction for all, curves smoothed."""
     rows = held.shape[0]
-    fraction = (start.depth - model.base) / model.contrast
-    wanted = {"radius": start.radius, "axis": start.axis, "amplitude": start.amplitude}
+    fraction = (start.depth - float(model.base.mean())) / float(model.contrast.mean())
+    axis = start.axis if model.offsets is None else start.axis - model.offsets
+    wanted = {"radius": start.radius, "axis": axis, "amplitude": start.amplitude}
     curves = [wanted.get(name, held[:, NUISANCES.index(name)]) for name in model.names]
     out = np.empty((model.axial.size, model.free.size))
     out[:, : model.radial.size] = min(max(fraction, 0.0), 1.0)

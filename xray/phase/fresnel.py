@@ -120,7 +120,7 @@ class WaveRowModel(RowModel):
         thin = medium.absorber
         super().__init__(
             detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
-            thin.solvent - thin.air, thin.contrast, detector.blur, widest_blur,
+            thin.solvent - thin.air, thin.contrast, detector.blur, widest_blur, (detector.tail_share, detector.tail_length),
         )  # fmt: skip
         self.profile = Shells(edges) if profile is None else profile
         self.shells = self.profile.size

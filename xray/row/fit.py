@@ -20,7 +20,7 @@ from spinline.base.errors import InputError
 from spinline.xray.row.block import smoothed_outliers, summed_counts
 from spinline.xray.row.chords import checked_edges, equal_shells
 from spinline.xray.row.forward import Absorber, Detector, row_model
-from spinline.xray.row.limit import free_parameters, require_contrast
+from spinline.xray.row.limit import extra_parameters, free_parameters, require_contrast
 from spinline.xray.row.model import RowModel
 from spinline.xray.row.outcome import RowFit, row_outcome
 from spinline.xray.row.scoring import largest_likelihood
@@ -59,8 +59,10 @@ def fit_row(
     shells : int or array_like
         Number of shells of equal width, or their edges r/R from 0 to 1. Few: each more costs precision (see `error_limit`).
     nuisances : sequence of str
-        What is fitted beside the fractions: any of "radius", "axis", "amplitude", "slope", "blur". Where the counts are
-        likeliest with no blur, it is 0, and its standard deviation too.
+        What is fitted beside the fractions: any of "radius", "axis", "amplitude", "slope", "blur", "tail_share",
+        "tail_length", "shape2", "shape3", "shape4". Where the counts are likeliest with no blur, it is 0, and its standard
+        deviation too. Shapes have a standard deviation of 1 % beforehand: where air is in view it does not matter, elsewhere
+        it is in the error. One row says little of a tail: `shared.fit_detector` takes all blocks of a frame.
     radius, axis : float, optional
         m. The start where fitted (found where left out), the value where not (then needed).
     amplitude, slope : float
@@ -88,9 +90,12 @@ def fit_row(
     require_contrast(absorber)
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     free = free_parameters(edges.size - 1, nuisances)
+    extras = extra_parameters(nuisances, detector)
     data, rows = summed_counts(counts, detector, good, saturation)
-    model = row_model(absorber, detector, edges, 3.0 * detector.blur if "blur" in nuisances else None)
+    model = row_model(absorber, detector, edges, 3.0 * detector.blur if "blur" in nuisances else None, extras)
     model.scale_exposure(rows)
+    model.scatter = detector.scatter
+    prior = model.known_before()
     if data.sum() <= model.dark.sum():
         raise InputError(
             "dark", "exceeds the counts: no signal is left", value=float(model.dark.sum()),
@@ -98,12 +103,12 @@ def fit_row(
         )  # fmt: skip
     lit = rows > 0
     start = _start(model, data, lit, nuisances, radius, axis, amplitude, slope, detector)
-    best = largest_likelihood(model, start, free, data, lit)
+    best = largest_likelihood(model, start, free, data, lit, prior=prior)
     fit = row_outcome(model, best, free, data, lit)
     if "radius" in nuisances and _hollow(fit.jet.fraction, absorber):
         inner = start.copy()
         inner[model.shells] = fit.jet.radius * edges[-2]
-        trial = largest_likelihood(model, inner, free, data, lit)
+        trial = largest_likelihood(model, inner, free, data, lit, prior=prior)
         if trial[1] and not _hollow(trial[0][: model.shells], absorber):
             best, fit = trial, row_outcome(model, trial, free, data, lit)
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
@@ -111,7 +116,7 @@ def fit_row(
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
-            trial = largest_likelihood(model, other, free, data, lit, known=best)
+            trial = largest_likelihood(model, other, free, data, lit, known=best, prior=prior)
             if trial[3] < best[3] - 1e-3 and not _hollow(trial[0][: model.shells], absorber):
                 best = trial
         if best is not first:
@@ -168,7 +173,9 @@ def _start(
         found_r, found_a = (found_r if r is None else r), (found_a if a is None else a)
     mu = -np.log1p(-min(max(depth, 1e-3), 0.99)) / (2.0 * found_r * p)
     phi = min(max((mu - model.base) / model.contrast, 0.0), 1.0)
-    start = np.array([*np.full(k, phi), found_r * p, found_a * p, *held, detector.blur])
+    tail = {"tail_share": detector.tail_share, "tail_length": detector.tail_length}
+    more = [tail.get(name, 0.0) for name in model.extras]
+    start = np.array([*np.full(k, phi), found_r * p, found_a * p, *held, detector.blur, *more])
     outside = np.abs(model.u) > 0.9  # level and slope, against the air at the ends
     if "amplitude" in nuisances:
         level = float(np.median(ratio[outside & lit])) if (outside & lit).any() else 1.0

@@ -2,9 +2,10 @@
 
     counts = flat (A (1 + s u) B[T] + veil) + dark,    T = exp(-sum_j (mu_s + phi_j D - mu_air) L_j)
 
-with L_j the chords of the shells (`chords`), B the blur of the detector (Gaussian), A and s the drift of the beam since the
-flat field was taken (its level, and its slope from the middle of the row, u = 0, to either end, u = +-1), and mu_air the air
-that the jet displaces. `flat` is the beam without a jet above the dark level, so that amplitude and veil are shares of it.
+with L_j the chords of the shells (`chords`), B the blur of the detector (Gaussian, with a far `tail`), A and s the drift of the
+beam since the flat field was taken (its level, and its slope from the middle of the row, u = 0, to either end, u = +-1), and
+mu_air the air that the jet displaces. `flat` is the beam without a jet above the dark level, so that amplitude and veil are
+shares of it.
 
 Left out, with what it costs (bias of the mean fraction, PEO/water, 10 keV, R = 50 um): fringes (Fresnel) at 1 cm behind the jet
 -0.25, at 10 cm -1.9; a section 1 % out of round -0.04; a tilt of 5 degrees out of the plane -0.015; energy wrong by 1 % 0.11. A
@@ -12,7 +13,7 @@ single view cannot tell an elliptic section, or a fraction that depends on the a
 absorption alone tell a change of density from one of the fraction (+0.2 %: -0.008).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +49,10 @@ class Absorber:
         object.__setattr__(self, "contrast", _number("contrast", self.contrast, unit="1/m"))
         object.__setattr__(self, "air", _number("air", self.air, least=0.0, unit="1/m"))
 
+    def along(self, factor: float) -> "Absorber":
+        """The absorber on paths longer by a factor: ``1/cos`` of a tilt along the beam, cos of a lean in the image."""
+        return Absorber(self.solvent * factor, self.contrast * factor, self.air * factor)
+
 
 @dataclass(frozen=True, eq=False)
 class Detector:
@@ -65,6 +70,11 @@ class Detector:
         Light that did not come through the jet (scatter, glare), as a share of `flat`, >= 0; a number serves every pixel.
     blur : float
         Standard deviation of the detector's Gaussian point spread, m, >= 0.
+    tail_share, tail_length : float
+        Share of the light in the tail of the point spread, [0, 0.8), and the tail's length, m, over half a pixel (`tail`).
+    scatter : float
+        Variance of a pixel over that of its photons, > 0: under 1 where pixels share light, which leaves what a jet's width
+        of them says as it is, but not how far single pixels scatter.
     """
 
     flat: FloatArray
@@ -72,6 +82,9 @@ class Detector:
     dark: FloatArray = field(default_factory=lambda: np.zeros(1))
     veil: FloatArray = field(default_factory=lambda: np.zeros(1))
     blur: float = 0.0
+    tail_share: float = 0.0
+    tail_length: float = 0.0
+    scatter: float = 1.0
 
     def __post_init__(self) -> None:
         if self.flat is None:
@@ -93,12 +106,26 @@ class Detector:
             object.__setattr__(self, name, np.broadcast_to(array, flat.shape).copy())
         blur = _number("blur", self.blur, least=0.0, most=0.25 * self.pixel * flat.size, unit="m")
         object.__setattr__(self, "blur", blur)
+        share = _number("tail_share", self.tail_share, least=0.0, below=0.8)
+        length = _number("tail_length", self.tail_length, least=0.0, most=20.0 * self.pixel * flat.size, unit="m")
+        if share > 0.0 and not length > 0.5 * self.pixel:
+            raise InputError(
+                "tail_length", "is under half a pixel: that is no tail", value=length,
+                allowed=f"over {0.5 * self.pixel:g} m", remedy="give it, or take it into the blur",
+            )  # fmt: skip
+        object.__setattr__(self, "tail_share", share)
+        object.__setattr__(self, "tail_length", length)
+        object.__setattr__(self, "scatter", positive("scatter", self.scatter))
 
     @property
     def pixel_edges(self) -> FloatArray:
         """Edges of the pixels in m; 0 is the middle of the row."""
         edges: FloatArray = self.pixel * (np.arange(self.flat.size + 1, dtype=np.float64) - 0.5 * self.flat.size)
         return edges
+
+    def across(self, cosine: float) -> "Detector":
+        """The detector as a row sees it that cuts the jet aslant, at this cosine of its lean: blur and tail are longer."""
+        return replace(self, blur=self.blur / cosine, tail_length=self.tail_length / cosine)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,11 +227,18 @@ def noisy_counts(expected: ArrayLike, seed: int, index: int = 0) -> FloatArray:
     return generator.poisson(mean).astype(np.float64)
 
 
-def row_model(absorber: Absorber, detector: Detector, edges: FloatArray, widest_blur: float | None = None) -> RowModel:
+def row_model(
+    absorber: Absorber,
+    detector: Detector,
+    edges: FloatArray,
+    widest_blur: float | None = None,
+    extras: tuple[str, ...] = (),
+) -> RowModel:
     """The model of one row, ready to evaluate."""
     return RowModel(
         flat=detector.flat, dark=detector.dark, veil=detector.veil, pixel_edges=detector.pixel_edges, edges=edges,
         base=absorber.solvent - absorber.air, contrast=absorber.contrast, blur=detector.blur, widest_blur=widest_blur,
+        tail=(detector.tail_share, detector.tail_length), extras=extras,
     )  # fmt: skip
 
 

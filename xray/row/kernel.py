@@ -168,7 +168,7 @@ def beam_counts(
     u: FloatArray,
     background: FloatArray,
     amplitude: float,
-    slope: float,
+    bend: FloatArray,
     mean: FloatArray,
     jacobian: FloatArray,
 ) -> None:
@@ -178,22 +178,22 @@ def beam_counts(
     ----------
     seen : ndarray, shape (shells + 4, pixels)
         Transmission less 1; its derivatives with fractions, radius, axis; with the blur.
-    flat, u, background, mean : ndarray, shape (pixels,)
-        Beam, position from -1 to 1, counts that pass the jet by; the last one is filled.
-    jacobian : ndarray, shape (shells + 5, pixels)
-        Filled: fractions, radius, axis, amplitude, slope, blur.
+    flat, u, background, bend, mean : ndarray, shape (pixels,)
+        Beam, position from -1 to 1, counts that pass the jet by, the beam's shape over the flat's; the last one is filled.
+    jacobian : ndarray, shape (shells + 5 or more, pixels)
+        The first are filled: fractions, radius, axis, amplitude, slope, blur.
     """
     rows = seen.shape[0]
     for i in range(flat.size):
-        bend = flat[i] * (1.0 + slope * u[i])
+        beam = flat[i] * bend[i]
         through = 1.0 + seen[0, i]
-        jacobian[rows - 2, i] = bend * through
+        jacobian[rows - 2, i] = beam * through
         jacobian[rows - 1, i] = amplitude * flat[i] * u[i] * through
-        mean[i] = amplitude * bend * through + background[i]
+        mean[i] = amplitude * beam * through + background[i]
     for c in range(1, rows):
         out = jacobian[c - 1] if c < rows - 1 else jacobian[rows]
         for i in range(flat.size):
-            out[i] = amplitude * flat[i] * (1.0 + slope * u[i]) * seen[c, i]
+            out[i] = amplitude * flat[i] * bend[i] * seen[c, i]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -21,7 +21,7 @@ from spinline.base.errors import InputError
 from spinline.xray.matter.energy import SMALLEST_CONTRAST
 from spinline.xray.row.chords import shell_weights
 from spinline.xray.row.forward import Absorber, Detector, RoundJet, row_model
-from spinline.xray.row.model import NUISANCES
+from spinline.xray.row.model import EXTRAS, NUISANCES
 
 __all__ = ["Limit", "covariance_bound", "error_limit", "photons_needed", "thin_centre_limit", "thin_mean_limit"]
 
@@ -69,7 +69,8 @@ def error_limit(
         The jet that is expected, as in `forward.expected_counts`; one shell is the uniform jet. For many rows and frames, sum
         `flat` and `dark`.
     nuisances : sequence of str
-        What else is unknown: any of "radius", "axis", "amplitude", "slope", "blur".
+        What else is unknown: any of "radius", "axis", "amplitude", "slope", "blur", "tail_share", "tail_length", "shape2",
+        "shape3", "shape4".
     good : array_like of bool, optional
         False for pixels left out.
 
@@ -88,9 +89,12 @@ def error_limit(
     blur_free = "blur" in nuisances
     if blur_free and detector.blur == 0.0:
         raise InputError("blur", "cannot be unknown about 0", value=0.0, remedy="give Detector a blur > 0")
+    extras = extra_parameters(nuisances, detector)
     free = free_parameters(jet.fraction.size, nuisances)
-    model = row_model(absorber, detector, jet.shell_edges)
-    parameters = np.concatenate((jet.fraction, [jet.radius, jet.axis, level, tilt, detector.blur]))
+    model = row_model(absorber, detector, jet.shell_edges, extras=extras)
+    tail = {"tail_share": detector.tail_share, "tail_length": detector.tail_length}
+    more = [tail.get(name, 0.0) for name in extras]
+    parameters = np.concatenate((jet.fraction, [jet.radius, jet.axis, level, tilt, detector.blur], more))
     counts, jacobian = model.evaluate(parameters)
     mask = good_pixels(good, counts.size)
     names = tuple(model.names[i] for i in free)
@@ -102,8 +106,11 @@ def error_limit(
     return Limit(sd[:shells], mean, dict(zip(names[shells:], sd[shells:].tolist(), strict=True)), names, covariance)
 
 
-def covariance_bound(counts: FloatArray, jacobian: FloatArray, names: Sequence[str]) -> FloatArray:
-    """Inverse Fisher matrix of Poisson means > 0, shape (pixels,), with derivatives, shape (pixels, unknowns).
+def covariance_bound(
+    counts: FloatArray, jacobian: FloatArray, names: Sequence[str], prior: FloatArray | None = None
+) -> FloatArray:
+    """Inverse Fisher matrix of Poisson means > 0, shape (pixels,), with derivatives, shape (pixels, unknowns), and with what is
+    known of the unknowns beforehand, 1/variance, shape (unknowns,).
 
     Raises
     ------
@@ -116,6 +123,8 @@ def covariance_bound(counts: FloatArray, jacobian: FloatArray, names: Sequence[s
             allowed=f"at least {jacobian.shape[1]}", remedy="fewer shells, or a wider row",
         )  # fmt: skip
     fisher = jacobian.T @ (jacobian / counts[:, None])
+    if prior is not None:
+        fisher[np.diag_indices_from(fisher)] += prior
     scale = np.sqrt(np.diag(fisher))
     if not (scale > 0).all():
         blind = ", ".join(name for name, s in zip(names, scale, strict=True) if not s > 0)
@@ -203,11 +212,33 @@ def require_contrast(absorber: Absorber) -> None:
 
 
 def free_parameters(shells: int, nuisances: Sequence[str]) -> list[int]:
-    """Indices of the free parameters of `model.RowModel`."""
-    unknown = [name for name in nuisances if name not in NUISANCES]
+    """Indices of the free parameters of a `model.RowModel` whose extras are the `extra_parameters` of the same nuisances."""
+    known = (*NUISANCES, *EXTRAS)
+    unknown = [name for name in nuisances if name not in known]
     if isinstance(nuisances, str) or unknown:
-        raise InputError("nuisances", "are not known", value=unknown or nuisances, allowed=", ".join(NUISANCES))
-    return [*range(shells), *(shells + i for i, name in enumerate(NUISANCES) if name in nuisances)]
+        raise InputError("nuisances", "are not known", value=unknown or nuisances, allowed=", ".join(known))
+    names = (*NUISANCES, *(name for name in EXTRAS if name in nuisances))
+    return [*range(shells), *(shells + i for i, name in enumerate(names) if name in nuisances)]
+
+
+def extra_parameters(nuisances: Sequence[str], detector: Detector) -> tuple[str, ...]:
+    """Those of `model.EXTRAS` that are fitted; a tail is refused where the detector gives no first guess of its length."""
+    extras = tuple(name for name in EXTRAS if name in nuisances)
+    if any(name.startswith("tail") for name in extras) and detector.tail_length == 0.0:
+        raise InputError(
+            "tail_length",
+            "cannot be fitted from 0",
+            value=0.0,
+            remedy="give Detector a first guess of the tail's length",
+        )
+    if "tail_length" in extras and detector.tail_share == 0.0:
+        raise InputError(
+            "tail_length",
+            "says nothing where the tail has no light",
+            value=0.0,
+            remedy="give Detector a tail_share > 0",
+        )
+    return extras
 
 
 def good_pixels(good: ArrayLike | None, pixels: int) -> BoolArray:

@@ -20,8 +20,8 @@ FLAGS = {
     ),
     "impossible": "the mean fraction lies outside [0, 1] by more than its error: check energy, pixel size, flat, "
     "fringes, and that one jet with air on both sides is in view",
-    "misfit": "the counts scatter more than Poisson about the model: a blur that is not given, fringes, an elliptic jet, or a "
-    "wrong flat or gain",
+    "misfit": "the counts scatter more than Poisson about the model: blur or glare that is not given, fringes, an elliptic "
+    "jet, or a wrong flat or gain; the errors are widened by it",
     "outlier": "a pixel lies 8 standard deviations off: mask it if it is bad",
     "narrow_shells": "the shells are narrower than 2 pixels: use fewer",
     "no_air": "the jet reaches the end of the row: without air there, beam level and fraction are hard to tell apart",
@@ -55,6 +55,8 @@ class RowFit:
         Poisson deviance of the fit; near each other for a good fit where counts are large.
     misfit : float
         Pearson's chi-square less its expectation, in its standard deviations; good at low counts too. Over 4 is a wrong model.
+    excess : float
+        Pearson's chi-square over the degrees of freedom: 1 for a good fit.
     converged : bool
     iterations : int
     warnings : tuple of str
@@ -80,6 +82,7 @@ class RowFit:
     iterations: int
     warnings: tuple[str, ...]
     flags: tuple[str, ...] = ()
+    excess: float = 1.0
 
 
 def row_outcome(
@@ -115,7 +118,8 @@ def row_outcome(
     expected, jacobian = model.evaluate(at)
     mean, used = expected[lit], jacobian[lit]
     names = tuple(model.names[i] for i in free)
-    covariance = covariance_bound(mean, used[:, free], names)
+    known = model.known_before()
+    covariance = covariance_bound(mean, used[:, free], names, None if known is None else known[free])
     alone = covariance_bound(mean, used[:, :k], names[:k])
     fraction, edges = at[:k], model.edges
     if shells is not None:
@@ -128,7 +132,7 @@ def row_outcome(
     deviations = np.sqrt(np.diag(covariance))
     sd[[i for i in free if i >= k]] = deviations[count:]
     freedom = int(lit.sum()) - len(free)
-    pearson = float(((data[lit] - mean) ** 2 / mean).sum())
+    pearson = float(((data[lit] - mean) ** 2 / mean).sum()) / model.scatter
     fit = RowFit(
         jet=RoundJet(fraction, float(at[k]), float(at[k + 1]), edges),
         fraction_std=deviations[:count],
@@ -143,11 +147,13 @@ def row_outcome(
         deviance=deviance,
         degrees_of_freedom=freedom,
         misfit=float((pearson - freedom) / np.sqrt(2.0 * max(freedom, 1) + (1.0 / mean).sum())),
+        excess=pearson / max(freedom, 1),
         converged=converged,
         iterations=iterations,
         warnings=(),
     )
-    residual = np.where(lit, (data - expected) / np.sqrt(np.where(lit, expected, 1.0)), 0.0)
+    noise = np.sqrt(np.where(lit, expected, 1.0) * model.scatter)
+    residual = np.where(lit, (data - expected) / noise, 0.0)
     flags = _flags(fit, model, residual)
     worst = int(np.argmax(np.abs(residual)))
     words = [FLAGS[name] for name in flags]

@@ -21,6 +21,7 @@ _STALLED = 1e-4  # fall of the deviance over three steps
 _LEAST_DAMPING = 1e-9  # keeps a singular matrix solvable
 _HOPE = 10.0  # the deviance falls by no more than this times what a step promises
 _SAME = 1e-2  # of the deviance, and of the squared distance of two maxima in standard deviations
+_KINK = 1.0  # squared step, in standard deviations, that a kink may leave
 _TOLERANCE = 1e-6  # of the squared step, in standard deviations
 
 
@@ -53,6 +54,7 @@ def largest_likelihood(
     counts: FloatArray,
     lit: BoolArray,
     known: tuple[FloatArray, bool, int, float] | None = None,
+    prior: FloatArray | None = None,
 ) -> tuple[FloatArray, bool, int, float]:
     """Parameters of the largest likelihood near a start.
 
@@ -67,6 +69,8 @@ def largest_likelihood(
         Counts, and which of them are used.
     known : tuple, optional
         A maximum found from elsewhere, as returned: the search ends early where it comes to the same or to a lower one.
+    prior : ndarray, optional
+        1/variance that the parameters have about 0 beforehand, in the model's order.
 
     Returns
     -------
@@ -77,6 +81,7 @@ def largest_likelihood(
 
     which = np.array(free, dtype=np.int64)
     n = which.size
+    diagonal = np.diag_indices(n)
 
     def look(at: FloatArray) -> _Point | None:
         if not model.allows(at):
@@ -84,6 +89,10 @@ def largest_likelihood(
         mean, jacobian = model.evaluate(at)
         fisher, gradient = np.empty((n, n)), np.empty(n)
         deviance = poisson_curvature(counts, lit, mean, np.asfortranarray(jacobian), which, fisher, gradient)
+        if prior is not None:
+            fisher[diagonal] += prior[which]
+            gradient -= prior[which] * at[which]
+            deviance += float(prior[which] @ at[which] ** 2)
         return _Point(at, deviance, fisher, gradient) if deviance < np.inf else None
 
     here = look(start)
@@ -95,7 +104,7 @@ def largest_likelihood(
             step = np.empty(n)
             gain = damped_step(here.fisher, here.gradient, damping, step)
             if gain < _TOLERANCE:
-                return here.at, damping < 1.0, turn, here.deviance
+                return here.at, damping < 1.0 or _at_kink(here), turn, here.deviance
             if known is not None and _idle(here, gain, known, free):
                 return here.at, True, turn, here.deviance
             there = look(_moved(here.at, which, step))
@@ -116,6 +125,15 @@ def largest_likelihood(
             return here.at, True, turn, here.deviance
         damping = max(0.1 * damping, _LEAST_DAMPING)
     return here.at, False, _STEPS, here.deviance
+
+
+def _at_kink(here: _Point) -> bool:
+    """Whether what a whole step promises is too little to matter: where an edge of the jet lies on that of a pixel, the
+    likelihood has a kink, and the nearer the slower steps fall.
+    """
+    from spinline.xray.row.kernel import damped_step  # loads the compiler
+
+    return damped_step(here.fisher, here.gradient, _LEAST_DAMPING, np.empty(here.gradient.size)) < _KINK
 
 
 def _idle(here: _Point, gain: float, known: tuple[FloatArray, bool, int, float], free: list[int]) -> bool:

@@ -9,6 +9,7 @@ The shares of the lines are taken as known: one row cannot tell a harmonic from 
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from spinline.xray.row.block import summed_counts
 from spinline.xray.row.chords import checked_edges, disc_chords, equal_shells
 from spinline.xray.row.fit import fit_row
 from spinline.xray.row.forward import Absorber, Detector, RoundJet
-from spinline.xray.row.limit import free_parameters
+from spinline.xray.row.limit import extra_parameters, free_parameters
 from spinline.xray.row.model import NUISANCES, RowModel
 from spinline.xray.row.outcome import RowFit, row_outcome
 from spinline.xray.row.scoring import largest_likelihood
@@ -41,14 +42,23 @@ class SpectralRowModel(RowModel):
     medium : Medium
     widest_blur : float, optional
         m, where the blur is fitted.
+    extras : tuple of str
+        As in `RowModel`.
     """
 
-    def __init__(self, detector: Detector, edges: FloatArray, medium: Medium, widest_blur: float | None = None) -> None:
+    def __init__(
+        self,
+        detector: Detector,
+        edges: FloatArray,
+        medium: Medium,
+        widest_blur: float | None = None,
+        extras: tuple[str, ...] = (),
+    ) -> None:
         darkest = int(np.argmax(medium.solvent))  # decides how finely pixels are cut
         super().__init__(
             detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
             float(medium.solvent[darkest] - medium.air[darkest]), float(medium.contrast[darkest]),
-            detector.blur, widest_blur,
+            detector.blur, widest_blur, (detector.tail_share, detector.tail_length), extras,
         )  # fmt: skip
         thin = medium.absorber
         self.base, self.contrast = thin.solvent - thin.air, thin.contrast
@@ -57,7 +67,7 @@ class SpectralRowModel(RowModel):
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mean counts, shape (pixels,), and their derivatives, shape (pixels, shells + 5); as `RowModel.evaluate`."""
         k, m = self.shells, self.medium
-        radius, axis, amplitude, slope, blur = parameters[k:].tolist()
+        radius, axis, _, _, blur = parameters[k : k + 5].tolist()
         chords, by_radius, by_axis = disc_chords(radius * self.edges[1:], self._x, axis)
         by_radius = by_radius * self.edges[1:]
         mu = (m.solvent - m.air)[:, None] + m.contrast[:, None] * parameters[:k]
@@ -72,17 +82,27 @@ class SpectralRowModel(RowModel):
         by_disc = lines @ step
         columns[:, k + 1] = -(by_radius * by_disc).sum(axis=1)
         columns[:, k + 2] = -(by_axis * by_disc).sum(axis=1)
-        seen = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur)
-        return self.counts(seen, amplitude, slope)
+        seen = self._through(np.ascontiguousarray(columns.T), 0, columns.shape[0], blur, parameters)
+        return self.counts(*seen, parameters)
 
 
 def spectral_law(medium: Medium) -> Callable[..., RowFit]:
-    """`fit_row_spectrum` in the form of `fit_row`: ``law(counts, absorber, detector, **options)``; the absorber is not used."""
+    """`fit_row_spectrum` in the form of `fit_row`: ``law(counts, absorber, detector, **options)``.
+
+    Of the absorber, what it is over the medium's is taken: how much longer the paths are.
+    """
 
     def law(counts: ArrayLike, absorber: Absorber, detector: Detector, **options: Any) -> RowFit:
-        return fit_row_spectrum(counts, medium, detector, **options)
+        factor = absorber.solvent / medium.absorber.solvent  # of the paths: a lean
+        return fit_row_spectrum(counts, medium if factor == 1.0 else _along(medium, factor), detector, **options)
 
     return law
+
+
+def _along(medium: Medium, factor: float) -> Medium:
+    """A medium on paths longer by a factor."""
+    names = ("solvent", "contrast", "air")
+    return replace(medium, **{name: getattr(medium, name) * factor for name in names})
 
 
 def spectral_counts(
@@ -136,9 +156,12 @@ def fit_row_spectrum(
     )  # fmt: skip
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     free = free_parameters(edges.size - 1, nuisances)
+    extras = extra_parameters(nuisances, detector)
     data, rows = summed_counts(counts, detector, good, saturation)
-    model = SpectralRowModel(detector, edges, medium, 3.0 * detector.blur if "blur" in nuisances else None)
+    model = SpectralRowModel(detector, edges, medium, 3.0 * detector.blur if "blur" in nuisances else None, extras)
     model.scale_exposure(rows)
+    model.scatter = detector.scatter
     lit = rows > 0
-    start = np.array([*first.jet.fraction, *(first.values[name] for name in NUISANCES)])
-    return row_outcome(model, largest_likelihood(model, start, free, data, lit), free, data, lit, misfit=_MISFIT)
+    start = np.array([*first.jet.fraction, *(first.values[name] for name in (*NUISANCES, *extras))])
+    best = largest_likelihood(model, start, free, data, lit, prior=model.known_before())
+    return row_outcome(model, best, free, data, lit, misfit=_MISFIT)

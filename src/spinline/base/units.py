@@ -44,6 +44,7 @@ QUANTITIES = {
     q.name: q
     for q in (
         Quantity("length", "m", "125 um"),
+        Quantity("angle", "rad", "3 deg", "an"),
         Quantity("velocity", "m/s", "2 cm/s"),
         Quantity("flow rate", "m^3/s", "3.2 mL/hour"),
         Quantity("time", "s", "25 ms"),
@@ -82,7 +83,14 @@ _TEXT = re.compile(
 )
 _WEIGHT_BY_VOLUME = re.compile(r"%\s*\(?wt?/vo?l?\)?|\(?wt?/vo?l?\)?\s*%", re.IGNORECASE)  # "% w/v", "w/v %"
 _LONGEST = 200  # characters of a quantity
-_SPELLED = {"°C": "degC", "°F": "degF", "μ": "µ", "·": "*", "⋅": "*", "²": "2", "³": "3", "⁻": "-", "¹": "1"}
+_SPELLED = {"°C": "degC", "℃": "degC", "°F": "degF", "℉": "degF", "μ": "µ", "·": "*", "⋅": "*", "⁻": "-", "−": "-"} | {
+    raised: str(i) for i, raised in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")
+}
+_PRINTED = str.maketrans({"−": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " "})
+_TWICE = re.compile(
+    rf"\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+\-±]\S*)\s*(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER})\s*(?P<again>\S+)\s*",
+    re.IGNORECASE,
+)
 _OFFSET = {"degC": (1.0, 273.15), "celsius": (1.0, 273.15), "degF": (5 / 9, 459.67 * 5 / 9)}
 _PER_SECOND: Any = (0, 0, -1, 0, 0, 0)  # powers of kg, m, s, A, K, mol
 _MASS: Any = (1, 0, 0, 0, 0, 0)
@@ -123,7 +131,7 @@ def parse(text: Any, kind: str, field: str) -> Measured:
         if not np.isfinite(text):
             raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
         return Measured(float(text), 0.0, str(text))
-    match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
+    match = _TEXT.fullmatch(_said_once(text.translate(_PRINTED))) if len(text) <= _LONGEST else None
     if match is None:
         raise InputError(field, "is not a number with a unit", value=text, remedy=_example(quantity))
     value, unit = float(match["value"]), match["unit"]
@@ -188,6 +196,8 @@ def _converted(unit: str, kind: str) -> tuple[tuple[float, float], str]:
     parts = factors(unit)
     if parts is None:
         return nothing, "unit"
+    if kind == "temperature" and unit.startswith("delta"):
+        return nothing, "other"  # a difference is no temperature
     if kind == "temperature" and unit in _OFFSET:
         return _OFFSET[unit], ""
     known = scale_and_dimension(parts)
@@ -243,8 +253,17 @@ def _plain(registry: Any, unit: Any, target: str) -> float:
         return float(one.to(target).magnitude)
 
 
+def _said_once(text: str) -> str:
+    """Text such as "125 um +/- 3 um" as "125 +/- 3 um"; other text as it is."""
+    match = _TWICE.fullmatch(text)
+    if match is None or match["unit"] != match["again"]:
+        return text
+    return f"{match['value']} +/- {match['std']} {match['unit']}"
+
+
 def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
     own = _FRACTIONS[kind]
+    unit = re.sub(r"^(wt|vol)\.\s*%$", r"\1%", unit)
     if not unit:
         return 1.0
     if own and unit in ("%", own, own.replace("%", " %")):

@@ -242,7 +242,13 @@ def fourier_number(dried: Dried, diffusion: "DiffusionLaw", volume_fraction: flo
 
 
 def where_mean_reaches(
-    dried: Dried, air: Air, solution: Solution, jet: "StraightJet | LagrangianJet", fraction: float
+    dried: Dried,
+    air: Air,
+    solution: Solution,
+    jet: "StraightJet | LagrangianJet",
+    fraction: float,
+    *,
+    beyond: bool = True,
 ) -> tuple[float, float]:
     """Where the mean fraction reaches a value, m: within the jet, and as predicted if the profile went on.
 
@@ -258,13 +264,13 @@ def where_mean_reaches(
         if straight and dried.radial is None:
             place = _refined(air, solution, jet, x, place, fraction)
         return place, place
-    if not isinstance(jet, StraightJet) or not np.isinf(jet.end) or fraction >= air.equilibrium:
+    if not isinstance(jet, StraightJet) or not beyond or not np.isinf(jet.end) or fraction >= air.equilibrium:
         return float("nan"), float("nan")
-    beyond = np.geomspace(x[-1], FARTHEST * x[-1], 801)
+    farther = np.geomspace(x[-1], FARTHEST * x[-1], 801)
     try:
-        flat = air.evaporate(element_path(jet, beyond), solution.volume_fraction)
-        predicted = first_passage(beyond, flat.polymer_fraction, fraction)
-        return float("nan"), _refined(air, solution, jet, beyond, predicted, fraction)
+        flat = air.evaporate(element_path(jet, farther), solution.volume_fraction)
+        predicted = first_passage(farther, flat.polymer_fraction, fraction)
+        return float("nan"), _refined(air, solution, jet, farther, predicted, fraction)
     except InputError:
         return float("nan"), float("nan")
 

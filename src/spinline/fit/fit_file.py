@@ -39,6 +39,7 @@ from spinline.fit.observed_map import read_map
 from spinline.fit.problem import FitProblem, Prior
 from spinline.fit.scene_model import forward_model, typical_relaxation_time
 from spinline.scene.file import LONGEST, Scene, given_file, load_scene
+from spinline.setup.context import Context
 
 __all__ = ["FitFile", "bundled_fits", "load_fit", "scene_priors"]
 
@@ -148,10 +149,13 @@ def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFi
     asked = _section(data, "parameters")
     _known(asked, tuple(PARAMETERS), "parameters.")
     priors, fixed = _parameters(scene, asked)
+    # a parameter that is listed asks for its effect; otherwise the fit takes what a run takes
     on = {
-        effect: key in priors or key in asked or getattr(scene.effects, effect) is True
+        effect: True if key in asked or key in priors else None
         for effect, key in (("relaxation", "relaxation_time"), ("evaporation", "evaporation"))
     }
+    if priors.get("coupling", Prior(1.0)) is None and scene.network.coupling is None:
+        fixed["coupling"] = Context(scene).coupling.required()  # a start
     if priors.get("relaxation_time", Prior(1.0)) is None and scene.solution.relaxation_time is None:
         fixed["relaxation_time"] = typical_relaxation_time(scene)  # a start
     model = forward_model(

@@ -1,44 +1,49 @@
 """What a jet with given parameters would show: radius, mean fraction, core fraction, ring by ring.
 
+A scene as a function of its parameters. Every prediction goes through the stages of a run (`spinline.solve.stages`), by the
+rung and the effects of the scene: what a run shows at a place, a fit is held against.
+
 ::
 
-    z        = (z_measured - origin) / length_scale              V = V(z; k, beta) or V(z; p), 1 before the nozzle
-    r        = r_0 (F / V)^(1/2)                                 F: volume left, Eqs. (43a)-(44), times `evaporation`
-    mean     = phi / F                                           the polymer flux is the same everywhere
-    w        = V, or sqrt(A_zz) of Maxwell's law where the strands relax with theta_0 (C(z)/C_0)^n
-    core     = phi (xi_0 / xi_perp)^2 / F, at most 1             Eq. (40), left, at the force f_0 w
-    r_P / r  = (mean / core)^(1/2)                               Eq. (39); no polymer outside
+    z        = (z_measured - origin) / length_scale
+    radius, mean, core, r_P / r                     of the run at z; no polymer outside r_P
+    evaporation                                     times the solvents' saturation: the rate over that of Eq. (44)
 
-What is measured is `length_scale` times the radius and ``fraction_scale x fraction + fraction_offset``. Strands are
-those of the solution at the nozzle; solvent that evaporates is taken from core and sheath alike. C is the mass fraction of
-the polymer.
+What is measured is `length_scale` times the radius and ``fraction_scale x fraction + fraction_offset``. Before the nozzle
+(z < 0) the jet is as at the nozzle; beyond the scene's length a law goes on, and a network that slips stays as at its end.
 
-Cost per evaluation of 200 places: 0.3 ms affine, 2 ms with relaxation, 5 ms with evaporation too.
+Cost per evaluation of 200 places: that of a run without its words, 0.5 ms affine, 3 ms with relaxation, 6 ms with evaporation
+too, 10 to 60 ms for a network that slips.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray
+from spinline.base.units import Measured
 from spinline.fit.observations import Observation
-from spinline.jetprofile.hyperbolic import Hyperbolic
-from spinline.jetprofile.power_law import PowerLaw
-from spinline.jetprofile.straight import StraightJet
-from spinline.network.concentration import fraction_walk
 from spinline.network.crossover import crossover_velocity_ratio
-from spinline.network.lattice_walk import random_walk
 from spinline.network.mesh import SolventQuality
+from spinline.network_models.registry import cheapest, rung_of, simplest
+from spinline.network_models.variables import network_variables
+from spinline.scene.file import JET_SECTIONS, Scene, scene_from_dict
+from spinline.setup.context import Context
+from spinline.setup.effects import Effects
+from spinline.setup.jet import build_jet
+from spinline.solve.stages import solve_stages
 
 if TYPE_CHECKING:
     from spinline.setup.air import Air
 
 __all__ = ["PARAMETERS", "ForwardModel", "Parameter", "Prediction"]
 
-_NODES = 96  # along the jet, for relaxation, beside the places asked for
+_OF_JET = {"k": "k", "beta": "beta", "p": "p", "initial_radius": "radius", "flow_rate": "flow_rate"}  # keys of [jet]
+_CALIBRATION = ("fraction_scale", "fraction_offset", "length_scale", "origin")
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,7 @@ PARAMETERS: dict[str, Parameter] = {
     "flow_rate": Parameter("flow rate", 1e-24, 1e-2, True, 1.0, "Q"),
     "volume_fraction": Parameter("volume fraction", 1e-6, 0.99, True, 1.0, "phi of the solution at the nozzle"),
     "relaxation_time": Parameter("time", 1e-9, 1e6, True, 1.0, "theta_0 of the strands at the nozzle"),
+    "coupling": Parameter("number", 1e-3, 1e20, True, 1.0, "alpha_v of Eq. (33), of a network that slips"),
     "evaporation": Parameter("number", 1e-6, 1e6, True, 1.0, "evaporation rate over that of Eq. (44)"),
     "fraction_scale": Parameter("number", 1e-2, 1e2, True, 1.0, "measured over true polymer fraction"),
     "fraction_offset": Parameter("number", -10.0, 10.0, False, 0.1, "measured fraction where there is no polymer"),
@@ -97,6 +103,8 @@ class Prediction:
         r_P / r.
     velocity_ratio, stretch, remaining : ndarray
         V; w, what the strands feel; F.
+    relative_extension, orientation : ndarray
+        Of the strands.
     """
 
     radius: FloatArray
@@ -106,6 +114,8 @@ class Prediction:
     velocity_ratio: FloatArray
     stretch: FloatArray
     remaining: FloatArray
+    relative_extension: FloatArray
+    orientation: FloatArray
 
 
 @dataclass(frozen=True)
@@ -114,8 +124,8 @@ class ForwardModel:
 
     Attributes
     ----------
-    profile : {"power-law", "hyperbolic"}
-        Jet.
+    profile : str
+        Of the jet: one that is made of numbers.
     values : mapping
         Parameter name to value (SI): what is not asked for otherwise.
     length : float
@@ -130,9 +140,12 @@ class ForwardModel:
         Of the solvent over the polymer: between volume and mass fractions.
     drying : Air, optional
         Let the jet dry into this air (`spinline.setup.air.build_air`).
+    context : Context, optional
+        Of a scene, rung and effects chosen: it then says all of this. Otherwise one is made of the above, by the simplest
+        rung that holds what they ask for.
     """
 
-    profile: Literal["power-law", "hyperbolic"]
+    profile: str
     values: Mapping[str, float]
     length: float
     solvent_quality: SolventQuality = "theta"
@@ -141,23 +154,48 @@ class ForwardModel:
     density_ratio: float = 1.0
     drying: "Air | None" = None
     notes: tuple[str, ...] = field(default=(), compare=False)
+    context: Context | None = field(default=None, compare=False)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters that change something in this model."""
-        shape = ("k", "beta") if self.profile == "power-law" else ("p",)
-        extra = ("flow_rate",) if self.relaxation or self.drying else ()
+        section, slips = self.base.scene.jet, rung_of(self.model).slips
+        shape = tuple(n for n in ("k", "beta", "p") if n in type(section).model_fields)
+        extra = ("flow_rate",) if self.relaxation or self.drying or slips else ()
         time = ("relaxation_time",) if self.relaxation else ()
+        drag = ("coupling",) if slips else ()
         loss = ("evaporation",) if self.drying else ()
-        calibration = ("fraction_scale", "fraction_offset", "length_scale", "origin")
-        return (*shape, "initial_radius", *extra, "volume_fraction", *time, *loss, *calibration)
+        return (*shape, "initial_radius", *extra, "volume_fraction", *time, *drag, *loss, *_CALIBRATION)
 
-    def jet(self, values: Mapping[str, float]) -> StraightJet:
-        """Jet of the given parameters; those not given are the model's own."""
-        p = {**self.values, **values}
-        if self.profile == "power-law":
-            return PowerLaw(radius=p["initial_radius"], flow_rate=p["flow_rate"], k=p["k"], beta=p["beta"])
-        return Hyperbolic(radius=p["initial_radius"], flow_rate=p["flow_rate"], p=p["p"])
+    @property
+    def model(self) -> str:
+        """Rung of the ladder."""
+        return str(self.base.scene.network.model)
+
+    @cached_property
+    def base(self) -> Context:
+        """The scene at the model's own values."""
+        return self.context if self.context is not None else _context_of(self)
+
+    def at(self, values: Mapping[str, float] | None = None) -> Context:
+        """The scene at other parameters; those not given are the model's own."""
+        base, p = self.base, {**self.values, **(values or {})}
+        section = base.scene.jet
+        moved = {
+            key: Measured(p[name]) for name, key in _OF_JET.items() if name in p and key in type(section).model_fields
+        }
+        changes: dict[str, Any] = {"jet": section.model_copy(update=moved)}
+        if "coupling" in p:
+            changes["network"] = base.scene.network.model_copy(update={"coupling": Measured(p["coupling"])})
+        scene = base.scene.model_copy(update=changes)
+        theta = p.get("relaxation_time", base.solution.relaxation_time)
+        solution = replace(base.solution, volume_fraction=p["volume_fraction"], relaxation_time=theta)
+        kept: dict[str, Any] = {}
+        if self.drying is not None:
+            rate = p.get("evaporation", 1.0)
+            faster = tuple(replace(v, saturation=v.saturation * rate) for v in self.drying.volatiles)
+            kept["air"] = self.drying if rate == 1 else replace(self.drying, volatiles=faster)
+        return Context(scene, solution, build_jet(scene, solution), effects=base.effects, kept=kept)
 
     def predict(self, z: ArrayLike, values: Mapping[str, float] | None = None) -> Prediction:
         """Radius and fractions at true distances from the nozzle.
@@ -173,27 +211,25 @@ class ForwardModel:
         -------
         Prediction
         """
-        p = {**self.values, **(values or {})}
-        places, back = np.unique(np.maximum(np.atleast_1d(np.asarray(z, dtype=np.float64)), 0.0), return_inverse=True)
-        jet = self.jet(p)
-        if not (self.relaxation or self.drying):
-            v = jet.velocity_ratio(places)
-            stretch, left = v, np.ones_like(v)
-        else:
-            nodes = self._nodes(jet, places)
-            v, stretch, left = self._along(jet, nodes, p)
-            at = np.searchsorted(nodes, places)
-            v, stretch, left = v[at], stretch[at], left[at]
-        phi = p["volume_fraction"]
-        walk = random_walk(stretch, phi, solvent_quality=self.solvent_quality)
-        core = np.minimum(fraction_walk(walk, phi) / left, 1.0)
-        mean = np.minimum(phi / left, 1.0)
-        kept = self.drying is not None and jet.given == "radius"
-        found = Prediction(
-            radius=jet.initial_radius * np.sqrt((1.0 if kept else left) / v), mean=mean, core=core,
-            core_radius_ratio=np.minimum(np.sqrt(mean / core), 1.0), velocity_ratio=v, stretch=stretch, remaining=left,
-        )  # fmt: skip
-        return Prediction(**{name: array[back] for name, array in found.__dict__.items()})
+        context = self.at(values)
+        start = context.jet.start
+        asked = np.maximum(np.atleast_1d(np.asarray(z, dtype=np.float64)), start)
+        places, back = np.unique(np.append(asked, start), return_inverse=True)
+        if places.size == 1:  # a history needs two places
+            places = np.append(places, start + context.jet.initial_radius)
+        answer = solve_stages(context, places, bare=True)
+        f, back = answer.fields, back[:-1]
+        return Prediction(
+            radius=f["radius"][back],
+            mean=f["mean_polymer_fraction"][back],
+            core=f["core_polymer_fraction"][back],
+            core_radius_ratio=np.minimum(f["network_radius"] / f["radius"], 1.0)[back],
+            velocity_ratio=f["velocity_ratio"][back],
+            stretch=answer.stretch[back],
+            remaining=answer.remaining[back],
+            relative_extension=f["relative_extension"][back],
+            orientation=f["orientation"][back],
+        )
 
     def measured(self, data: Sequence[Observation], values: Mapping[str, float] | None = None) -> list[FloatArray]:
         """What the instruments that made `data` would have shown, calibration included; one array for each."""
@@ -205,58 +241,44 @@ class ForwardModel:
 
     def crossover(self, values: Mapping[str, float] | None = None) -> tuple[float, float]:
         """Position (m) and radius (m) where V reaches full stretch, Eq. (38); without relaxation or drying."""
-        p = {**self.values, **(values or {})}
-        target = float(crossover_velocity_ratio(p["volume_fraction"], self.solvent_quality))
-        return float(self.jet(p).position_of(target)), p["initial_radius"] / float(np.sqrt(target))
+        context = self.at(values)
+        target = float(crossover_velocity_ratio(context.solution.volume_fraction, self.solvent_quality))
+        return float(context.jet.position_of(target)), context.jet.initial_radius / float(np.sqrt(target))
 
-    def _nodes(self, jet: StraightJet, places: FloatArray) -> FloatArray:
-        end = float(places[-1]) if places[-1] > 0 else jet.initial_radius
-        kinks = [jet.initial_radius * s for s in jet.kinks() if jet.initial_radius * s < end]
-        first = kinks[0] if kinks else 0.0
-        scale = max(first, 0.1 * jet.initial_radius)
-        grid = first + scale * np.expm1(np.linspace(0.0, np.log1p((end - first) / scale), _NODES))
-        grid[-1] = end
-        nodes = np.unique(np.concatenate(([0.0], kinks, np.minimum(grid, end), places)))
-        # nodes nearer than rounding to one another make no step in time: keep the places asked for
-        near = np.append(np.diff(nodes) < 1e-9 * end, False) & ~np.isin(nodes, places)
-        near[0] = False
-        kept: FloatArray = nodes[~near]
-        return kept
+    def core_at(self, velocity_ratio: ArrayLike) -> FloatArray:
+        """Core fraction of a network that moves with the solution, stretched by V: the network stage alone."""
+        n, solution, v = self.base.scene.network, self.base.solution, np.asarray(velocity_ratio, dtype=np.float64)
+        found = network_variables(
+            v, v, np.ones_like(v), self.values["volume_fraction"], closure=n.closure_used, solvent_quality=n.solvent_quality,
+            kuhn_length=solution.kuhn_length, temperature=solution.temperature,
+        )  # fmt: skip
+        core: FloatArray = found["core_polymer_fraction"]
+        return core
 
-    def _along(
-        self, jet: StraightJet, z: FloatArray, p: Mapping[str, float]
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        v = jet.velocity_ratio(z)
-        left = np.ones_like(v)
-        if self.drying is not None:
-            left = _remaining(self.drying, jet, z, p)
-            if jet.given == "radius":  # kept as it dries: the jet is then slower
-                return self._kept(jet, z, v, left, p)
-        if not self.relaxation:
-            return v, v, left
-        return v, self._relaxed(jet.residence_time(z), v, left, p, jet.strain_rate(z)), left
 
-    def _kept(
-        self, jet: StraightJet, z: FloatArray, v: FloatArray, left: FloatArray, p: Mapping[str, float]
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Of a jet whose radius is what was measured: its velocity, hence its stretch, is less by what it lost."""
-        stretch = v * left
-        if self.relaxation:
-            slower = 0.5 * (1 / left[1:] + 1 / left[:-1])
-            time = np.concatenate(([0.0], np.cumsum(np.diff(jet.residence_time(z)) * slower)))
-            stretch = self._relaxed(time, stretch, left, p, None)
-        return v, stretch, left
-
-    def _relaxed(
-        self, time: FloatArray, stretch: FloatArray, left: FloatArray, p: Mapping[str, float], rate: FloatArray | None
-    ) -> FloatArray:
-        from spinline.rheology._element_history import ElementHistory, propagate
-
-        phi = p["volume_fraction"]
-        richer = (phi + (1 - phi) * self.density_ratio) / (phi + (left - phi) * self.density_ratio)  # C / C_0
-        theta = p["relaxation_time"] * richer**self.relaxation_exponent
-        history = ElementHistory.build(time, stretch, theta, rate)
-        return np.sqrt(propagate(history, 2.0, 1.0))  # A_zz of `conformation`, the only one needed
+def _context_of(model: ForwardModel) -> Context:
+    """Context of a model that is given by its values alone."""
+    p = model.values
+    relaxing = cheapest(["relaxation"])
+    rung = relaxing if model.relaxation and relaxing is not None else simplest()
+    keys = JET_SECTIONS[model.profile].model_fields
+    jet = {key: Measured(p[name]) for name, key in _OF_JET.items() if name in p and key in keys}
+    solution: dict[str, Any] = {
+        "polymer": {"density": Measured(1000.0)},
+        "solvent": {"density": Measured(1000.0 * model.density_ratio)},
+        "volume_fraction": Measured(p["volume_fraction"]),
+    }
+    if model.relaxation:
+        solution["relaxation_time"] = Measured(p["relaxation_time"])
+    scene: Scene = scene_from_dict({
+        "solution": solution,
+        "jet": {**jet, "profile": model.profile, "length": Measured(model.length)},
+        "network": {"model": rung.name, "solvent_quality": model.solvent_quality},
+        "rheology": {"n": float(model.relaxation_exponent)},
+    })  # fmt: skip
+    effects = Effects({"relaxation": model.relaxation, "evaporation": model.drying is not None})
+    kept = {} if model.drying is None else {"air": model.drying}
+    return Context(scene, effects=effects, kept=kept)
 
 
 def _shown(data: Observation, seen: Prediction, part: slice, p: Mapping[str, float]) -> FloatArray:
@@ -277,13 +299,3 @@ def _fraction(data: Observation, seen: Prediction, part: slice) -> FloatArray:
     edge = np.clip(seen.core_radius_ratio[part], data.inner, data.outer)  # where the core ends within the ring
     value: FloatArray = core * (edge**2 - data.inner**2) / (data.outer**2 - data.inner**2)
     return value
-
-
-def _remaining(air: "Air", jet: StraightJet, z: FloatArray, p: Mapping[str, float]) -> FloatArray:
-    from spinline.rheology.element_path import straight_path
-
-    faster = tuple(replace(v, saturation=v.saturation * p["evaporation"]) for v in air.volatiles)
-    left = np.ones_like(z)
-    path = straight_path(jet, z[1:])
-    left[1:] = replace(air, volatiles=faster).evaporate(path, p["volume_fraction"]).remaining
-    return left

@@ -246,7 +246,7 @@ def _attributes(fit: "Fit", posterior: "Posterior | None", source: "FitFile | No
     notes = list(fit.notes)
     attributes: dict[str, Any] = {
         "title": problem.title, "source": f"spinline {__version__}", "spinline_version": __version__,
-        "model": "conformation" if problem.model.relaxation else "affine",
+        "model": problem.model.model,
         "evaporation": int(problem.model.drying is not None), "profile": problem.model.profile,
         "fixed": json.dumps({n: problem.model.values[n] for n in problem.model.names if n not in problem.free}),
         "chi_squared": fit.chi_squared, "values": problem.size, "degrees_of_freedom": dof, "loss": problem.loss,

@@ -15,8 +15,9 @@ Greenfeld, Fezzaa, Rafailovich, Zussman, Macromolecules 45, 3616 (2012); review 
 import json
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -28,16 +29,10 @@ from spinline.fit.model import ForwardModel
 from spinline.fit.observations import Kind, Observation
 from spinline.fit.observed_map import read_map
 from spinline.fit.scene_model import forward_model
-from spinline.network.concentration import fraction_walk
 from spinline.network.crossover import crossover_velocity_ratio, radius_ratio
-from spinline.network.lattice_walk import random_walk
-from spinline.plan.switches import choose_effects
 from spinline.scene.file import Scene
-from spinline.setup.context import Context
 from spinline.solve.bands import LEVELS, draw_scenes
-
-if TYPE_CHECKING:
-    from spinline.setup.effects import Effects
+from spinline.solve.spine import taken
 
 __all__ = ["compare_theory", "theory_words"]
 
@@ -83,14 +78,13 @@ def compare_theory(
     SpinlineWarning
         Where the theory does not describe the data.
     """
-    effects = choose_effects(Context(scene))
-    model = forward_model(scene, relaxation=effects.relaxation, evaporation=effects.evaporation, values=values)
+    model = forward_model(scene, values=values)
     data = read_map(reduced, _KINDS, core_within=core_within)
     for part in data:
         if (part.z > model.length * (1 + 1e-9) + model.values["origin"]).any():
             raise InputError(f"{part.source}: z", "is beyond the jet", value=float(part.z.max()),
                              allowed=f"up to {model.length:g} m", remedy="raise jet.length in the scene")  # fmt: skip
-    models = _drawn(scene, effects, values, draws)
+    models = _drawn(model, values, draws)
     rows, notes = _judge(model, data)
     radius, _, core = data
     both, i, j = np.intersect1d(radius.z, core.z, return_indices=True)
@@ -120,7 +114,7 @@ def compare_theory(
         data_vars |= _bands(models, radius, core, j, curve, reach)
     attributes = {
         "title": f"{scene.title or scene.name}: measured and predicted", "scene": scene.text, "core_within": core_within,
-        "effects_left_out": ", ".join(effects.left_out),
+        "effects_left_out": ", ".join(model.base.effects.left_out),
         "log_likelihood": float(np.sum(rows["log_likelihood"][1])), "crossover_radius_ratio": crossing,
         "volume_fraction": phi, "fraction_scale": model.values["fraction_scale"],
         "values": json.dumps(dict(values or {})), "bands": _of_what(models, draws), "warnings": "\n".join(notes),
@@ -149,9 +143,7 @@ def theory_words(result: xr.Dataset) -> list[str]:
 
 def _theory(model: ForwardModel, ratio: FloatArray, reach: float) -> FloatArray:
     """Core fraction as measured over r/R < reach, against r/r_0, affine."""
-    phi = model.values["volume_fraction"]
-    walk = random_walk(ratio**-2.0, phi, solvent_quality=model.solvent_quality)
-    core = np.minimum(fraction_walk(walk, phi), 1.0)
+    phi, core = model.values["volume_fraction"], model.core_at(ratio**-2.0)
     inside = np.minimum(phi / core / reach**2, 1.0) if reach > 0 else 1.0
     value: FloatArray = model.values["fraction_scale"] * core * inside + model.values["fraction_offset"]
     return value
@@ -247,19 +239,15 @@ def _sections(
 
 
 def _drawn(
-    scene: Scene, effects: "Effects", values: Mapping[str, float] | None, draws: Sequence[Mapping[str, float]]
+    model: ForwardModel, values: Mapping[str, float] | None, draws: Sequence[Mapping[str, float]]
 ) -> list[ForwardModel]:
-    """Models of the draws; of the scene's uncertain inputs where none are given."""
-
-    def model(one: Scene, of: Mapping[str, float]) -> ForwardModel:
-        return forward_model(one, relaxation=effects.relaxation, evaporation=effects.evaporation, values=of)
-
+    """Models of the draws; of the scene's uncertain inputs where none are given, by the same rung and effects."""
     if draws:
-        return [model(scene, {**(values or {}), **draw}) for draw in draws]
+        return [replace(model, values={**model.values, **draw}) for draw in draws]
     found = []
-    for drawn in draw_scenes(scene):
+    for drawn in draw_scenes(taken(model.base)):
         try:
-            found.append(model(drawn, values or {}))
+            found.append(forward_model(drawn, values=values))
         except InputError:
             continue
     return found

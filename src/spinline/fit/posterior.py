@@ -19,7 +19,6 @@ import numpy as np
 from spinline.base.checks import FloatArray, number
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.network.crossover import crossover_velocity_ratio
-from spinline.network.lattice_walk import random_walk
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -229,10 +228,9 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
         p = problem.to_values(u)
         seen = model.predict(z, p)
         phi = p.get("volume_fraction", model.values["volume_fraction"])
-        walk = random_walk(seen.stretch, phi, solvent_quality=model.solvent_quality)
         full = float(crossover_velocity_ratio(phi, model.solvent_quality))
         network = seen.radius * seen.core_radius_ratio
-        found = (seen.radius, seen.mean, seen.core, network, walk.relative_extension, walk.orientation,
+        found = (seen.radius, seen.mean, seen.core, network, seen.relative_extension, seen.orientation,
                  *_crossing(z, seen, full))  # fmt: skip
         for name, values in zip(rows, found, strict=True):
             rows[name].append(values)

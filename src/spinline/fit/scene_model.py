@@ -3,27 +3,31 @@
 from collections.abc import Mapping
 
 from spinline.base.errors import InputError
+from spinline.base.units import Measured
 from spinline.fit.model import ForwardModel
-from spinline.jetprofile.hyperbolic import Hyperbolic
-from spinline.jetprofile.power_law import PowerLaw
-from spinline.jetprofile.straight import StraightJet
+from spinline.network_models.registry import RUNGS, cheapest
 from spinline.scene.file import HyperbolicJet, PowerLawJet, Scene
-from spinline.setup.build import build_jet, build_solution
+from spinline.setup.context import Context
+from spinline.solve.spine import chosen
 
 __all__ = ["forward_model", "typical_relaxation_time"]
 
 
 def forward_model(
-    scene: Scene, *, relaxation: bool = False, evaporation: bool = False, values: Mapping[str, float] | None = None
+    scene: Scene,
+    *,
+    relaxation: bool | None = None,
+    evaporation: bool | None = None,
+    values: Mapping[str, float] | None = None,
 ) -> ForwardModel:
-    """Forward model of a scene.
+    """Forward model of a scene: its rung, its effects, as `spinline.run` takes them.
 
     Parameters
     ----------
     scene : Scene
         With a power-law or hyperbolic jet.
-    relaxation, evaporation : bool
-        Model them.
+    relaxation, evaporation : bool, optional
+        Model them, or do not, whatever a run would do.
     values : mapping, optional
         Parameters in place of the scene's, SI.
 
@@ -36,65 +40,65 @@ def forward_model(
     InputError
         For a jet without parameters, or what an effect needs and the scene does not say.
     """
-    solution = build_solution(scene)
-    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet):
-        raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile,
-                         allowed='"power-law", "hyperbolic"', remedy="fit-jet finds k and beta of a table")  # fmt: skip
-    jet = build_jet(scene, solution)
+    asked, notes = _asked(scene, relaxation, evaporation, dict(values or {}))
+    context, _ = chosen(Context(asked))
+    solution, jet = context.solution, context.jet
     own = {
-        "initial_radius": jet.initial_radius, "flow_rate": scene.jet.flow_rate.value,
+        "initial_radius": jet.initial_radius, "flow_rate": context.line.flow_rate,
         "volume_fraction": solution.volume_fraction, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0,
         "length_scale": 1.0, "origin": 0.0,
     }  # fmt: skip
-    if isinstance(jet, PowerLaw):
-        own |= {"k": jet.k, "beta": jet.beta}
-    elif isinstance(jet, Hyperbolic):
-        own |= {"p": jet.p}
+    own |= {name: getattr(jet, name) for name in ("k", "beta", "p") if hasattr(jet, name)}
     if solution.relaxation_time is not None:
         own["relaxation_time"] = solution.relaxation_time
-    own |= dict(values or {})
-    if relaxation and "relaxation_time" not in own:
+    if asked.network.coupling is not None:
+        own["coupling"] = asked.network.coupling.value
+    rung = RUNGS[context.scene.network.model]
+    if rung.sampled:
+        notes += (f"the fit runs network.model = {rung.name!r} ({rung.cost}) for every trial",)
+    return ForwardModel(
+        profile=asked.jet.profile, values=own | dict(values or {}), length=context.length,
+        solvent_quality=asked.network.solvent_quality, relaxation=context.effects.relaxation,
+        drying=context.air if context.effects.evaporation else None, notes=notes, context=context,
+    )  # fmt: skip
+
+
+def _asked(
+    scene: Scene, relaxation: bool | None, evaporation: bool | None, values: dict[str, float]
+) -> tuple[Scene, tuple[str, ...]]:
+    """The scene with what the fit asks of it: switches, a rung that can hold them, values that are not its own."""
+    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet):
+        raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile,
+                         allowed='"power-law", "hyperbolic"', remedy="fit-jet finds k and beta of a table")  # fmt: skip
+    changes: dict[str, object] = {}
+    notes: tuple[str, ...] = ()
+    if relaxation and "relaxation_time" in values:
+        theta = Measured(values["relaxation_time"])
+        changes["solution"] = scene.solution.model_copy(update={"relaxation_time": theta})
+    elif relaxation and scene.solution.relaxation_time is None:
         raise InputError("solution.relaxation_time", "is missing: relaxation needs it",
                          remedy='give it, or relaxation_time = "free" in the fit')  # fmt: skip
-    exponent, by_mass = _relaxation_law(scene)
-    notes: tuple[str, ...] = ()
-    constitutive = "auto" if scene.rheology is None else scene.rheology.constitutive
-    if relaxation and constitutive in ("Giesekus", "FENE-P"):
-        notes = (f"the fit relaxes the strands by Maxwell's law; rheology.constitutive = {constitutive!r} is not used",)
-    air = None
-    if evaporation:
-        from spinline.setup.air import build_air
-
-        air = build_air(scene, solution)
-    if scene.network.closure_used != "force" or scene.network.model not in ("auto", "affine", "conformation"):
-        notes += (f"the fit uses the closed forms (affine force); network.model = {scene.network.model!r}, closure = "
-                 f"{scene.network.closure_used!r} are not used",)  # fmt: skip
-    return ForwardModel(
-        profile=scene.jet.profile, values=own, length=scene.jet.length.value,
-        solvent_quality=scene.network.solvent_quality, relaxation=relaxation, relaxation_exponent=exponent,
-        density_ratio=solution.solvent_density / solution.polymer.density if by_mass else 1.0,
-        drying=air, notes=notes,
-    )  # fmt: skip
+    switches = {"relaxation": relaxation, "evaporation": evaporation}
+    update = {key: value for key, value in switches.items() if value is not None}
+    if evaporation is False:
+        update["radial"] = False
+    network, model, able = scene.network, scene.network.model, cheapest(["relaxation"])
+    if relaxation and model in RUNGS and not RUNGS[model].relaxes and able is not None:
+        notes = (f"network.model = {model!r} has no relaxation: the fit takes {able.name!r}",)
+        network = network.model_copy(update={"model": able.name})
+    if relaxation is False and model in RUNGS and RUNGS[model].relaxes:
+        update.pop("relaxation")  # the rung is relaxation
+    if "coupling" in values:
+        network = network.model_copy(update={"coupling": Measured(values["coupling"])})
+    changes |= {"effects": scene.effects.model_copy(update=update), "network": network}
+    return scene.model_copy(update=changes), notes
 
 
 def typical_relaxation_time(scene: Scene) -> float:
     """Time in s over which the middle of a scene's jet is stretched by e: where a fit starts when nothing is known."""
-    jet = build_jet(scene, build_solution(scene))
-    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet) or not isinstance(jet, StraightJet):
+    if not isinstance(scene.jet, PowerLawJet | HyperbolicJet):
         raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile)
+    jet = Context(scene).line
     middle = 0.5 * scene.jet.length.value
     rate = float(jet.strain_rate(middle))
     return 1 / rate if rate > 0 else scene.jet.length.value / jet.initial_velocity
-
-
-def _relaxation_law(scene: Scene) -> tuple[float, bool]:
-    """Exponent of the relaxation time, and whether it is of the mass fraction; as `spinline.setup.material` has it."""
-    from spinline.rheology.concentration_laws import scaling_exponents
-    from spinline.scene.air_and_rheology import RheologySection
-
-    laws = scene.rheology or RheologySection()
-    if laws.n is not None:
-        return laws.n, True
-    if laws.law == "scaling":
-        return scaling_exponents(scene.network.solvent_quality).relaxation, False
-    return (0.0 if laws.law == "constant" else 1.0), True

@@ -1,12 +1,12 @@
-"""What a set of images needs before it is reduced: size of a pixel, attenuation, the track of the jet, and what to expect.
+"""What a set of images needs before it is reduced: photons, the size of a pixel, attenuation, the jet's track, the detector.
 
 `prepare` refuses what cannot be reduced, with the key that would change it; `expected_errors` says what the photons allow
-before anyone waits; `calibrated` scales the attenuation so that the polymer fraction at the nozzle is the known one.
+before anyone waits. The attenuation is scaled so that the polymer fraction at the nozzle is the known one (`calibration`),
+blur and glare are fitted for all rows together (`detector`), the jet's lean is taken from its track.
 """
 
-import dataclasses
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,60 +14,56 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.images.absorber import build_absorber, given_medium, uncalibrated
-from spinline.images.blur_check import steady_rows, unsaid_blur
-from spinline.images.frames import FrameSum, Stack, sample_frames
+from spinline.images.blur_check import steady_rows
+from spinline.images.calibration import Calibration, calibrated, scaled_medium
+from spinline.images.detector import SharedDetector, blocks_of_frame, shared_detector
+from spinline.images.flat_and_dark import Fields, build_fields, open_counts
+from spinline.images.geometry import path_factor
 from spinline.images.given_quantities import doubt_words, hardened, ideal_mixture, relative_doubts
-from spinline.images.photons import Fields, build_fields, open_counts, photons_frame
+from spinline.images.looks import (
+    FRINGES,
+    expect_fringes,
+    find_track,
+    fringes_in,
+    measured_pixel,
+    odd_facts,
+    part_of,
+    require_upright,
+    row_law,
+    without_nozzle,
+)
+from spinline.images.metadata import with_metadata
+from spinline.images.photons import photons_frame, residual_outliers
+from spinline.images.stacks import Stack
+from spinline.images.sums import FrameSum, one_frame, sample_frames
 from spinline.scene.images_file import Images
 from spinline.setup.build import build_solution
 from spinline.xray.frame.blocks import Frame, FrameFit, fit_frame, require_track
-from spinline.xray.frame.track import Track, track_jet
+from spinline.xray.frame.lean import Lean, axis_lean
+from spinline.xray.frame.track import Track
 from spinline.xray.matter.medium import Medium
-from spinline.xray.phase.fit import phase_law
-from spinline.xray.phase.frame import fit_frame_phase, track_fringes
-from spinline.xray.phase.fringe_frame import frame_fringes
-from spinline.xray.row.fit import fit_row
+from spinline.xray.phase.frame import fit_frame_phase
 from spinline.xray.row.forward import Absorber, RoundJet
 from spinline.xray.row.limit import error_limit
-from spinline.xray.row.outcome import RowFit
-from spinline.xray.row.spectral import spectral_law
+from spinline.xray.row.model import beam_shape
 
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
 __all__ = [
-    "Calibration",
     "Experiment",
-    "calibrated",
+    "bent",
     "expected_errors",
+    "first_look",
     "fit_blocks",
-    "fringes_in",
-    "nuisances",
+    "judged",
     "prepare",
+    "require_signal",
+    "sees_jointly",
 ]
 
-_FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
-FRINGES = 5.0  # significance that is an alarm
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """Attenuation against that at the nozzle.
-
-    Attributes
-    ----------
-    scale, std : float
-        Measured over assumed attenuation, and its standard deviation. Without a calibration 1, and what the errors given for
-        pixel size, energy, mass attenuation and density make of it (`doubt`).
-    """
-
-    scale: float = 1.0
-    std: float = 0.0
-
-    def shift(self, absorber: Absorber, fraction: FloatArray) -> FloatArray:
-        """What one standard deviation of the scale does to a polymer fraction."""
-        mu = absorber.solvent - absorber.air + absorber.contrast * fraction
-        return mu / absorber.contrast * self.std / self.scale
+_LEAN_MATTERS = 1e-4  # of the paths
+_LEANS = 1.0  # degrees from which on a remark says so
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +74,10 @@ class Experiment:
     ----------
     images, stack, fields, solution
         The file, its frames, flat and dark, and the solution.
-    pixel, pixel_std, blur : float
+    pixel, pixel_std : float
         m.
     absorber : Absorber
-        Calibrated, where rows were given.
+        On the paths through the jet (tilt and depth), calibrated where rows were given.
     medium : Medium or None
         Attenuation and refraction at every line of the beam; None where attenuation was given.
     calibration : Calibration
@@ -93,6 +89,12 @@ class Experiment:
         What fringes are looked for with: `medium`, or where attenuation was given that of the tables with it.
     fringes : float
         Significance of fringes in the summed frame; NaN where they were not looked for, or are to be reduced.
+    detector : SharedDetector
+        Blur, glare and shape of the beam.
+    lean : Lean
+        Of the jet in the summed frame.
+    used : int
+        Frames in the sum.
     """
 
     images: Images
@@ -101,7 +103,6 @@ class Experiment:
     solution: "Solution"
     pixel: float
     pixel_std: float
-    blur: float
     absorber: Absorber
     medium: "Medium | None"
     calibration: Calibration
@@ -109,16 +110,35 @@ class Experiment:
     remarks: tuple[str, ...]
     wave_medium: "Medium | None" = None
     fringes: float = np.nan
+    detector: SharedDetector = field(default_factory=SharedDetector)
+    lean: Lean = field(default_factory=lambda: Lean(np.zeros(0), 0.0, 0))
+    used: int = 0
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """What every block of rows has of its own beside the fractions."""
+        shapes = () if self.detector.shapes else tuple(f"shape{n}" for n in range(2, self.detector.order + 1))
+        row_blur = ("blur",) if not _joint(self.images, self.medium) and self.images.blur == "fit" else ()
+        return ("radius", "axis", "amplitude", "slope", *row_blur, *(shapes if self.images.method == "row" else ()))
 
     def frame(self, summed: FrameSum, moment: float = 0.5) -> tuple[Frame, dict[str, float]]:
         """Photons of one frame or of a sum."""
-        frame, facts = photons_frame(self.images, self.fields, summed, self.pixel, self.blur, moment)
-        return _without_nozzle(frame, self.images), facts
+        frame, facts = photons_frame(self.images, self.fields, summed, self.pixel, self.detector.blur, moment)
+        return bent(without_nozzle(frame, self.images), self.detector), facts
 
 
-def nuisances(images: Images) -> tuple[str, ...]:
-    """What is fitted beside the fractions."""
-    return ("radius", "axis", "amplitude", "slope", *(("blur",) if images.blur == "fit" else ()))
+def bent(frame: Frame, detector: SharedDetector) -> Frame:
+    """A frame with the detector's blur and tail, and the flat as the beam has become."""
+    bend = beam_shape(dict(detector.shapes), frame.counts.shape[1])
+    return replace(
+        frame, flat=frame.flat * bend, blur=detector.blur, tail_share=detector.tail_share, tail_length=detector.tail_length,
+    )  # fmt: skip
+
+
+def _joint(images: Images, medium: "Medium | None") -> bool:
+    """Whether the detector is fitted for all rows together: by absorption of one energy."""
+    one_line = medium is None or medium.energy_kev.size == 1
+    return images.method in ("row", "map") and one_line
 
 
 def prepare(
@@ -143,80 +163,188 @@ def prepare(
     InputError
         For whatever cannot be reduced.
     """
+    experiment, frame, track, facts = first_look(images, summing)
+    experiment, frame = _with_detector(experiment, frame, track)
+    return judged(experiment, frame, track, facts), frame, track, facts
+
+
+def first_look(
+    images: Images, summing: Callable[[Stack], FrameSum]
+) -> tuple[Experiment, Frame, Track, dict[str, float]]:
+    """A set of images as far as it can be prepared without the detector: photons, pixel, track; as `prepare`."""
     solution = build_solution(images)
-    absorber, medium, words = build_absorber(images, solution)
     stack = open_counts(images)
+    images, remarks = with_metadata(images, stack)
+    absorber, medium, words = build_absorber(images, solution)
     fields = build_fields(images, stack)
     notes = {"attenuation": words, **fields.notes}
-    remarks = list(fields.remarks)
+    remarks += fields.remarks
     summed = summing(stack)
+    remarks += summed.remarks(stack)
     rough, facts = photons_frame(images, fields, summed, 1.0, 0.0)
-    pixel, pixel_std = _pixel(images, rough, notes)
-    blur = 0.0
-    if images.blur == "fit":
-        blur = _FIRST_BLUR * pixel
-        notes["blur"] = "fitted, row by row"
-    elif images.blur is not None:
-        blur = images.blur.value
-        notes["blur"] = f"{images.blur.text}, given"
-    frame = _without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
-    _require_upright(frame)
+    pixel, pixel_std = measured_pixel(images, rough, notes)
+    blur = _given_blur(images, medium, pixel, notes)
+    frame = without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
+    require_upright(frame)
     wave = medium if medium is not None else given_medium(images, solution, absorber)
     track = find_track(images, medium if images.method == "phase" else wave, frame)
-    fringes = np.nan
+    frame, fields, facts = _cleaned(frame, fields, track, facts)
+    factor, _ = path_factor(images)
+    experiment = Experiment(
+        images, stack, fields, solution, pixel, pixel_std, absorber.along(factor), scaled_medium(medium, factor),
+        Calibration(), notes, tuple(remarks), scaled_medium(wave, factor), lean=axis_lean(track), used=summed.used,
+        detector=SharedDetector(blur=blur),
+    )  # fmt: skip
+    return experiment, frame, track, facts
+
+
+def judged(
+    experiment: Experiment, frame: Frame, track: Track, facts: dict[str, float], calibrate: bool = True
+) -> Experiment:
+    """The experiment with its remarks, and its attenuation calibrated or with the errors of what it rests on."""
+    return _scaled(_looked_at(experiment, frame, track, facts), frame, track, calibrate)
+
+
+def sees_jointly(experiment: Experiment) -> bool:
+    """Whether the detector is fitted for all rows together."""
+    return _joint(experiment.images, experiment.medium)
+
+
+def _given_blur(images: Images, medium: "Medium | None", pixel: float, notes: dict[str, str]) -> float:
+    """The blur that a frame starts with; 0 where it is told later."""
+    if images.blur == "fit":
+        if not _joint(images, medium):
+            notes["blur"] = "fitted, row by row"
+            return pixel
+        return 0.0
+    if images.blur is None:
+        return 0.0
+    notes["blur"] = f"{images.blur.text}, given"
+    return images.blur.value
+
+
+def _cleaned(
+    frame: Frame, fields: Fields, track: Track, facts: dict[str, float]
+) -> tuple[Frame, Fields, dict[str, float]]:
+    """The frame without pixels that are off the jet's own shadow, which is smoother than it looks before it is known."""
+    lone = residual_outliers(frame, track)
+    if not lone.any():
+        return frame, fields, facts
+    facts = {
+        **facts,
+        "outlying_pixels": facts["outlying_pixels"] + float(lone.sum()),
+        "bad_pixels": facts["bad_pixels"] + float(lone.sum()),
+    }
+    return replace(frame, good=frame.good & ~lone), replace(fields, bad=fields.bad | lone), facts
+
+
+def _with_detector(experiment: Experiment, frame: Frame, track: Track) -> tuple[Experiment, Frame]:
+    """The experiment with blur, glare and shapes of the beam, and the frame as such a detector shows it."""
+    images = experiment.images
+    if not _joint(images, experiment.medium):
+        if images.tail_share is not None and images.tail_share != "fit" and images.tail_length not in (None, "fit"):
+            length, _ = images.tail_length.metres(experiment.pixel)  # type: ignore[union-attr]
+            held = replace(experiment.detector, tail_share=images.tail_share.value, tail_length=length)
+            return replace(experiment, detector=held), bent(frame, held)
+        if images.tail_share is not None:
+            raise InputError(
+                "tail_share", "is fitted by absorption at one energy", value=images.method,
+                remedy='give tail_share and tail_length, or take method "row" or "map"',
+            )  # fmt: skip
+        return experiment, frame
+    known = None
+    if images.calibration_rows is not None:
+        known = images.calibration_rows, experiment.solution.volume_fraction
+    most = images.block_rows if experiment.fields.shared else None
+    blocks = []
+    for one, path in _single_frames(experiment) if images.each else [(frame, track)]:
+        clear = replace(one, blur=0.0)
+        blocks += blocks_of_frame(clear, path, axis_lean(path), known=known, most_rows=most)
+    calibrate = any(block.known is not None for block in blocks)
+    found = shared_detector(
+        images, experiment.absorber, blocks, experiment.pixel, calibrate=calibrate, joint_shapes=images.method == "map"
+    )
+    if found.order > 1 and images.method == "map" and not found.shapes:
+        again = images.model_copy(update={"flat_shape": found.order})
+        more = shared_detector(
+            again, experiment.absorber, blocks, experiment.pixel, calibrate=calibrate, joint_shapes=True
+        )
+        found = replace(more, remarks=(*found.remarks, *(r for r in more.remarks if r not in found.remarks)))
+    experiment = replace(
+        experiment, detector=found, notes={**experiment.notes, **dict(found.notes)},
+        remarks=(*experiment.remarks, *found.remarks),
+    )  # fmt: skip
+    return experiment, bent(frame, found)
+
+
+def _single_frames(experiment: Experiment, most: int = 4) -> list[tuple[Frame, Track]]:
+    """Some frames of a stack whose jet moves from one to the next, with the jet in each."""
+    stack = experiment.stack
+    out = []
+    for i in np.unique(np.linspace(0, stack.frames - 1, most).astype(int)).tolist():
+        try:
+            frame, _ = experiment.frame(one_frame(stack, i), (i + 0.5) / stack.frames)
+            out.append((frame, require_track(frame)))
+        except InputError:
+            continue
+    return out
+
+
+def _looked_at(experiment: Experiment, frame: Frame, track: Track, facts: dict[str, float]) -> Experiment:
+    """The experiment with what is odd about its frame: fringes, a lean, what the method leaves out."""
+    images, medium, wave = experiment.images, experiment.medium, experiment.wave_medium
+    remarks, notes, fringes = list(experiment.remarks), dict(experiment.notes), np.nan
     if images.method != "phase":
-        if fields.shared:  # more rows than a block would see the noise of their common flat
+        if experiment.fields.shared:  # more rows than a block would see the noise of their common flat
             start = steady_rows(track)[0]
-            fringes, said = fringes_in(_part(frame, start, start + images.block_rows), wave, None, 1)
+            fringes, said = fringes_in(part_of(frame, start, start + images.block_rows), wave, None, 1)
         else:
             fringes, said = fringes_in(frame, wave, track)
         notes["fringes"] = said
         if fringes >= FRINGES:
             remarks.append(said)
-        _expect_fringes(images, wave, pixel, blur, fringes, remarks)
-    remarks += unsaid_blur(images, absorber, frame, track)
-    remarks += _odd(facts)
-    if images.method in ("chord", "map") and medium is not None and medium.energy_kev.size > 1:
+        expect_fringes(images, wave, experiment.pixel, experiment.detector.blur, fringes, remarks)
+    remarks += odd_facts(facts)
+    low, high = experiment.lean.degrees if experiment.lean.slope.size else (0.0, 0.0)
+    notes["lean"] = experiment.lean.words()
+    if max(abs(low), abs(high)) > _LEANS:
+        angle = max(low, high, key=abs)
+        a = experiment.absorber
+        worth = (a.solvent - a.air) / a.contrast * (1.0 / np.cos(np.radians(angle)) - 1.0)
         remarks.append(
-            hardened(images.method, medium, solution.volume_fraction, float(np.median(track.radius)) * pixel)
+            f"the jet leans by {angle:.2g} degrees in the image: chord and radius are corrected by the cosine; left out, "
+            f"the fraction would shift by {-worth:+.2g}"
         )
-    if images.method == "chord" and blur > 0.5 * pixel:
+    if images.method in ("chord", "map") and medium is not None and medium.energy_kev.size > 1:
+        radius = float(np.median(track.radius)) * experiment.pixel
+        remarks.append(hardened(images.method, medium, experiment.solution.volume_fraction, radius))
+    if images.method == "chord" and experiment.detector.blur > 0.5 * experiment.pixel:
         remarks.append(
             "chords take no account of the blur: the radius comes out too large, the fraction off; use the likelihood"
         )
-    experiment = Experiment(
-        images, stack, fields, solution, pixel, pixel_std, blur, absorber, medium, Calibration(), notes, tuple(remarks),
-        wave, fringes,
-    )  # fmt: skip
-    if images.calibration_rows is not None:
-        return calibrated(experiment, frame, track), frame, track, facts
+    return replace(experiment, remarks=tuple(remarks), notes=notes, fringes=fringes)
+
+
+def _scaled(experiment: Experiment, frame: Frame, track: Track, calibrate: bool) -> Experiment:
+    """The experiment with its attenuation calibrated, or with the errors of what it rests on."""
+    images, solution, absorber = experiment.images, experiment.solution, experiment.absorber
+    _, errors = path_factor(images)
+    if images.calibration_rows is not None and calibrate:
+        return calibrated(experiment, frame, track)
+    remarks, notes = list(experiment.remarks), dict(experiment.notes)
     if images.polymer_attenuation is None and images.energy is not None:
         remarks.append(uncalibrated(images, solution, absorber))
     remarks += ideal_mixture(images, solution, absorber)
-    doubts = relative_doubts(images, solution, absorber, pixel, pixel_std)
+    doubts = relative_doubts(images, solution, absorber, experiment.pixel, experiment.pixel_std) | errors
+    lean = experiment.lean.path_std
+    if lean > _LEAN_MATTERS:
+        doubts["lean"] = lean
     if doubts:
         notes["shared_error"], much = doubt_words(doubts, absorber, solution.volume_fraction)
         if much:
             remarks.append(f"{notes['shared_error']}; calibration_rows would take it out")
     given = Calibration(1.0, float(np.sqrt(sum(value**2 for value in doubts.values()))))
-    return replace(experiment, calibration=given, remarks=tuple(remarks)), frame, track, facts
-
-
-def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
-    """Track of the jet by its absorption, or by its fringes where they are to be reduced."""
-    if images.method != "phase":
-        try:
-            return require_track(frame)
-        except InputError:
-            _require_order(frame, medium)
-            significance, said = fringes_in(frame, medium, None)
-            if significance >= FRINGES:
-                raise InputError("method", said, value=images.method) from None
-            raise
-    row_law(images, medium)
-    assert medium is not None
-    assert images.propagation_distance is not None
-    return track_fringes(frame, medium, images.propagation_distance.value)
+    return replace(experiment, calibration=given, remarks=tuple(remarks), notes=notes)
 
 
 def fit_blocks(
@@ -229,6 +357,7 @@ def fit_blocks(
     done: Callable[[int], None] | None = None,
     begun: FrameFit | None = None,
     keep: Callable[[FrameFit], None] | None = None,
+    lean: FloatArray | None = None,
 ) -> FrameFit:
     """The likelihood of every block of rows, by absorption or with fringes, as the images file says."""
     images = experiment.images
@@ -238,121 +367,15 @@ def fit_blocks(
         assert images.propagation_distance is not None
         return fit_frame_phase(
             frame, experiment.medium, images.propagation_distance.value, shells=shells, block_rows=block_rows,
-            nuisances=(*nuisances(images), "distance", "refraction"), track=track, done=done,
+            nuisances=(*experiment.nuisances, "distance", "refraction"), track=track, done=done,
             begun=begun, keep=keep,
         )  # fmt: skip
+    path = require_track(frame) if track is None else track
     return fit_frame(
-        frame, experiment.absorber, shells=shells, block_rows=block_rows, nuisances=nuisances(images), track=track,
-        one=law, done=done, begun=begun, keep=keep,
+        frame, experiment.absorber, shells=shells, block_rows=block_rows, nuisances=experiment.nuisances, track=path,
+        one=law, done=done, begun=begun, keep=keep, lean=axis_lean(path).slope if lean is None else lean,
+        shared=experiment.detector.names,
     )  # fmt: skip
-
-
-def _part(frame: Frame, start: int, stop: int) -> Frame:
-    """The rows of a frame from `start` to before `stop`."""
-    part = slice(start, stop)
-    return replace(
-        frame, counts=frame.counts[part], flat=frame.flat[part], dark=frame.dark[part], good=frame.good[part]
-    )
-
-
-def _require_order(frame: Frame, medium: "Medium | None") -> None:
-    """Refuse frames that are brighter in a jet's shadow than the flat: counts and flat changed places."""
-    shadow = np.where(frame.good, np.maximum(frame.counts - frame.dark, 1e-9), 1.0)
-    try:
-        track = require_track(Frame(frame.flat + frame.dark, shadow, frame.dark, frame.good, frame.pixel))
-    except InputError:
-        return
-    seen = float(np.median(track.attenuation)) / frame.pixel
-    due = (
-        seen if medium is None else medium.absorber.solvent - medium.absorber.air
-    )  # fringes brighten a jet by other amounts
-    if 0.5 * due < seen < 2.0 * due and track.found.mean() > 0.5:
-        raise InputError(
-            "flat", "seems to have changed places with counts: the jet is in the flat, not in the frames",
-            remedy="counts are the frames with the jet, flat those without",
-        )  # fmt: skip
-
-
-def row_law(images: Images, medium: Medium | None) -> Callable[..., RowFit]:
-    """What fits a block of rows: absorption at one energy, of a spectrum, or with fringes."""
-    if images.method == "phase":
-        if medium is None:
-            raise InputError(
-                "energy", "is missing: fringes need it", remedy="give energy or spectrum, not attenuations"
-            )
-        if images.propagation_distance is None or not images.propagation_distance.value > 0:
-            raise InputError(
-                "propagation_distance", "is missing: fringes need it", remedy="give it, to 10 %: it is fitted"
-            )
-        return phase_law(medium, images.propagation_distance.value)
-    if medium is not None and medium.energy_kev.size > 1:
-        return spectral_law(medium)
-    return fit_row
-
-
-def fringes_in(frame: Frame, medium: "Medium | None", track: Track | None, places: int = 12) -> tuple[float, str]:
-    """Significance of fringes in a frame that is to be reduced as absorption, NaN where it cannot be told, and in words."""
-    if medium is None:
-        return np.nan, "not looked for: without the solution's formula their pattern is not known"
-    try:
-        test = frame_fringes(frame, medium, track=track, threshold=FRINGES, places=places)
-    except InputError as error:
-        return np.nan, f"not looked for: no group of rows can be tested ({error.field} {error.problem})"
-    if test.detected:
-        return test.significance, f"meets {test.message}"
-    return test.significance, f"none seen: {test.significance:.2g} standard deviations, {FRINGES:g} would be an alarm"
-
-
-def calibrated(experiment: Experiment, frame: Frame, track: Track) -> Experiment:
-    """The experiment with its attenuation scaled to the known fraction in the calibration rows.
-
-    Notes
-    -----
-    ``scale = (mu_s - mu_air + phi D)/(mu_s - mu_air + phi_0 D)`` with phi the fraction that a uniform jet has there; it
-    multiplies solvent, contrast and air alike, as an error of energy or of coefficient nearly does.
-    """
-    first, last = experiment.images.calibration_rows or (0, 0)
-    rows = slice(first, last)
-    part = Frame(frame.counts[rows], frame.flat[rows], frame.dark[rows], frame.good[rows], frame.pixel, frame.blur)
-    here = Track(*(getattr(track, item.name)[rows] for item in dataclasses.fields(Track)))
-    height = min(experiment.images.block_rows, last - first)
-    fit = fit_blocks(experiment, part, here, shells=1, block_rows=height)
-    known = np.isfinite(fit.mean)
-    weight = fit.mean_std[known] ** -2.0
-    found, std = float((weight * fit.mean[known]).sum() / weight.sum()), float(weight.sum() ** -0.5)
-    a, phi = experiment.absorber, experiment.solution.volume_fraction
-    base = a.solvent - a.air
-    nominal = base + phi * a.contrast
-    scale = (base + found * a.contrast) / nominal
-    given = _fraction_std(experiment)
-    scale_std = abs(a.contrast) * float(np.hypot(std, given)) / nominal
-    if not scale > 0 or scale_std > 0.1:
-        raise InputError(
-            "calibration_rows", f"do not tell the attenuation: {scale:.3g} +/- {scale_std:.2g} of the tables'",
-            value=[first, last], allowed="known to 10 %", remedy="take more rows",
-        )  # fmt: skip
-    remarks = list(experiment.remarks)
-    if abs(scale - 1.0) > 0.2:
-        remarks.append(f"the calibration scales the attenuation by {scale:.3g}: check energy, pixel_size and solution")
-    scatter = (
-        float(np.sqrt(np.mean(((fit.mean[known] - found) / fit.mean_std[known]) ** 2))) if known.sum() > 2 else 1.0
-    )
-    if scatter > 1.5:
-        remarks.append(
-            f"the calibration rows scatter {scatter:.2g} times more than their errors: are they all at the nozzle's fraction?"
-        )
-    m = experiment.medium
-    words = f"{scale:.4f} +/- {scale_std:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"
-    return replace(
-        experiment,
-        absorber=Absorber(a.solvent * scale, a.contrast * scale, a.air * scale),
-        medium=None
-        if m is None
-        else replace(m, solvent=m.solvent * scale, contrast=m.contrast * scale, air=m.air * scale),
-        calibration=Calibration(scale, scale_std),
-        notes={**experiment.notes, "calibration": words},
-        remarks=tuple(remarks),
-    )
 
 
 def expected_errors(
@@ -377,113 +400,11 @@ def expected_errors(
         try:
             _, detector, good = frame.block(start, start + height)
             jet = RoundJet(phi, radius * frame.pixel, axis * frame.pixel)
-            names = nuisances(experiment.images)
+            names = experiment.nuisances
             std[i] = error_limit(jet, experiment.absorber, detector, nuisances=names, good=good).mean
         except InputError:
             continue  # this block cannot be fitted: the reduction says so in its place
     return starts + 0.5 * (height - 1), std
-
-
-def _fraction_std(experiment: Experiment) -> float:
-    """Standard deviation of the solution's volume fraction, where its mass or volume fraction has one."""
-    s = experiment.images.solution
-    if s.volume_fraction is not None:
-        return s.volume_fraction.std
-    if s.mass_fraction is None or s.mass_fraction.std == 0:
-        return 0.0
-    rho_p, rho_s, w = experiment.solution.polymer.density, experiment.solution.solvent_density, s.mass_fraction.value
-    return s.mass_fraction.std * rho_p * rho_s / (w * rho_s + (1 - w) * rho_p) ** 2
-
-
-def _pixel(images: Images, frame: Frame, notes: dict[str, str]) -> tuple[float, float]:
-    if images.pixel_size is not None:
-        notes["pixel_size"] = f"{images.pixel_size.text}, given"
-        return images.pixel_size.value, images.pixel_size.std
-    assert images.nozzle_diameter is not None
-    assert images.nozzle_rows is not None
-    from spinline.xray.row.edges import opaque_edges
-
-    rows = slice(*images.nozzle_rows)
-    good = frame.good[rows]
-    signal = np.where(good, frame.counts[rows] - frame.dark[rows], 0.0).sum(axis=0)
-    flat = np.where(good, frame.flat[rows], 0.0).sum(axis=0)
-    lit = flat > 0
-    ratio = np.where(lit, signal / np.where(lit, flat, 1.0), np.nan)
-    left, right, std = opaque_edges(ratio, float(np.median(flat[lit])) ** -0.5 if lit.any() else 0.0)
-    width, nozzle = right - left, images.nozzle_diameter
-    pixel = nozzle.value / width
-    spread = pixel * float(np.hypot(nozzle.std / nozzle.value, std / width))
-    notes["pixel_size"] = f"{pixel:.6g} +/- {spread:.2g} m: {nozzle.text} over {width:.2f} pixels"
-    return pixel, spread
-
-
-def _without_nozzle(frame: Frame, images: Images) -> Frame:
-    """The frame with the nozzle's rows left out."""
-    if images.nozzle_rows is None:
-        return frame
-    good = frame.good.copy()
-    good[slice(*images.nozzle_rows)] = False
-    return replace(frame, good=good)
-
-
-def _require_upright(frame: Frame) -> None:
-    """Refuse frames in which the jet runs along the rows."""
-    ratio = np.where(frame.good, (frame.counts - frame.dark) / np.where(frame.good, frame.flat, 1.0), np.nan)
-    rows, columns = frame.good.any(axis=1), frame.good.any(axis=0)
-    if rows.sum() < 16 or columns.sum() < 16:
-        return
-    seen = ratio[rows][:, columns]
-    across, along = _smooth(np.nanmedian(seen, axis=0)), _smooth(np.nanmedian(seen, axis=1))
-    if along.std() < 2.0 * across.std():
-        return
-    sideways = track_jet(frame.counts.T, frame.flat.T, frame.dark.T, frame.good.T)
-    if sideways is not None and float(np.median(sideways.radius)) < 0.45 * frame.counts.shape[0]:
-        raise InputError(
-            "transpose", "seems wrong: the jet runs along the rows, it has to run down the columns",
-            remedy="set transpose = true, or take it out",
-        )  # fmt: skip
-
-
-def _smooth(values: FloatArray) -> FloatArray:
-    return np.convolve(values, np.full(5, 0.2), mode="valid")
-
-
-def _expect_fringes(
-    images: Images, medium: "Medium | None", pixel: float, blur: float, fringes: float, remarks: list[str]
-) -> None:
-    """Words on fringes that are seen, that must be there, or that are not looked for."""
-    if fringes >= FRINGES:
-        return
-    if np.isnan(fringes):
-        remarks.append("fringes are not looked for: the counts may hold some, which absorption takes for polymer")
-    if images.propagation_distance is None or medium is None:
-        return
-    width = float(np.sqrt(medium.weight @ medium.wavelength * images.propagation_distance.value))
-    if width > 0.5 * max(pixel, blur):
-        remarks.append(
-            f"fringes: at {images.propagation_distance.text} they are {1e6 * width:.2g} um wide, pixels {1e6 * pixel:.2g} um; "
-            "left out, they shift the fraction by -0.25 (1 cm) to -1.9 (10 cm) at 10 keV and R = 50 um"
-        )
-
-
-def _odd(facts: dict[str, float]) -> list[str]:
-    said = []
-    if facts["saturated_pixels"]:
-        said.append(f"{facts['saturated_pixels']:.0f} saturated pixels are masked")
-    if facts["outlying_pixels"]:
-        said.append(f"{facts['outlying_pixels']:.0f} pixels far off their neighbours are masked")
-    if facts["piled_up_pixels"]:
-        said.append(
-            f"{facts['piled_up_pixels']:.0f} pixels hold exactly the highest count, {facts['highest_count']:g}: if the "
-            f"detector clips there, the fraction is wrong; give saturation = {facts['highest_count']:g}"
-        )
-    if facts["flat_noise"] > 1.05:
-        said.append(
-            f"the flats are few: their noise makes errors {np.sqrt(facts['flat_noise']):.3g} times larger (accounted for)"
-        )
-    if facts["added_noise"]:
-        said.append("counts under the dark level by more than the read noise: more read noise is assumed")
-    return said
 
 
 def require_signal(experiment: Experiment, frame: Frame, track: Track) -> FloatArray:

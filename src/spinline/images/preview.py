@@ -11,7 +11,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.images.experiment import Experiment, expected_errors, prepare
-from spinline.images.frames import sample_frames
+from spinline.images.sums import sample_frames
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame
 from spinline.xray.frame.track import Track
@@ -125,7 +125,7 @@ def preview_images(images: Images) -> Preview:
     row, std = expected_errors(experiment, frame, track)
     if not np.isfinite(std).any():
         raise InputError("shells", "cannot be told apart in any block", value=images.shells, remedy="take fewer shells")
-    more = experiment.fields.flat_noise(images, exposures, frame.counts.shape[0]) / facts["flat_noise"]
+    more = experiment.fields.flat_noise(images, facts["level"] * exposures, frame.counts.shape[0]) / facts["flat_noise"]
     std = std * np.sqrt(sampled / exposures * more)
     rows = int(np.ceil(images.block_rows * (float(np.nanmax(std)) / 0.01) ** 2))
     return Preview(experiment, frame, track, facts, sampled, row, std, rows if rows <= frame.counts.shape[0] else None)

@@ -30,12 +30,17 @@ import numpy as np
 
 from spinline.base.checkpoint import Checkpoint, fingerprint
 from spinline.base.errors import InputError
-from spinline.images.experiment import FRINGES, Experiment, fringes_in, prepare, require_signal
-from spinline.images.frames import FrameSum, Stack, open_stack, sum_frames
+from spinline.images.experiment import Experiment, prepare, require_signal
+from spinline.images.flat_and_dark import open_counts
+from spinline.images.formats.base import split_source
+from spinline.images.looks import FRINGES, fringes_in
 from spinline.images.methods import Kept, require_method
-from spinline.scene.images_file import Images
+from spinline.images.stacks import Stack
+from spinline.images.sums import FrameSum, one_frame, sum_frames
+from spinline.scene.images_file import Images, Position
 from spinline.xray.frame.blocks import FrameFit, blocks_of
 from spinline.xray.frame.track import track_jet
+from spinline.xray.map.result import MapState
 from spinline.xray.row.chords import equal_shells
 
 if TYPE_CHECKING:
@@ -46,7 +51,7 @@ __all__ = ["reduce_images"]
 Progress = Callable[[str, int, int], None]  # what is done, how much of it, of how much
 
 _PAUSE = 10.0  # seconds between two copies of a running sum, or of a fit of many blocks
-_FIT = "fit"
+_FIT, _MAP = "fit", "map"
 _WORTH_PROCESSES = 8.0  # seconds of work: to start them takes three
 _PER_BLOCK = 1e-3
 _PER_PIXEL = 3e-7
@@ -91,14 +96,14 @@ def reduce_images(
     SpinlineWarning
         One for each remark; they are in the attribute ``warnings`` too.
     """
-    import warnings
-
-    from spinline.base.errors import SpinlineWarning
     from spinline.images.reduction_dataset import assemble
 
     said = progress or (lambda *_: None)
     method = require_method(images.method)
     job = None if checkpoint is None else Checkpoint(Path(checkpoint), _job(images))
+    if images.positions:
+        result = _of_positions(images, job, said)
+        return _ended(result, job)
     experiment, frame, track, facts = prepare(images, lambda stack: _summed(stack, job, said))
     if not noisy:
         require_signal(experiment, frame, track)
@@ -106,19 +111,43 @@ def reduce_images(
         images = images.model_copy(update={"block_rows": 1})
         said_so = f"a map takes every row: block_rows = {experiment.images.block_rows} serves the expected error alone"
         experiment = replace(experiment, images=images, remarks=(*experiment.remarks, said_so))
-    if images.frames == "sum" or experiment.stack.frames == 1:
+    if not images.each or experiment.stack.frames == 1:
         blocks = -(-frame.counts.shape[0] // images.block_rows)
-        kept = None if job is None else Kept(_begun(job, images.method), _pause(job))
+        kept = None if job is None else Kept(_begun(job, images.method), _pause(job), map_begun(job), map_keep(job))
         fit = method.reduce(experiment, frame, track, lambda done: said("blocks", done, blocks), kept)
         fits = [_flagged(fit, experiment.fringes)]
     else:
         fits = _each(experiment, job, workers, said)
-    result = assemble(experiment, fits, facts, each=images.frames == "each")
+    result = assemble(experiment, fits, facts, each=images.each)
+    return _ended(result, job)
+
+
+def _ended(result: "xr.Dataset", job: Checkpoint | None) -> "xr.Dataset":
+    """The result, its remarks said, what was kept of the work thrown away."""
+    import warnings
+
+    from spinline.base.errors import SpinlineWarning
+
     for remark in str(result.attrs["warnings"]).splitlines():
-        warnings.warn(remark, SpinlineWarning, stacklevel=2)
+        warnings.warn(remark, SpinlineWarning, stacklevel=3)
     if job is not None:
         job.clear()
     return result
+
+
+def _of_positions(images: Images, job: Checkpoint | None, said: Progress) -> "xr.Dataset":
+    """Several positions along a jet."""
+    from spinline.images.positions import prepare_positions, reduce_positions
+    from spinline.images.stitched import assemble_positions
+
+    count = len(images.positions)
+    at = iter(range(count))
+    places, remarks = prepare_positions(images, lambda stack: _summed(stack, job, said, f"sum-{next(at)}"))
+    fits, joint, z, found = reduce_positions(
+        places, done=lambda done, of: said("positions", done, of), begun=None if job is None else map_begun(job),
+        keep=None if job is None else map_keep(job),
+    )  # fmt: skip
+    return assemble_positions(images, places, fits, joint, z, found, remarks)
 
 
 def _flagged(fit: FrameFit, fringes: float) -> FrameFit:
@@ -129,10 +158,11 @@ def _flagged(fit: FrameFit, fringes: float) -> FrameFit:
     return replace(fit, fringes=fringes)
 
 
-def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
+def _summed(stack: Stack, job: Checkpoint | None, said: Progress, name: str = "sum") -> FrameSum:
     begun = None
-    if job is not None and (kept := job.load("sum")) is not None:
-        begun = FrameSum(kept["total"], kept["exposures"], kept["highest"], int(kept["frames"]))
+    if job is not None and (kept := job.load(name)) is not None:
+        lost, copies, torn = (tuple(kept[name].tolist()) for name in ("lost", "copies", "torn"))
+        begun = FrameSum(kept["total"], kept["exposures"], kept["highest"], int(kept["frames"]), lost, copies, torn)
     last = time.monotonic()
 
     def pause(so_far: FrameSum) -> None:
@@ -140,11 +170,12 @@ def _summed(stack: Stack, job: Checkpoint | None, said: Progress) -> FrameSum:
         said("frames", so_far.frames, stack.frames)
         if job is not None and (time.monotonic() - last > _PAUSE or so_far.frames == stack.frames):
             job.save(
-                "sum",
+                name,
                 total=so_far.total,
                 exposures=so_far.exposures,
                 highest=so_far.highest,
                 frames=np.array(so_far.frames),
+                **{name: np.array(getattr(so_far, name), dtype=np.int64) for name in ("lost", "copies", "torn")},
             )
             last = time.monotonic()
 
@@ -164,6 +195,25 @@ def _pause(job: Checkpoint) -> Callable[[FrameFit], None]:
         if time.monotonic() - last > _PAUSE:
             _keep(job, _FIT, fit)
             last = time.monotonic()
+
+    return keep
+
+
+def map_begun(job: Checkpoint) -> MapState | None:
+    """Where an interrupted map stopped."""
+    kept = job.load(_MAP)
+    if kept is None:
+        return None
+    near, settled, turns, changes = (int(n) for n in kept["numbers"])
+    return MapState(kept["coefficients"], kept["weights"], bool(near), bool(settled), turns, changes)
+
+
+def map_keep(job: Checkpoint) -> Callable[[MapState], None]:
+    """Stores where a map is, turn by turn."""
+
+    def keep(state: MapState) -> None:
+        numbers = np.array([state.near, state.settled, state.turns, state.changes], dtype=np.int64)
+        job.save(_MAP, coefficients=state.coefficients, weights=state.weights, numbers=numbers)
 
     return keep
 
@@ -233,9 +283,7 @@ class _OneThreadEach:
 def _loaded(setup: str) -> Experiment:
     """The experiment in a process of its own; the frames are opened there."""
     experiment: Experiment = pickle.loads(Path(setup).read_bytes())
-    images = experiment.images
-    stack = open_stack(images.counts, "counts", images.folder, transpose=images.transpose)
-    object.__setattr__(experiment, "stack", stack)
+    object.__setattr__(experiment, "stack", open_counts(experiment.images))
     return experiment
 
 
@@ -254,13 +302,9 @@ def _task(setup: str, folder: str, index: int) -> int:
 def _one(experiment: Experiment, index: int) -> FrameFit:
     """One frame of the stack; NaN where it shows no jet."""
     stack = experiment.stack
-    block = stack.read(index, index + 1)[0]
-    finite = np.isfinite(block)
-    clean = np.where(finite, block, 0).astype(np.float64)
-    summed = FrameSum(clean, finite.astype(np.int64), np.where(finite, clean, -np.inf), 1)
     images = experiment.images
     try:
-        frame, _ = experiment.frame(summed, (index + 0.5) / stack.frames)
+        frame, _ = experiment.frame(one_frame(stack, index), (index + 0.5) / stack.frames)
         fit = require_method(images.method).reduce(experiment, frame, None, None, None)
         if images.method == "phase":
             return fit
@@ -296,6 +340,8 @@ _ARRAYS = (
     "limit_std",
     "misfit",
     "flags",
+    "shifts",
+    "excess",
     "fringes",
 )
 
@@ -315,10 +361,13 @@ def _job(images: Images) -> str:
     from spinline.base.version import __version__
 
     files = []
-    for name in (images.counts, images.flat.file, images.flat_after and images.flat_after.file,
-                 images.dark and images.dark.file, images.bad_pixels):  # fmt: skip
-        if not name:
-            continue
-        path = images.folder / name.partition(":/")[0]
-        files += [path] if path.is_file() else sorted(images.folder.glob(name)) if "*" in name else []
+    places: list[Images | Position] = [images, *images.positions]
+    for place in places:
+        sources = (place.flat, place.flat_after, place.dark)
+        names = [getattr(place, key, None) for key in ("counts", "transmission", "absorbance", "bad_pixels")]
+        for name in (*names, *(source.file for source in sources if source is not None)):
+            if not name:
+                continue
+            path = images.folder / split_source(name)[0]
+            files += [path] if path.is_file() else sorted(images.folder.glob(path.name)) if "*" in name else []
     return fingerprint(f"{__version__}\n{images.text}\n{images.model_dump()!r}", files)

@@ -8,18 +8,24 @@ import xarray as xr
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.files import write_text
-from spinline.images.experiment import FRINGES, Experiment, nuisances
+from spinline.images.experiment import Experiment
+from spinline.images.geometry import out_of_plane
+from spinline.images.looks import FRINGES
 from spinline.images.methods import METHODS
 from spinline.xray.frame.blocks import FRAME_FLAGS, FrameFit
+from spinline.xray.row.chords import shell_weights
 
 __all__ = ["REDUCTION_VARIABLES", "UNIDENTIFIABLE", "assemble", "lines", "plausible", "to_csv"]
 
 UNIDENTIFIABLE = (
-    "One view cannot tell an elliptic section (depth 1 % over width: -0.04 in the fraction at 10 keV, R = 50 um) nor a "
-    "fraction that depends on the azimuth from a round, axisymmetric jet. Absorption alone cannot tell a change of density "
+    "One view cannot tell an elliptic section (depth 1 % over width: -0.04 in the fraction at 10 keV, R = 50 um), a tilt along "
+    "the beam (4 degrees: -0.009; give tilt_out and depth with their errors) nor a fraction that depends on the azimuth from a "
+    "round, axisymmetric, upright jet. A detector that is not linear (1 % at the flat's level: 0.04; give linearity) looks "
+    "like polymer too. Absorption alone cannot tell a change of density "
     "(0.2 %: 0.008) nor evaporated solvent from one of the polymer fraction."
 )
 
+_BAD = 4.0  # misfit of a block whose errors are widened
 _TOO_QUIET = -4.0  # median misfit, standard deviations
 
 # name: (unit, what it is)
@@ -102,11 +108,19 @@ def assemble(
     lead = ("frame",) if each else ()
     stack = (lambda arrays: np.stack(arrays)) if each else (lambda arrays: arrays[0])
     fraction, mean = stack([f.fraction for f in fits]), stack([f.mean for f in fits])
-    statistical = stack([f.mean_std for f in fits])
+    excess = np.maximum(stack([_excess(f) for f in fits]), 1.0)  # a bad fit widens its errors
+    statistical = stack([f.mean_std for f in fits]) * np.sqrt(excess)
     shift, mean_shift = experiment.calibration.shift(a, fraction), experiment.calibration.shift(a, mean)
-    covariance = stack([f.covariance for f in fits]) + shift[..., :, None] * shift[..., None, :]
+    told = stack([_detector_covariance(experiment, f) for f in fits])
+    weights = shell_weights(fit.shell_edges)
+    mean_told = np.sqrt(np.maximum(np.einsum("i,...ij,j->...", weights, told, weights), 0.0))
+    covariance = (
+        stack([f.covariance for f in fits]) * excess[..., None, None] + shift[..., :, None] * shift[..., None, :] + told
+    )
     std = np.sqrt(np.einsum("...ii->...i", covariance))
-    mean_std = np.hypot(statistical, mean_shift)
+    common = np.hypot(mean_shift, mean_told)
+    scale_std = float(np.hypot(experiment.calibration.std, experiment.detector.attenuation_std))
+    mean_std = np.hypot(statistical, common)
     limit = stack([f.limit_std for f in fits])
     middle = fit.rows.mean(axis=1) - 0.5
     edges = fit.shell_edges
@@ -116,7 +130,7 @@ def assemble(
         "polymer_fraction_covariance": ((*lead, "row", "shell", "other_shell"), covariance),
         "mean_polymer_fraction": ((*lead, "row"), mean),
         "mean_polymer_fraction_std": ((*lead, "row"), mean_std),
-        "calibration_std": ((*lead, "row"), np.abs(mean_shift)),
+        "calibration_std": ((*lead, "row"), np.abs(common)),
         "limit_std": ((*lead, "row"), limit),
         "limit_ratio": ((*lead, "row"), statistical / limit),
         "misfit": ((*lead, "row"), stack([f.misfit for f in fits])),
@@ -135,7 +149,7 @@ def assemble(
             )
     for name, value in {
         "volume_fraction": experiment.solution.volume_fraction, "attenuation_scale": experiment.calibration.scale,
-        "attenuation_scale_std": experiment.calibration.std, "pixel_size": experiment.pixel,
+        "attenuation_scale_std": scale_std, "pixel_size": experiment.pixel,
         "pixel_size_std": experiment.pixel_std,
     }.items():  # fmt: skip
         data[name] = ((), value)
@@ -152,14 +166,39 @@ def assemble(
     )  # fmt: skip
     coordinates = {
         "row": ("row", middle, _attributes("row")),
-        "z": ("row", (middle + 0.5) * experiment.pixel, _attributes("z")),
+        "z": ("row", _along_the_jet(experiment, middle), _attributes("z")),
         "relative_radius": (
             "shell", 0.5 * (edges[1:] + edges[:-1]), _attributes("relative_radius") | {"bounds": "relative_radius_bounds"},
         ),
     }  # fmt: skip
+    if each:
+        frames = np.array([experiment.stack.chosen[i] for i in range(experiment.stack.frames)])
+        sources = [experiment.stack.source(i) for i in range(experiment.stack.frames)]
+        coordinates["frame"] = ("frame", frames, {"long_name": "frame of the stack"})
+        coordinates["frame_source"] = (
+            "frame",
+            np.array(sources, dtype=object),
+            {"long_name": "where the frame is from"},
+        )
     result = xr.Dataset(variables, coordinates)
     result.attrs = _provenance(experiment, fits, facts, (*experiment.remarks, *remarks, *_flag_words(flags, fits)))
     return result
+
+
+def _excess(fit: FrameFit) -> FloatArray:
+    """Chi-square over the degrees of freedom where the fit is bad; 1 elsewhere."""
+    if not fit.excess.size:
+        return np.ones(fit.rows.shape[0])
+    return np.where(fit.misfit > _BAD, fit.excess, 1.0)
+
+
+def _detector_covariance(experiment: Experiment, fit: FrameFit) -> FloatArray:
+    """What the errors of blur, glare and a scale told with them do to the fractions of each block."""
+    covariance = experiment.detector.covariance
+    blocks, shells = fit.fraction.shape
+    if covariance is None or fit.shifts.shape != (blocks, shells, covariance.shape[0]):
+        return np.zeros((blocks, shells, shells))
+    return np.asarray(np.einsum("bsi,ij,btj->bst", fit.shifts, covariance, fit.shifts))
 
 
 def _by_mass(
@@ -178,6 +217,14 @@ def _by_mass(
         found[f"{prefix}polymer_concentration"] = (dims, phi * rho_p)
         found[f"{prefix}polymer_concentration_std"] = (dims, std * rho_p)
     return found
+
+
+def _along_the_jet(experiment: Experiment, middle: FloatArray) -> FloatArray:
+    """Distance along the jet of rows: longer than in the image where the jet leans in it or out of it."""
+    step = np.hypot(1.0, experiment.lean.slope) if experiment.lean.slope.size else np.ones(1)
+    way = np.concatenate(([0.0], np.cumsum(step)))
+    at = np.interp(middle + 0.5, np.arange(way.size), way)
+    return np.asarray(at * experiment.pixel / out_of_plane(experiment.images))
 
 
 def _attributes(name: str) -> dict[str, Any]:
@@ -215,10 +262,11 @@ def _provenance(
         "images": images.text,
         "method": fits[0].method,
         "method_meaning": METHODS[fits[0].method].meaning,
-        "fitted_beside_the_fractions": " ".join(nuisances(images))
+        "fitted_beside_the_fractions": " ".join((*experiment.nuisances, *experiment.detector.names))
         if fits[0].method != "chord"
         else "radius axis amplitude slope",
-        "frames": stack.frames,
+        "frames": experiment.used if not images.each else stack.frames,
+        "frames_read": _frames_read(experiment),
         "frame_shape": f"{stack.rows} x {stack.columns}",
         "block_rows": images.block_rows,
         "polymer": experiment.solution.polymer.name,
@@ -228,10 +276,33 @@ def _provenance(
         **{f"{key}_source": words for key, words in experiment.notes.items() if key != "fringes"},
         **facts,
         "fringes": _fringes(experiment, fits),
-        "not_told_apart": UNIDENTIFIABLE,
+        "not_told_apart": _untold(experiment),
         "warnings": "\n".join(remarks),
         "references": _REFERENCES,
     }
+
+
+def _frames_read(experiment: Experiment) -> str:
+    """How many frames came from where."""
+    stack, account = experiment.stack, experiment.stack.account
+    total = stack.reader.shape[0]
+    part = f"; frames {experiment.images.frames.text}" if experiment.images.part != slice(None) else ""
+    used = experiment.used if not experiment.images.each else stack.frames
+    parts = f" ({account.parts})" if account.parts else ""
+    gone = f"; {len(account.missing)} never written" if account.missing else ""
+    return f"{used} of {total} frames of {account.source}{parts}{part}{gone}"
+
+
+def _untold(experiment: Experiment) -> str:
+    """What these images cannot tell apart, with what is given of it."""
+    images = experiment.images
+    given = []
+    if images.tilt_out is not None:
+        given.append(f"tilt_out = {images.tilt_out.text}")
+    if images.depth is not None:
+        given.append(f"depth = {images.depth.text}")
+    words = f" Given, and in the errors: {', '.join(given)}." if given else ""
+    return UNIDENTIFIABLE + words
 
 
 def _fringes(experiment: Experiment, fits: list[FrameFit]) -> str:

@@ -22,10 +22,10 @@ def force_law_of(context: "Context") -> dict[str, str]:
     return {"force_law": n.force_law if "force_law" in n.model_fields_set else "linear"}
 
 
-def along(network: Network, place: FloatArray) -> FloatArray:
-    """Places of a straight jet's profile (m) in initial radii from its start, within the network."""
-    s = (place - place[0]) * (network.length / (place[-1] - place[0]))
-    value: FloatArray = np.clip(s, 0.0, network.length)
+def along(context: "Context", network: Network, place: FloatArray) -> FloatArray:
+    """Places along a straight jet (m) in initial radii from its start, within the network."""
+    start = context.line.start
+    value: FloatArray = np.clip((place - start) * (network.length / (context.length - start)), 0.0, network.length)
     return value
 
 

@@ -90,9 +90,9 @@ def strand_conformation(context: "Context", stretch: float) -> tuple[float, floa
     return float(walk.relative_extension), float(walk.orientation)
 
 
-def network_stretch(rung: Rung, network: Network, place: FloatArray) -> FloatArray:
-    """Stretch w of a network that slips, at the places of a straight jet's profile (m)."""
-    stretch = network.stretch(along(network, place))
+def network_stretch(context: "Context", rung: Rung, network: Network, place: FloatArray) -> FloatArray:
+    """Stretch w of a network that slips, at places along a straight jet (m); held at its far end beyond it."""
+    stretch = network.stretch(along(context, network, place))
     if not (stretch > 0).all():
         joined = getattr(network, "coarse_grain", 1.0)
         raise InputError(

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from spinline.report.page import html, save_report, words
+    from spinline.report.page import html, save_report
+    from spinline.report.sentences import words
 
 _NAMES = {
     "html": "page",
     "save_report": "page",
-    "words": "page",
+    "words": "sentences",
 }
 
 __all__ = [

@@ -3,18 +3,20 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from spinline.report.figures import shade
 from spinline.report.style import BLUE, GREEN, GREY, LEGEND, ORANGE, RED, shade_between
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
+
+    from spinline.base.named_arrays import NamedArrays
 
 __all__ = ["across", "along"]
 
 
-def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+def across(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     """Map of the polymer fraction; without radial drying, the volume that is left, or the stress."""
     if "polymer_fraction" in result:
         from matplotlib.colors import LogNorm
@@ -52,7 +54,7 @@ def across(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**LEGEND)
 
 
-def along(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+def along(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     """Viscosity and relaxation time over what they were at the nozzle, and the Weissenberg number."""
     for name, colour, style, label in (
         ("viscosity", BLUE, "-", r"viscosity $\mu/\mu_0$"),
@@ -63,7 +65,8 @@ def along(axis: "Axes", place: Any, result: xr.Dataset) -> None:
             axis.plot(place, result[name] / result[name].values[0], color=colour, linestyle=style, label=label)
     if "weissenberg_number" in result:
         shade(axis, place, result, "weissenberg_number", GREEN, positive=True)
-        values = result["weissenberg_number"].where(result["weissenberg_number"] > 0)
+        number = np.asarray(result["weissenberg_number"].values)
+        values = np.where(number > 0, number, np.nan)
         axis.plot(place, values, color=GREEN, linestyle="-.", label=r"Weissenberg number $\theta\dot\varepsilon$")
         axis.axhline(0.5, color=GREY, linestyle=":", linewidth=1, label="1/2: strands stretch without end")
     handles = list(axis.get_lines())

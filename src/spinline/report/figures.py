@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from spinline.report.sentences import headline
 from spinline.report.style import (
     BLUE,
     DPI,
@@ -33,12 +33,15 @@ from spinline.report.style import (
 )
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
+
+    from spinline.base.named_arrays import NamedArrays
 
 __all__ = ["check_format", "figure", "headline", "png", "save_figure", "shade"]
 
 
-def figure(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
+def figure(result: "xr.Dataset | NamedArrays", axes: SheetAxes = None) -> Figure:
     """Figure of a result; of its last time, if it has several.
 
     Parameters
@@ -90,25 +93,14 @@ def figure(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
     return sheet
 
 
-def headline(result: xr.Dataset) -> str:
-    """The crossover in a line."""
-    position, radius = float(result["crossover_position"]), float(result["crossover_radius"])
-    if np.isnan(position):
-        return f"full stretch (V = {float(result['crossover_velocity_ratio']):.3g}) is not reached within this jet"
-    ratio = float(result["crossover_radius_ratio"])
-    return (
-        f"fully stretched at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm = {ratio:.3g} of the initial radius"
-    )
-
-
-def png(result: xr.Dataset, dpi: int = DPI) -> bytes:
+def png(result: "xr.Dataset | NamedArrays", dpi: int = DPI) -> bytes:
     """The figure as PNG bytes."""
     buffer = io.BytesIO()
     figure(result).savefig(buffer, format="png", dpi=dpi, pil_kwargs=QUICK)
     return buffer.getvalue()
 
 
-def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+def save_figure(result: "xr.Dataset | NamedArrays", path: str | Path, *, force: bool = False) -> Path:
     """Write the figure; the file's ending says the format (.png, .pdf, .svg).
 
     Raises
@@ -121,7 +113,14 @@ def save_figure(result: xr.Dataset, path: str | Path, *, force: bool = False) ->
 
 
 def shade(
-    axis: "Axes", place: Any, result: xr.Dataset, name: str, colour: str, factor: float = 1.0, *, positive: bool = False
+    axis: "Axes",
+    place: Any,
+    result: "xr.Dataset | NamedArrays",
+    name: str,
+    colour: str,
+    factor: float = 1.0,
+    *,
+    positive: bool = False,
 ) -> None:
     """Bands of 68 and 95 % of a variable, where the inputs carry an uncertainty; `positive` leaves zeros out (logarithms)."""
     if f"{name}_band" not in result:
@@ -132,7 +131,7 @@ def shade(
     shade_between(axis, place, rows, colour)
 
 
-def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+def _radii(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     for name, colour in (("network_radius", BLUE), ("radius", GREY)):
         shade(axis, place, result, name, colour, 1e6)
     axis.plot(place, 1e6 * result["radius"], color=GREY, linewidth=2, label="jet $r$")
@@ -146,7 +145,7 @@ def _radii(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**LEGEND)
 
 
-def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+def _strands(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     for name, colour in (("relative_extension", BLUE), ("orientation", GREEN), ("radial_contraction", RED)):
         shade(axis, place, result, name, colour)
     axis.plot(place, result["relative_extension"], color=BLUE, label=r"extension $\xi_\parallel/\xi_{\max}$")
@@ -157,7 +156,7 @@ def _strands(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**LEGEND, loc="center right")
 
 
-def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+def _stretches(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     shade(axis, place, result, "stretch_ratio", GREY)
     if "deborah_number" in result:
         shade(axis, place, result, "network_velocity_ratio", GREEN)
@@ -179,7 +178,7 @@ def _stretches(axis: "Axes", place: Any, result: xr.Dataset) -> None:
     axis.legend(**LEGEND, loc="lower right")
 
 
-def _fractions(axis: "Axes", place: Any, result: xr.Dataset) -> None:
+def _fractions(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     shade(axis, place, result, "core_polymer_fraction", BLUE)
     shade(axis, place, result, "mean_polymer_fraction", GREY)
     axis.plot(place, result["core_polymer_fraction"], color=BLUE, linestyle="--", label="core, exact walk")
@@ -205,7 +204,7 @@ def _span(axis: "Axes", ends: Any, colour: str) -> None:
                       transform=axis.get_xaxis_transform(), zorder=5)  # fmt: skip
 
 
-def _mark(axis: "Axes", result: xr.Dataset, colour: str) -> None:
+def _mark(axis: "Axes", result: "xr.Dataset | NamedArrays", colour: str) -> None:
     for name, style, label in (
         ("crossover", "-", "S"),
         ("crossover_extension", (0, (1, 3)), ""),

@@ -5,139 +5,86 @@ known one is suggested, paths start from the file's folder. `load_images` reads 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    model_validator,
-)
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic import Field, field_validator, model_validator
 
 from spinline.base.constants import KEV
-from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import refusal
 from spinline.scene.file import SolutionSection, checked, read_toml
-from spinline.scene.quantities import Label, Length, Read, Sheet
+from spinline.scene.images_keys import (
+    Depth,
+    Distance,
+    Energy,
+    Field_,
+    FieldOrNumber,
+    Fit,
+    Frames,
+    FramesField,
+    Linearity,
+    MassAttenuation,
+    Offset,
+    ReachField,
+    RegionField,
+    Rows,
+    Share,
+    Source,
+    Tilt,
+)
+from spinline.scene.quantities import Label, Length, Section, Sheet
 
-__all__ = ["KEV", "Images", "Source", "bundled_images", "images_from_dict", "images_schema", "load_images"]
-
-
-Energy = Annotated[Measured, Read("energy", 1.0 * KEV, 200.0 * KEV, closed=True, words="1 to 200 keV")]
-MassAttenuation = Annotated[Measured, Read("mass attenuation", 0.0, 1e6)]
-Distance = Annotated[Measured, Read("length", 0.0, 1e3, closed=True)]
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a flat or dark field comes from: a file, a part of the frames (or of a file), or a number.
-
-    Attributes
-    ----------
-    file : str or None
-        None: the frames themselves.
-    rows, columns : (int, int) or None
-        First, and the one after the last; None: all.
-    level : float or None
-        A number for every pixel.
-    """
-
-    file: str | None = None
-    rows: tuple[int, int] | None = None
-    columns: tuple[int, int] | None = None
-    level: float | None = None
-
-
-@dataclass(frozen=True)
-class _ReadSource:
-    """Reads a `Source`: text (a file), a table (file, rows, columns), or a number where that makes sense."""
-
-    number: bool = False
-
-    def __call__(self, value: Any) -> Source:
-        if isinstance(value, Source):
-            return value
-        if isinstance(value, str) and value.strip():
-            return Source(file=value)
-        if self.number and isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < float("inf"):
-            return Source(level=float(value))
-        if isinstance(value, Mapping):
-            return self._region(value)
-        allowed = "a file name, { rows = [first, last] }, { columns = [first, last] }"
-        raise _words("is not a file or a part of one", allowed + (", or a number" if self.number else ""))
-
-    def _region(self, value: Mapping[str, Any]) -> Source:
-        unknown = sorted(set(value) - {"file", "rows", "columns"})
-        if unknown:
-            raise _words(f"has an unknown key {unknown[0]!r}", "file, rows, columns")
-        if "rows" not in value and "columns" not in value:
-            raise _words("names no part of the frame", "rows = [first, last], columns = [first, last]")
-        spans: dict[str, tuple[int, int]] = {}
-        for key in ("rows", "columns"):
-            span = value.get(key)
-            if span is not None:
-                if not (isinstance(span, list | tuple) and len(span) == 2 and all(type(i) is int for i in span)):
-                    raise _words(f"{key} is not [first, last]", "two whole numbers, the second one after the last")
-                if not 0 <= span[0] < span[1]:
-                    raise _words(f"{key} is empty or starts before 0", "0 <= first < last")
-                spans[key] = (int(span[0]), int(span[1]))
-        file = value.get("file")
-        if file is not None and not isinstance(file, str):
-            raise _words("file is not text", "a file name")
-        return Source(file=file, rows=spans.get("rows"), columns=spans.get("columns"))
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        kinds = ["string", "object", *(["number"] if self.number else [])]
-        words = "file, or part of the frame as { rows = [first, last], columns = [first, last] }"
-        return {"type": kinds, "description": words + (", or a number" if self.number else "")}
+__all__ = [
+    "KEV",
+    "Images",
+    "Position",
+    "Source",
+    "bundled_images",
+    "images_from_dict",
+    "images_schema",
+    "load_images",
+]
 
 
-def _words(problem: str, allowed: str) -> PydanticCustomError:
-    return PydanticCustomError("range", "{problem}", {"problem": problem, "allowed": allowed, "remedy": ""})
+class Position(Section):
+    """One of the places along the jet that images were taken at."""
 
+    counts: str
+    flat: Field_ | None = None
+    flat_after: Field_ | None = None
+    dark: FieldOrNumber | None = None
+    offset: Offset
+    calibration_rows: Rows | None = None
+    nozzle_rows: Rows | None = None
 
-def _span(value: Any) -> tuple[int, int]:
-    if not (isinstance(value, list | tuple) and len(value) == 2 and all(type(i) is int for i in value)):
-        raise _words("is not [first, last]", "two whole numbers, the second one after the last row")
-    if not 0 <= value[0] < value[1]:
-        raise _words("is empty or starts before 0", "0 <= first < last")
-    return int(value[0]), int(value[1])
-
-
-class _ReadSpan:
-    """Reads a range of rows."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(_span)
-
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return {"type": "array", "description": "[first row, row after the last]"}
-
-
-Field_ = Annotated[Source, _ReadSource()]
-FieldOrNumber = Annotated[Source, _ReadSource(number=True)]
-Rows = Annotated[tuple[int, int], _ReadSpan()]
+    @field_validator("counts")
+    @classmethod
+    def _named(cls, value: str) -> str:
+        if not value.strip():
+            raise refusal("counts", "names no file")
+        return value
 
 
 class Images(Sheet):
     """A checked images file. `text` and `folder` say where it came from."""
 
     title: Label = ""
-    counts: str
-    flat: Field_
+    counts: str | None = None
+    transmission: str | None = None
+    absorbance: str | None = None
+    i0: Annotated[float, Field(gt=0)] | None = None
+    flat: Field_ | None = None
     flat_after: Field_ | None = None
     dark: FieldOrNumber | None = None
     gain: Annotated[float, Field(gt=0)] | None = None
+    flat_frames: Annotated[int, Field(ge=1)] = 1
+    flat_shape: Annotated[int, Field(ge=1, le=4)] | None = None
+    linearity: Linearity | None = None
     saturation: Annotated[float, Field(gt=0)] | None = None
     bad_pixels: str | None = None
     transpose: bool = False
+    roi: RegionField | None = None
     pixel_size: Length | None = None
     nozzle_diameter: Length | None = None
     nozzle_rows: Rows | None = None
@@ -147,26 +94,84 @@ class Images(Sheet):
     polymer_attenuation: MassAttenuation | None = None
     solvent_attenuation: MassAttenuation | None = None
     propagation_distance: Distance | None = None
-    blur: Annotated[Length | Literal["fit"], Field(union_mode="left_to_right")] | None = None
+    magnification: Annotated[float, Field(gt=0)] = 1.0
+    blur: Annotated[Length | Fit, Field(union_mode="left_to_right")] | None = None
+    tail_share: Annotated[Fit | Share, Field(union_mode="left_to_right")] | None = None
+    tail_length: Annotated[Fit | ReachField, Field(union_mode="left_to_right")] | None = None
+    tilt_out: Tilt | None = None
+    depth: Depth | None = None
     calibration_rows: Rows | None = None
-    frames: Literal["sum", "each"] = "sum"
+    frames: FramesField = Field(default_factory=lambda: Frames(False, slice(None), "sum"))
     method: Literal["chord", "row", "map", "phase"] = "row"
     shells: Annotated[int, Field(ge=1, le=200)] = 5
     block_rows: Annotated[int, Field(ge=1)] = 1
+    positions: Annotated[tuple[Position, ...], Field(strict=False)] = ()
     solution: SolutionSection
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        if (self.pixel_size is None) == (self.nozzle_diameter is None):
+        given = [key for key in ("counts", "transmission", "absorbance") if getattr(self, key) is not None]
+        if self.positions and given:
+            raise refusal("positions", f"go with {given[0]} in each position, not at the top")
+        if not self.positions and len(given) != 1:
+            raise refusal("counts" if not given else given[-1], "give one of counts, transmission and absorbance")
+        if given == ["counts"] and self.flat is None:
+            raise refusal("flat", "is missing: frames without a jet, or the part of the frames that shows none")
+        if given and given != ["counts"] and (self.flat is not None or self.dark is not None):
+            raise refusal("flat", f"goes with counts: {given[0]} is over its flat already")
+        if self.pixel_size is not None and self.nozzle_diameter is not None:
             raise refusal("pixel_size", "give one of pixel_size and nozzle_diameter (with nozzle_rows)")
         if (self.nozzle_diameter is None) != (self.nozzle_rows is None):
             raise refusal("nozzle_rows", "goes with nozzle_diameter: the rows in which the nozzle is in view")
-        given = self.polymer_attenuation is not None, self.solvent_attenuation is not None
-        if given[0] != given[1]:
+        attenuations = self.polymer_attenuation is not None, self.solvent_attenuation is not None
+        if attenuations[0] != attenuations[1]:
             raise refusal("polymer_attenuation", "goes with solvent_attenuation: give both or none")
-        if not any(given) and (self.energy is None) == (self.spectrum is None):
+        if not any(attenuations) and self.energy is not None and self.spectrum is not None:
             raise refusal("energy", "give one of energy and spectrum, or polymer_attenuation and solvent_attenuation")
+        if self.tail_length is not None and self.tail_share is None:
+            raise refusal("tail_share", 'goes with tail_length: the share of the light in the tail, or "fit"')
+        if self.tail_share is not None and self.tail_share != "fit" and self.tail_length is None:
+            raise refusal("tail_length", 'goes with tail_share: how far the tail reaches, or "fit"')
+        if self.positions and self.each:
+            raise refusal("frames", 'are summed at each position: take "sum", or one position')
+        if self.positions and self.method in ("chord", "phase"):
+            raise refusal("method", 'takes one position: take "map" or "row" for several')
         return self
+
+    @property
+    def each(self) -> bool:
+        """Frames are reduced one by one."""
+        return self.frames == "each"
+
+    @property
+    def part(self) -> slice:
+        """Frames of the stack that are read."""
+        return self.frames.part if isinstance(self.frames, Frames) else slice(None)
+
+    @property
+    def source(self) -> tuple[str, str]:
+        """Key and file of the frames with the jet."""
+        for key in ("counts", "transmission", "absorbance"):
+            value = getattr(self, key)
+            if value is not None:
+                return key, value
+        return "counts", self.positions[0].counts
+
+    def at(self, index: int) -> "Images":
+        """The file of one position: the common keys with its own."""
+        place = self.positions[index]
+        own = {
+            "counts": place.counts,
+            "flat": place.flat or self.flat,
+            "dark": place.dark or self.dark,
+            "positions": (),
+        }
+        own |= {
+            key: getattr(place, key) or getattr(self, key) for key in ("flat_after", "calibration_rows", "nozzle_rows")
+        }
+        one = self.model_copy(update=own)
+        one._text, one._folder, one._name = self._text, self._folder, f"{self._name}, position {index}"
+        return one
 
 
 def images_from_dict(

@@ -54,7 +54,8 @@ class Liquids:
         """Chi of the liquid, by volume, (n,)."""
         whole = self.liquid.sum(axis=0)
         mean = (self.liquid * self.chi[:, np.newaxis]).sum(axis=0)
-        return np.divide(mean, whole, out=np.full_like(whole, float(self.chi[0])), where=whole > 1e-290)
+        value: FloatArray = np.divide(mean, whole, out=np.full_like(whole, float(self.chi[0])), where=whole > 1e-290)
+        return value
 
 
 @dataclass(frozen=True, eq=False)

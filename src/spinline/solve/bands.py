@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
+from spinline.base.named_arrays import NamedArrays
 from spinline.scene.file import Scene
 from spinline.solve.uncertainty import moved, uncertain_inputs
 
@@ -39,7 +39,7 @@ _LEFT_OUT = 0.01  # share of the draws that is worth a word
 
 
 def banded(
-    scene: Scene, result: xr.Dataset, again: "Callable[[Scene], Solved]"
+    scene: Scene, result: NamedArrays, again: "Callable[[Scene], Solved]"
 ) -> tuple[dict[str, FloatArray], list[str]]:
     """Quantiles (`LEVELS`) of profiles and numbers over the uncertain inputs.
 
@@ -47,7 +47,7 @@ def banded(
     ----------
     scene : Scene
         Its rung chosen; ``accuracy.draws`` and ``accuracy.seed`` say how many draws, and which.
-    result : xarray.Dataset
+    result : NamedArrays
         The run as it is: the places of the bands.
     again : callable
         Repeats the run for a scene.

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
@@ -14,8 +15,10 @@ from spinline.setup.context import Context
 
 if TYPE_CHECKING:
     from spinline.jetprofile.jet import Jet
+    from spinline.jetprofile.many import StraightJets
+    from spinline.jetprofile.straight import StraightJet
 
-__all__ = ["Crossover", "crossover", "crossover_scalars", "passage", "slipping_passage", "targets"]
+__all__ = ["Crossover", "crossover", "crossover_scalars", "passage", "passages", "slipping_passage", "targets"]
 
 
 @dataclass(frozen=True)
@@ -64,19 +67,41 @@ def crossover(scene: Scene, jet: "Jet", velocity_ratio: float) -> Crossover:
     return passage(context, velocity_ratio)
 
 
+def passages(
+    jet: "StraightJet | StraightJets", velocity_ratio: ArrayLike, length: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """First places within a length where V passes values, along one straight jet or along each of many.
+
+    Returns
+    -------
+    position, radius, predicted : ndarray
+        m; NaN where the length does not hold it; `predicted` is the place if the profile went on.
+    """
+    target = np.asarray(velocity_ratio, dtype=np.float64)
+    beyond = np.where(target > 1, target, 1.0)
+    predicted = np.where(
+        target > 1, jet.position_of(beyond), np.where(target > 0, jet.start, np.nan)
+    )  # at rest at the start
+    reached = predicted <= np.asarray(length) * (1 + 1e-12)
+    place = np.where(reached, np.minimum(predicted, jet.end), jet.start)
+    position, radius = np.where(reached, predicted, np.nan), np.where(reached, jet.radius(place), np.nan)
+    return position, radius, predicted
+
+
 def passage(context: Context, velocity_ratio: float) -> Crossover:
     """First place along one moment of a jet where V passes a value."""
-    jet, straight = context.jet, context.straight
-    predicted = float(jet.position_of(velocity_ratio)) if velocity_ratio > 0 else float("nan")
-    if 0 < velocity_ratio <= 1:  # so at rest
-        predicted = jet.start
-    end = context.length if straight else float("inf")
-    if not predicted <= end * (1 + 1e-12):
+    if context.straight:
+        jet = context.line
+        found = passages(jet, velocity_ratio, context.length)
+        position, radius, predicted = (float(value) for value in found)
+        return Crossover(velocity_ratio, position, radius, radius / jet.initial_radius, predicted)
+    beads = context.beads
+    place = float(beads.position_of(velocity_ratio)) if velocity_ratio > 1 else beads.start
+    if np.isnan(place) or not velocity_ratio > 0:
         nan = float("nan")
-        return Crossover(velocity_ratio, nan, nan, nan, predicted)
-    place = min(predicted, jet.end) if straight else predicted
-    radius = float(jet.radius(place))
-    return Crossover(velocity_ratio, predicted, radius, radius / jet.initial_radius, predicted)
+        return Crossover(velocity_ratio, nan, nan, nan, nan)
+    radius = float(beads.radius(place))
+    return Crossover(velocity_ratio, place, radius, radius / beads.initial_radius, place)
 
 
 def slipping_passage(context: Context, network: Network, target: float) -> Crossover:

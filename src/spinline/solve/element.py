@@ -68,7 +68,9 @@ class Followed:
         return first_passage(self.along.position, np.log(self.along.stretch), float(np.log(stretch)))
 
 
-def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None = None) -> Followed:
+def follow(
+    context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None = None, *, bare: bool = False
+) -> Followed:
     """Follow the solution along one moment of a jet.
 
     Parameters
@@ -79,6 +81,8 @@ def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArra
         Jet variables without the effects.
     slipping : ndarray, optional
         Stretch w of the network at the profile's places, of a rung that slips.
+    bare : bool
+        Do not look beyond the jet for where it would turn to glass.
 
     Raises
     ------
@@ -127,7 +131,7 @@ def follow(context: Context, profile: dict[str, FloatArray], slipping: FloatArra
     if dried is not None:
         assert here is not None
         assert solid is not None
-        arrest = find_arrest(context, dried, history, solid, here)
+        arrest = find_arrest(context, dried, history, solid, here, beyond=not bare)
         frozen = _frozen(context, along, dried, arrest)
         attributes["composition_path"] = composition_path(context, x, here, names, arrest.position)
         attributes |= {f"{name}_structure": words for name, words in frozen.words.items()}

@@ -105,6 +105,8 @@ def follow_moments(
     profile: dict[str, FloatArray],
     slipping: FloatArray | None,
     found: dict[str, list[Crossover]],
+    *,
+    bare: bool = False,
 ) -> Moments:
     """Follow every moment of a jet, and put the crossovers of `found` where the network passes them.
 
@@ -118,6 +120,8 @@ def follow_moments(
         Stretch w at the profile's places of a network that slips.
     found : dict
         Crossovers without the effects, one a moment; replaced in place.
+    bare : bool
+        Say nothing of what lies beyond the jet.
 
     Raises
     ------
@@ -127,7 +131,7 @@ def follow_moments(
     frames, lead = context.frames, context.jet.time is not None
     solution, effects = context.solution, context.effects
     moments = [
-        follow(frame, {name: values[i] for name, values in profile.items()} if lead else profile, slipping)
+        follow(frame, {name: values[i] for name, values in profile.items()} if lead else profile, slipping, bare=bare)
         for i, frame in enumerate(frames)
     ]
 

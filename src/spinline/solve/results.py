@@ -6,14 +6,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from spinline.base.errors import InputError
 from spinline.base.files import write_text
-from spinline.base.netcdf import open_dataset, save_dataset
+from spinline.base.named_arrays import NamedArrays
+from spinline.base.netcdf import open_dataset, save_dataset, write_variables
 from spinline.solve.summary import SUMMARISED
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.jetprofile.straight import StraightJet
 
@@ -161,8 +163,8 @@ _LAYERED = {"lateral_polymer_fraction": "layer"}  # variables that are not along
 
 def assemble(
     fields: dict[str, Any], numbers: dict[str, Any], attributes: dict[str, Any], jet: "StraightJet | LagrangianJet"
-) -> xr.Dataset:
-    """Dataset of a run: fields along the jet, numbers, attributes.
+) -> NamedArrays:
+    """Result of a run: fields along the jet, numbers, attributes.
 
     Parameters
     ----------
@@ -171,13 +173,13 @@ def assemble(
     numbers : dict
         Variable name to number (or array along time).
     attributes : dict
-        Of the Dataset.
+        Of the result.
     jet : StraightJet or LagrangianJet
         Says which dimensions the fields have.
 
     Returns
     -------
-    xarray.Dataset
+    NamedArrays
     """
     time = getattr(jet, "time", None)
     lead = () if time is None else ("time",)
@@ -197,10 +199,10 @@ def assemble(
             data[name] = ((*dims, *inwards), values, _units(name, beads))
     data |= {name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
              for name, value in numbers.items()}  # fmt: skip
-    return xr.Dataset(data, coordinates, {key: _storable(value) for key, value in attributes.items()})
+    return NamedArrays(data, coordinates, {key: _storable(value) for key, value in attributes.items()})
 
 
-def with_numbers(result: xr.Dataset, numbers: dict[str, Any]) -> xr.Dataset:
+def with_numbers(result: NamedArrays, numbers: dict[str, Any]) -> NamedArrays:
     """The result with further numbers (or arrays along time)."""
     return result.assign({
         name: ((), value, _units(name)) if np.ndim(value) == 0 else ("time", value, _units(name))
@@ -208,7 +210,7 @@ def with_numbers(result: xr.Dataset, numbers: dict[str, Any]) -> xr.Dataset:
     })  # fmt: skip
 
 
-def with_bands(result: xr.Dataset, bands: dict[str, Any]) -> xr.Dataset:
+def with_bands(result: NamedArrays, bands: dict[str, Any]) -> NamedArrays:
     """The result with bands from `spinline.solve.bands.banded`, along ``quantile`` (and the jet)."""
     if not bands:
         return result
@@ -221,12 +223,12 @@ def with_bands(result: xr.Dataset, bands: dict[str, Any]) -> xr.Dataset:
     })  # fmt: skip
 
 
-def scalars(result: xr.Dataset) -> dict[str, float]:
+def scalars(result: "xr.Dataset | NamedArrays") -> dict[str, float]:
     """The numbers of a result that have no dimension."""
     return {str(name): float(variable) for name, variable in result.data_vars.items() if variable.ndim == 0}
 
 
-def save(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+def save(result: "xr.Dataset | NamedArrays", path: str | Path, *, force: bool = False) -> Path:
     """Write a result as netCDF-4, whole or not at all.
 
     Parameters
@@ -242,10 +244,13 @@ def save(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
     -------
     Path
     """
+    if isinstance(result, NamedArrays):
+        variables = {name: (one.dims, one.values, one.attrs) for name, one in result.variables.items()}
+        return write_variables(variables, result.attrs, path, coordinates=result.coords, force=force)
     return save_dataset(result, path, force=force)
 
 
-def open_result(path: str | Path) -> xr.Dataset:
+def open_result(path: str | Path) -> "xr.Dataset":
     """Read a result that `save` or ``spinline run`` wrote.
 
     Raises
@@ -259,7 +264,7 @@ def open_result(path: str | Path) -> xr.Dataset:
     return result
 
 
-def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
+def to_json(result: "xr.Dataset | NamedArrays", names: tuple[str, ...] = ()) -> str:
     """JSON text of a result: variables by name in SI, NaN as null, attributes under "attributes"."""
     picked = names or tuple(map(str, result.variables))
     data: dict[str, Any] = {name: plain(result[name].values) for name in picked}
@@ -267,10 +272,10 @@ def to_json(result: xr.Dataset, names: tuple[str, ...] = ()) -> str:
     return json.dumps(data, allow_nan=False, ensure_ascii=False)
 
 
-def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path:
+def to_csv(result: "xr.Dataset | NamedArrays", path: str | Path, *, force: bool = False) -> Path:
     """Write the profile as a table, one row per place (and time), units in the header; maps across the jet are left out."""
     place = "element" if "element" in result.dims else "z"
-    result = _spread(result)
+    result = _spread(result.dataset() if isinstance(result, NamedArrays) else result)
     along = [name for name in result.variables if place in result[name].dims and "r" not in result[name].dims]
     table = result[along].to_dataframe().reset_index()
     # an index that is only a count has no unit; everything else has
@@ -281,7 +286,7 @@ def to_csv(result: xr.Dataset, path: str | Path, *, force: bool = False) -> Path
     return write_text(path, str(table.to_csv(None, index=False)), force=force)
 
 
-def _spread(result: xr.Dataset) -> xr.Dataset:
+def _spread(result: "xr.Dataset") -> "xr.Dataset":
     """Bands along the jet as variables of their own, ``radius_low95`` ..., for a table."""
     columns = {}
     for name, values in result.data_vars.items():

@@ -5,6 +5,7 @@ what is left passes T; crystals are where their melting point does. What comes f
 held from there on, and the fibre is what that section makes when the rest of the solvent has gone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,10 +120,12 @@ def _solvent_activation(context: Context) -> tuple[float, str]:
     return float(slope), "solvent's viscosity by its activation energy"
 
 
-def find_arrest(context: Context, dried: Dried, history: History, solid: Solid, here: Liquids) -> Arrest:
-    """Where the jet becomes solid first, by glass or by crystals."""
-    glass_place, glass_next, level, why, never = _glass(context, dried, solid, here)
-    crystal_place, crystal_next, crystallinity = _crystals(context, dried, history, solid, here)
+def find_arrest(
+    context: Context, dried: Dried, history: History, solid: Solid, here: Liquids, *, beyond: bool = True
+) -> Arrest:
+    """Where the jet becomes solid first, by glass or by crystals; `beyond`: with a prediction beyond its end."""
+    glass_place, glass_next, level, why, never = _glass(context, dried, solid, here, beyond)
+    crystal_place, crystal_next, crystallinity = _crystals(context, dried, history, solid, here, beyond)
     by_crystals = _first(crystal_place, glass_place) or (np.isnan(glass_place) and _first(crystal_next, glass_next))
     place, following = (crystal_place, crystal_next) if by_crystals else (glass_place, glass_next)
     if by_crystals:
@@ -151,7 +154,9 @@ def _follows(context: Context, dried: Dried) -> bool:
     return dried.temperature is not None and (laws is None or laws.vitrification_fraction is None)
 
 
-def _glass(context: Context, dried: Dried, solid: Solid, here: Liquids) -> tuple[float, float, float, str, str]:
+def _glass(
+    context: Context, dried: Dried, solid: Solid, here: Liquids, farther: bool
+) -> tuple[float, float, float, str, str]:
     """Place, prediction, fraction, reason, and what to say where there is none."""
     level, why = context.glass
     end = context.heated_air.equilibrium if dried.temperature is not None else context.air.equilibrium
@@ -160,19 +165,21 @@ def _glass(context: Context, dried: Dried, solid: Solid, here: Liquids) -> tuple
         if solid.glass is None:
             return _NAN, _NAN, level, why, never
         place = first_passage(dried.position, solid.glass_margin(here), 0.0)
-        beyond = _NAN if not np.isnan(place) else _beyond(context, dried, lambda there: solid.glass_margin(there))
+        beyond = _NAN
+        if np.isnan(place) and farther:
+            beyond = _beyond(context, dried, solid.glass_margin)
         return place, beyond, level, why if np.isnan(place) else f"{why} at the jet's temperature", never
     if np.isnan(level):
         return _NAN, _NAN, level, why, never
     if dried.temperature is None:
-        place, predicted = where_mean_reaches(dried, context.air, context.solution, context.jet, level)
+        place, predicted = where_mean_reaches(dried, context.air, context.solution, context.jet, level, beyond=farther)
         return place, predicted, level, why, never
     place = first_passage(dried.position, here.polymer, level)
     return place, _NAN, level, why, never
 
 
 def _crystals(
-    context: Context, dried: Dried, history: History, solid: Solid, here: Liquids
+    context: Context, dried: Dried, history: History, solid: Solid, here: Liquids, farther: bool
 ) -> tuple[float, float, FloatArray | None]:
     """Place, prediction, and the degree of crystallinity where its kinetics are given."""
     if solid.crystals is None:
@@ -189,7 +196,7 @@ def _crystals(
     )
 
 
-def _beyond(context: Context, dried: Dried, margin: "object") -> float:
+def _beyond(context: Context, dried: Dried, margin: Callable[[Liquids], FloatArray]) -> float:
     """Where a margin would become positive if a straight jet of a law went on, dried flat across it."""
     if not context.straight or not np.isinf(context.line.end):
         return _NAN
@@ -202,7 +209,7 @@ def _beyond(context: Context, dried: Dried, margin: "object") -> float:
         else:
             flat = dry(path, context.solution, context.air)
         there, _ = liquids_along(context, flat)
-        return first_passage(beyond, margin(there), 0.0)  # type: ignore[operator]
+        return first_passage(beyond, margin(there), 0.0)
     except InputError:
         return _NAN
 

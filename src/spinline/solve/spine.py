@@ -11,6 +11,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.named_arrays import NamedArrays
 from spinline.network_models.registry import rung_of, simplest
 from spinline.network_models.rung import Network
 from spinline.plan.choice import Plan, plan_of, resolved
@@ -29,7 +30,19 @@ if TYPE_CHECKING:
 
     from spinline.jetprofile.jet import Jet
 
-__all__ = ["Crossover", "Solved", "build_jet", "build_solution", "chosen", "crossover", "evaluate", "examine", "run"]
+__all__ = [
+    "Crossover",
+    "Solved",
+    "build_jet",
+    "build_solution",
+    "chosen",
+    "crossover",
+    "evaluate",
+    "examine",
+    "run",
+    "solved",
+    "taken",
+]
 
 
 def run(scene: Scene) -> "xr.Dataset":
@@ -60,38 +73,50 @@ def run(scene: Scene) -> "xr.Dataset":
     Closed forms: about 1 ms for 401 points. Errors against Eqs. (36)-(40) are of rounding; those of the affine model
     itself are estimated in the attribute ``model_reason``.
     """
+    result = solved(scene)
+    for remark in str(result.attrs["warnings"]).splitlines():
+        warnings.warn(remark, SpinlineWarning, stacklevel=2)
+    return result.dataset()
+
+
+def solved(scene: Scene) -> NamedArrays:
+    """`run` without Dataset and warnings: what the command line writes and words.
+
+    Raises
+    ------
+    InputError
+        As `run`.
+    """
     from spinline.solve import results
     from spinline.solve.bands import banded
     from spinline.solve.uncertainty import propagated, uncertain_inputs
 
-    result, taken = _solved(scene)
+    result, same = _solved(scene)
     remarks = str(result.attrs["warnings"]).splitlines()
     uncertain = uncertain_inputs(scene)
-    if uncertain and rung_of(taken.network.model).sampled:
-        remarks.append(f'uncertain inputs are not followed through model = "{taken.network.model}": take another')
+    if uncertain and rung_of(same.network.model).sampled:
+        remarks.append(f'uncertain inputs are not followed through model = "{same.network.model}": take another')
     elif uncertain:
-        numbers, said = propagated(taken, result, lambda moved: _solved(moved)[0])
-        bands, more = banded(taken, result, lambda drawn: evaluate(drawn, attributes=False))
+        numbers, said = propagated(same, result, lambda moved: _solved(moved)[0])
+        bands, more = banded(same, result, lambda drawn: evaluate(drawn, attributes=False))
         said += more
         result = results.with_bands(results.with_numbers(result, numbers), bands)
         if bands:
-            result.attrs["bands"] = f"68 and 95 % of {taken.accuracy.draws} draws of the uncertain inputs"
+            result.attrs["bands"] = f"68 and 95 % of {same.accuracy.draws} draws of the uncertain inputs"
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
     result.attrs["warnings"] = "\n".join(remarks)
-    for remark in remarks:
-        warnings.warn(remark, SpinlineWarning, stacklevel=2)
     return result
 
 
-def _solved(scene: Scene) -> "tuple[xr.Dataset, Scene]":
+def _solved(scene: Scene) -> tuple[NamedArrays, Scene]:
     """Result of a scene, its remarks in its attribute, and the scene with the rung and the effects that were taken."""
     from spinline.solve import results
     from spinline.solve.summary import structure_summary
 
-    solved = evaluate(scene)
-    result = results.assemble(solved.fields, solved.scalars, solved.attributes, solved.jet)
-    return results.with_numbers(result, structure_summary(result)), solved.scene
+    found = evaluate(scene)
+    result = results.assemble(found.fields, found.scalars, found.attributes, found.jet)
+    return results.with_numbers(result, structure_summary(result)), found.scene
 
 
 class Solved(NamedTuple):
@@ -152,9 +177,7 @@ def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True)
     if attributes and plan is not None:
         described = attributes_of(context, answer.found, remarks, answer.network, plan)
         described |= {} if answer.moments is None else answer.moments.attributes
-    switches = {key: context.effects[key] for key in type(scene.effects).model_fields}
-    taken = context.scene.model_copy(update={"effects": scene.effects.model_copy(update=switches)})
-    return Solved(answer.fields, answer.scalars, described, remarks, context.jet, taken)
+    return Solved(answer.fields, answer.scalars, described, remarks, context.jet, taken(context))
 
 
 def chosen(context: Context, *, planned: bool = False) -> tuple[Context, Plan | None]:
@@ -169,6 +192,13 @@ def chosen(context: Context, *, planned: bool = False) -> tuple[Context, Plan | 
     if plan is not None:
         context = context.taking(resolved(context.scene, plan))
     return context.taking(effects=choose_effects(context, None if plan is None else plan.numbers)), plan
+
+
+def taken(context: Context) -> Scene:
+    """The scene with the rung and the effects that were chosen, so that a repetition takes the same."""
+    effects = context.scene.effects
+    switches = {key: context.effects[key] for key in type(effects).model_fields}
+    return context.scene.model_copy(update={"effects": effects.model_copy(update=switches)})
 
 
 def _network(context: Context, plan: Plan | None) -> Network | None:

@@ -62,7 +62,9 @@ class Answer:
         return self.moments.remaining
 
 
-def solve_stages(context: Context, places: FloatArray | None = None, network: Network | None = None) -> Answer:
+def solve_stages(
+    context: Context, places: FloatArray | None = None, network: Network | None = None, *, bare: bool = False
+) -> Answer:
     """All stages of one scene.
 
     Parameters
@@ -74,6 +76,8 @@ def solve_stages(context: Context, places: FloatArray | None = None, network: Ne
         crossovers among them.
     network : Network, optional
         Of a rung that slips, where it has been solved.
+    bare : bool
+        Fields alone: no crossovers, no word of what lies beyond the jet. For models that are called thousands of times.
 
     Returns
     -------
@@ -85,20 +89,20 @@ def solve_stages(context: Context, places: FloatArray | None = None, network: Ne
         Where a stage cannot be computed.
     """
     rung = rung_of(context.scene.network.model)
-    wanted = targets(context)
+    wanted = {} if bare else targets(context)
     found = {name: [passage(frame, target) for frame in context.frames] for name, target in wanted.items()}
     network = rung.solve(context) if rung.slips and network is None else network
     remarks: list[str] = []
-    if network is not None:
+    if network is not None and not bare:
         remarks += rung.solved_remarks(context, network)
         found["crossover_extension"] = [slipping_passage(context, network, wanted["crossover_extension"])]
     if places is None and context.straight:
         places = default_places(context, [moments[0].position for moments in found.values()])
     profile = jet_stage(context, places)
-    slipping = None if network is None else network_stretch(rung, network, profile["z"])
+    slipping = None if network is None else network_stretch(context, rung, network, profile["z"])
     moments: Moments | None = None
     if context.effects.any:
-        moments = follow_moments(context, profile, slipping, found)
+        moments = follow_moments(context, profile, slipping, found, bare=bare)
         profile |= moments.profile
         remarks += moments.remarks
     fields = profile | network_stage(context, profile, slipping, moments)

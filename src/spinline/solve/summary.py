@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from spinline.base.checks import FloatArray
+from spinline.base.named_arrays import NamedArrays
 
 __all__ = ["FIBRE", "SOLID", "SUMMARISED", "structure_summary", "summarised"]
 
@@ -21,12 +21,12 @@ FIBRE = ("fibre_radius", "fibre_diameter")
 SOLID = ("frozen_radius", "arrest_fraction", "arrest_slip")
 
 
-def structure_summary(result: xr.Dataset) -> dict[str, Any]:
+def structure_summary(result: NamedArrays) -> dict[str, Any]:
     """Numbers of a result: `SUMMARISED` with ``crossover_`` and ``end_`` before them, and ``fibre_radius``.
 
     Parameters
     ----------
-    result : xarray.Dataset
+    result : NamedArrays
         Profiles along the jet, crossover among the numbers; may have times.
 
     Returns

@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from pydantic import BaseModel
 
 from spinline.base.errors import InputError
+from spinline.base.named_arrays import NamedArrays
 from spinline.base.units import Measured
 from spinline.scene.file import Scene
 from spinline.scene.keys import reader
@@ -28,7 +28,7 @@ def uncertain_inputs(scene: Scene) -> dict[str, Measured]:
 
 
 def propagated(
-    scene: Scene, result: xr.Dataset, again: Callable[[Scene], xr.Dataset]
+    scene: Scene, result: NamedArrays, again: Callable[[Scene], NamedArrays]
 ) -> tuple[dict[str, Any], list[str]]:
     """Standard uncertainties of the numbers of a result.
 
@@ -36,7 +36,7 @@ def propagated(
     ----------
     scene : Scene
         Its rung chosen, so that a repetition takes the same.
-    result : xarray.Dataset
+    result : NamedArrays
         The run as it is.
     again : callable
         Repeats the run for a scene.
@@ -49,7 +49,7 @@ def propagated(
         Inputs that could be moved to one side only, or not at all.
     """
 
-    def numbers(of: xr.Dataset) -> dict[str, float]:
+    def numbers(of: NamedArrays) -> dict[str, float]:
         return {str(name): float(variable) for name, variable in of.data_vars.items() if variable.ndim == 0}
 
     return shares(scene, numbers(result), lambda other: numbers(again(other)))

@@ -32,6 +32,7 @@ from spinline.scene.file import Scene, scene_from_dict
 from spinline.scene.keys import placed
 from spinline.setup.build import build_solution
 from spinline.setup.jet import build_jet, built_from_numbers
+from spinline.solve.many import AT_END
 from spinline.solve.results import VARIABLES
 from spinline.solve.spine import Solved, evaluate
 from spinline.solve.summary import FIBRE, SUMMARISED, summarised
@@ -51,7 +52,6 @@ PROFILES = (
     "core_polymer_fraction_conservative", "strand_force",
 )  # fmt: skip
 AT_CROSSOVER = SUMMARISED
-AT_END = ("radius", "velocity_ratio", *SUMMARISED, "mean_polymer_fraction")
 STD_FLAG = "uncertainty"  # 0 followed, 1 for some inputs in part or not at all, 2 not followed
 # name: (unit, what it is)
 SCALARS: dict[str, tuple[str, str]] = (
