@@ -119,7 +119,7 @@ class SolutionSection(Section):
     def _one_fraction(self) -> Self:
         given = [key for key in ("mass_fraction", "volume_fraction", "concentration") if getattr(self, key) is not None]
         if len(given) != 1:
-            raise refusal("mass_fraction", "give one of mass_fraction, volume_fraction and concentration, and only one")
+            raise refusal("mass_fraction", "give one of mass_fraction, volume_fraction and concentration, not both and not none")
         return self
 
 

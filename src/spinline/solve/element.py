@@ -96,17 +96,15 @@ def follow(
     material, glass = context.material, context.glass[0]
     dried = _dried(context, x, profile, known, glass)
     history = _history(context, profile, known, x, dried)
-    here, solid, names, stiff = None, None, [""], ""
+    arrest: Arrest | None = None
+    said: dict[str, str] = {}
     if dried is not None:
-        here, names = liquids_along(context, dried)
-        solid = solid_of(context, here, names)
-        if dried.temperature is not None:
-            factor, stiff = stiffening(context, here, solid)
-            history = replace(history, temperature=dried.temperature, stiffening=factor)
-            material = material.stiffened(factor)
+        history, arrest, said = _solidified(context, dried, history, beyond=not bare)
+        if history.stiffening is not None:
+            material = material.stiffened(history.stiffening)
     fields: dict[str, Any] = {"radius": history.radius, "velocity": history.velocity, "residence_time": history.time,
                               "stretch_ratio": history.stretch}  # fmt: skip
-    attributes: dict[str, str] = {"concentration_laws": f"{material.words}; {stiff}" if stiff else material.words}
+    attributes: dict[str, str] = {"concentration_laws": material.words} | said
     remarks: list[str] = []
     if history.strain_rate is not None:
         fields["strain_rate"] = history.strain_rate
@@ -123,17 +121,14 @@ def follow(
     if slipping is not None:
         w = np.exp(np.interp(x, place[known], np.log(slipping)))
     if context.effects.relaxation:
-        relaxed = rung_of(context.scene.network.model).relax(context, history)
+        relaxed = rung_of(context.scene.network.model).relax(context, _held(history, arrest))
         w, attributes["constitutive_model"] = relaxed.stretch, relaxed.words
         fields |= relaxed.fields
     along = Along(x, history.time, history.radius, w, history.stretch)
     frozen = None
     if dried is not None:
-        assert here is not None
-        assert solid is not None
-        arrest = find_arrest(context, dried, history, solid, here, beyond=not bare)
+        assert arrest is not None
         frozen = _frozen(context, along, dried, arrest)
-        attributes["composition_path"] = composition_path(context, x, here, names, arrest.position)
         attributes |= {f"{name}_structure": words for name, words in frozen.words.items()}
         if not np.isnan(frozen.position):
             beyond = x > frozen.position
@@ -154,6 +149,35 @@ def follow(
         attributes=attributes,
         remarks=remarks,
     )
+
+
+def _solidified(
+    context: Context, dried: Dried, history: History, *, beyond: bool
+) -> tuple[History, Arrest, dict[str, str]]:
+    """The history with what stiffens it, where the jet becomes solid, and what there is to say of laws and composition."""
+    here, names = liquids_along(context, dried)
+    solid = solid_of(context, here, names)
+    said: dict[str, str] = {}
+    if dried.temperature is not None:
+        factor, words = stiffening(context, here, solid)
+        history = replace(history, temperature=dried.temperature, stiffening=factor)
+        said["concentration_laws"] = f"{context.material.words}; {words}"
+    arrest = find_arrest(context, dried, history, solid, here, beyond=beyond)
+    said["composition_path"] = composition_path(context, dried.position, here, names, arrest.position)
+    return history, arrest, said
+
+
+def _held(history: History, arrest: Arrest | None) -> History:
+    """What relaxation acts on: along a jet that cools the stretch is held from the arrest on, as the glass to come holds it."""
+    if arrest is None or history.temperature is None or np.isnan(arrest.position):
+        return history
+    beyond = history.position > arrest.position
+    last = float(np.exp(np.interp(arrest.position, history.position, np.log(history.stretch))))
+    rate = history.strain_rate
+    return replace(
+        history, stretch=np.where(beyond, last, history.stretch),
+        strain_rate=None if rate is None else np.where(beyond, 0.0, rate),
+    )  # fmt: skip
 
 
 def spread(values: FloatArray, known: BoolArray) -> FloatArray:
