@@ -125,6 +125,9 @@ def judge(seed, index, tolerances=TOLERANCES):
         solution = build_solution(this)
         plan = plan_scene(this, solution, build_jet(this, solution))
         model = plan.model
+        if model not in errors:  # both effects at once: no rung is its reference
+            outcomes.append({"rtol": rtol, "model": model, "error": float("nan"), "kind": "both effects"})
+            continue
         outcome = {"rtol": rtol, "model": model, "error": float(errors[model])}
         if isinstance(found[model][0], str):
             outcome |= {"kind": "refused", "words": found[model][0][:80]}

@@ -37,8 +37,13 @@ AXES = {  # of the maps: name, low, high (decades of the number)
 PLANES = (("deborah", "slip"), ("volume_fraction", "stretch"))
 BINS = 24
 HOLDS = ("affine", "manifold", "conformation", "neither", "unsteady", "unknown")
-TAKEN = {"affine": "A", "manifold": "M", "conformation": "C"}  # by auto; in small letters where asked for
-ASKED = {"affine": "a", "manifold": "m", "conformation": "c", "chain": "h", "walk": "w"}
+TAKEN = {
+    "affine": "A",
+    "manifold": "M",
+    "conformation": "C",
+    "two-fluid": "T",
+}  # by auto; in small letters where asked for
+ASKED = {"affine": "a", "manifold": "m", "conformation": "c", "chain": "h", "walk": "w", "two-fluid": "t"}
 OFF = (-np.inf, -3, -2, -1, 0, np.inf)  # decades of what the plan says a result is off
 
 

@@ -12,6 +12,9 @@ Designs: radius at 100 places (std 1 um), mean and core fraction at 60 (std 0.00
 * ``affine``: PEO-like jet of 5 mm; k, beta, phi, both calibrations, origin.
 * ``relaxing``: the same with a relaxation time near 10 ms, De about 1.
 * ``drying``: the same in acetone, which loses 8 % of its volume in 5 mm by Eq. (44); everything free at once.
+* ``manifold``: a network that slips at alpha_v near 300, itself free, linear springs.
+* ``fene-p``: strands of finite length that relax in about 10 ms, closure "stretch".
+* ``stretch``: the affine network by the closure "stretch".
 
 Not identifiable, hence not in the campaign: r_0 beside the length scale (only their product is seen), the flow rate beside the
 relaxation time (only Q theta is), evaporation of water (0.3 % of the volume: below what X-rays resolve), phi beside the
@@ -31,10 +34,17 @@ from spinline.fit.least_squares import fit
 from spinline.fit.model import ForwardModel
 from spinline.fit.observations import Observation
 from spinline.fit.problem import FitProblem, Prior
+from spinline.fit.scene_model import forward_model
+from spinline.scene import load_scene
 from spinline.setup.air import Air
 
 SEED = 20261122
-DESIGNS = ("affine", "relaxing", "drying")
+DESIGNS = ("affine", "relaxing", "drying", "manifold", "fene-p", "stretch")
+SCENES = {  # designs by a rung of a scene
+    "manifold": ["network.model=manifold", "network.force_law=linear", "network.coupling=300"],
+    "fene-p": ["network.model=conformation", "network.closure=stretch", "solution.relaxation_time=10 ms"],
+    "stretch": ["network.model=affine", "network.closure=stretch"],
+}
 
 
 def problem(design):
@@ -49,7 +59,7 @@ def problem(design):
         "fraction_scale": Prior(1.0, 0.05), "length_scale": Prior(1.0, 0.02), "origin": Prior(0.0, 5e-5),
     }  # fmt: skip
     drying = None
-    if design != "affine":
+    if design in ("relaxing", "drying", "fene-p"):
         free["relaxation_time"] = Prior(0.01, 0.005)
     if design == "drying":
         from spinline.rheology.vapour import air_kinematic_viscosity
@@ -66,7 +76,13 @@ def problem(design):
             0.0,
             "mass",
         )
-    model = ForwardModel("power-law", values, 5e-3, relaxation=design != "affine", drying=drying)
+    if design == "manifold":
+        free["coupling"] = Prior(300.0, 100.0)
+    if design in SCENES:
+        given = {name: prior.value for name, prior in free.items()}
+        model = forward_model(load_scene("peo5-water", SCENES[design]), values=given)
+    else:
+        model = ForwardModel("power-law", values, 5e-3, relaxation=design != "affine", drying=drying)
     far, near = np.linspace(5e-5, 4.9e-3, 100), np.linspace(1e-4, 4.5e-3, 60)
 
     def blank(kind, z, std):

@@ -236,8 +236,8 @@ def flats(replicates):
     out = {}
     for name in FLATS:
         error, std, said = [], [], set()
-        for seed in range(max(replicates // 8, 3)):
-            result = flats_replicate(name, seed)
+        for seed in range(replicates):
+            result = flats_replicate(name, 1000 * (FLATS.index(name) + 1) + seed)
             error.append(result["mean_polymer_fraction"].values - PHI)
             std.append(result["mean_polymer_fraction_std"].values)
             said |= {line.split(":")[0][:60] for line in str(result.attrs["warnings"]).splitlines()}

@@ -75,6 +75,10 @@ class FibreWriter:
         self._sums["total_volume"] += float(np.sum(segments.volume))
         self._sums["total_dry_volume"] += float(np.sum(segments.dry_volume))
 
+    def total(self, name: str) -> float:
+        """One of the sums so far: total_length (m), total_volume, total_dry_volume (m3)."""
+        return self._sums[name]
+
     def close(self) -> None:
         """Write the sums and close."""
         for key, value in self._sums.items():

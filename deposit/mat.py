@@ -34,7 +34,7 @@ from spinline.deposit.whole import Source, WholeMat, chunks_of, map_of, survey
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MatOptions", "MatSample", "analyse_mat", "sample_mat", "sample_windows"]
+__all__ = ["MatOptions", "MatSample", "analyse_mat", "first_stack", "sample_mat", "sample_windows"]
 
 _PORE_VOXELS = 800_000
 _RADII = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0])  # of pores, in fibre radii
@@ -133,6 +133,16 @@ def analyse_mat(fibres: "Segments | Source", options: MatOptions | None = None) 
     return _dataset(whole, content, samples, o)
 
 
+def first_stack(fibres: "Segments | Source", options: MatOptions) -> Stack:
+    """The stack of the first window that `analyse_mat` takes."""
+    whole = survey(fibres)
+    content = map_of(fibres, whole, options.cells)
+    side = options.window if options.window is not None else 50 * whole.mean_diameter()
+    windows = sample_windows(content, side, options.realisations, options.seed)
+    window, part = _cut(fibres, windows[:1], options.slope)[0]
+    return lay_stack(part, window, slope=options.slope, flatten=options.flatten)
+
+
 def sample_windows(content: DensityMap, side: float, count: int, seed: int) -> list[Window]:
     """Windows at random places where the mat is at least half as heavy as at its heaviest cell."""
     rng = np.random.default_rng(seed)
@@ -211,6 +221,9 @@ def _cut(fibres: "Segments | Source", windows: list[Window], slope: float) -> li
 def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: MatOptions) -> "xr.Dataset":
     import xarray as xr
 
+    if len(samples) < o.realisations:
+        warnings.warn(f"{o.realisations - len(samples)} of {o.realisations} windows have no fibre and are left out: the mat is "
+                      "thinner than one fibre there", SpinlineWarning, stacklevel=3)  # fmt: skip
     if not samples:
         raise InputError("mat.window", "no window has a fibre in it", remedy="take larger windows or lay longer")
     solidity = np.array([[s.stack.solidity(e) for e in ENVELOPES] for s in samples])

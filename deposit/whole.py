@@ -1,7 +1,7 @@
 """The whole mat, chunk by chunk: totals, directions, diameters, areal density; memory does not grow with the mat."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -11,7 +11,7 @@ from spinline.base.errors import InputError
 from spinline.deposit.areal_density import DensityMap, add_segments
 from spinline.deposit.segments import Segments
 
-__all__ = ["Source", "WholeMat", "chunks_of", "map_of", "survey"]
+__all__ = ["Rolled", "Source", "WholeMat", "chunks_of", "map_of", "survey"]
 
 _LOG_BINS = 4000  # of diameters from 1 nm to 10 mm: 0.4 % each
 _LOG_EDGES = np.logspace(-9, -2, _LOG_BINS + 1)
@@ -23,6 +23,26 @@ class Source(Protocol):
 
     def chunks(self) -> Iterator[Segments]:
         """Segments, a bounded number at a time."""
+
+
+@dataclass(frozen=True)
+class Rolled:
+    """Fibres of a drum rolled up again: layers that differ by whole turns share their place, first laid below.
+
+    Attributes
+    ----------
+    source : Source or Segments
+    circumference : float
+        m.
+    """
+
+    source: "Source | Segments"
+    circumference: float
+
+    def chunks(self) -> Iterator[Segments]:
+        """Chunks with x within one turn."""
+        for s in chunks_of(self.source):
+            yield replace(s, x=np.mod(s.x, self.circumference))
 
 
 @dataclass

@@ -10,7 +10,8 @@ name               what it is, and when to take it
 `bead_flow_rate`   flow rate of a bead jet from its own motion; `element_age` with it
 `read_jetspin`     the output of a JETSPIN run
 `fit_power_law`    k and beta of a measured profile, and where a power law holds
-`estimate_k`       k from the process conditions, to a factor of order one
+`estimate_k`       k of a viscous jet from the process conditions, for beta = 1
+`ehd`              the electrified jet from a needle's voltage, gap, conductivity (`StraightEhdJet`)
 =================  ============================================================================
 """
 
@@ -22,7 +23,9 @@ if __name__ != "spinline.jetprofile":
     raise ImportError("import spinline.jetprofile, not jetprofile")
 
 if TYPE_CHECKING:
+    from spinline.jetprofile import ehd
     from spinline.jetprofile.bead_age import bead_flow_rate, element_age
+    from spinline.jetprofile.ehd import NeedleSettings, NoSteadyJet, StraightEhdJet
     from spinline.jetprofile.fit import PowerLawFit, fit_power_law
     from spinline.jetprofile.hyperbolic import Hyperbolic
     from spinline.jetprofile.jet import Jet
@@ -44,6 +47,10 @@ _NAMES = {
     "Table": "table",
     "bead_flow_rate": "bead_age",
     "element_age": "bead_age",
+    "NeedleSettings": "ehd",
+    "NoSteadyJet": "ehd",
+    "StraightEhdJet": "ehd",
+    "ehd": "ehd",
     "estimate_k": "k_estimate",
     "fit_power_law": "fit",
     "iter_jetspin": "jetspin",
@@ -55,11 +62,15 @@ __all__ = [
     "Hyperbolic",
     "Jet",
     "LagrangianJet",
+    "NeedleSettings",
+    "NoSteadyJet",
     "PowerLaw",
     "PowerLawFit",
+    "StraightEhdJet",
     "StraightJet",
     "Table",
     "bead_flow_rate",
+    "ehd",
     "element_age",
     "estimate_k",
     "fit_power_law",

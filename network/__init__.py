@@ -18,6 +18,9 @@ module                 law
 `walk_estimate`        estimates with their errors; control variates
 `tension`              tension of the network for every force-extension law
 `manifold`             Eqs. (32a), (33): the steady network at finite coupling
+`two_fluid`            the same with strands that relax: the rung ``two-fluid``
+`disentanglement`      entanglements that let go: Rolie-Poly and the fraction left
+`far_end`              how much of the network's far end is felt upstream
 `flow`                 V(s, t) as the chain sees it
 `chain`                Eq. (32a) in full: every bead, in time (`chain_model`, `chain_state`, `chain_step`, ...)
 `radial`               Eq. (32b): lateral mesh across the jet
@@ -37,6 +40,8 @@ if __name__ != "spinline.network":
 from spinline.network.concentration import (
     compaction_velocity_ratio,
     conservative_radius_ratio,
+    flux_fraction,
+    flux_radius_ratio,
     fraction_conservative,
     fraction_eq40,
     fraction_walk,
@@ -68,10 +73,12 @@ if TYPE_CHECKING:
     from spinline.network.chain.model import Chain, ChainError
     from spinline.network.chain.profile import ChainProfile
     from spinline.network.chain.state import ChainState, affine_start, empty_start, start_from
-    from spinline.network.lateral import LateralNetwork, lateral_network
+    from spinline.network.disentanglement import Disentangled, disentangle, rouse_time, strand_fraction
+    from spinline.network.lateral import LateralNetwork, lateral_limit, lateral_network, lateral_time
     from spinline.network.manifold import Manifold, eq33, steady_network
     from spinline.network.radial import RadialMesh, radial_mesh, solve_radial_mesh
     from spinline.network.tension import Tension
+    from spinline.network.two_fluid import TwoFluid, two_fluid_network
     from spinline.network.walk.estimate import (
         Average,
         Histogram,
@@ -94,6 +101,7 @@ _NAMES = {
     "ChainProfile": "chain.profile",
     "ChainResult": "chain.march",
     "ChainState": "chain.state",
+    "Disentangled": "disentanglement",
     "ExactLaw": "walk.law",
     "Flow": "chain.flow",
     "FlowStrand": "walk.flow",
@@ -105,18 +113,23 @@ _NAMES = {
     "Strand": "walk.strand",
     "StrandSample": "walk.sample",
     "Tension": "tension",
+    "TwoFluid": "two_fluid",
     "WalkMoments": "walk.exact",
     "affine_start": "chain.state",
     "affine_strand": "walk.strand",
     "coarse_graining_error": "chain.coarse",
+    "disentangle": "disentanglement",
     "empty_start": "chain.state",
     "eq33": "manifold",
     "exact_law": "walk.law",
     "flow_strand": "walk.flow",
     "force_laws": "force_laws:",
     "hydrodynamic_strand": "walk.strand",
+    "lateral_limit": "lateral",
     "lateral_network": "lateral",
+    "lateral_time": "lateral",
     "radial_mesh": "radial",
+    "rouse_time": "disentanglement",
     "run_chain": "chain.march",
     "sample_average": "walk.estimate",
     "sample_histogram": "walk.estimate",
@@ -126,6 +139,8 @@ _NAMES = {
     "solve_radial_mesh": "radial",
     "start_from": "chain.state",
     "steady_network": "manifold",
+    "strand_fraction": "disentanglement",
+    "two_fluid_network": "two_fluid",
     "uniform_strand": "walk.strand",
     "varying_strand": "walk.strand",
     "walk_moments": "walk.exact",
@@ -139,6 +154,7 @@ __all__ = [
     "ChainResult",
     "ChainState",
     "Conformation",
+    "Disentangled",
     "ExactLaw",
     "Flow",
     "FlowStrand",
@@ -152,6 +168,7 @@ __all__ = [
     "Strand",
     "StrandSample",
     "Tension",
+    "TwoFluid",
     "WalkMoments",
     "affine_force",
     "affine_network",
@@ -163,6 +180,7 @@ __all__ = [
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
     "crossover_velocity_ratio",
+    "disentangle",
     "dried_state",
     "elastic_coupling",
     "empty_start",
@@ -170,12 +188,16 @@ __all__ = [
     "exact_law",
     "extension_velocity_ratio",
     "flow_strand",
+    "flux_fraction",
+    "flux_radius_ratio",
     "force_laws",
     "fraction_conservative",
     "fraction_eq40",
     "fraction_walk",
     "hydrodynamic_strand",
+    "lateral_limit",
     "lateral_network",
+    "lateral_time",
     "log_fraction_conservative",
     "log_fraction_eq40",
     "log_fraction_walk",
@@ -188,6 +210,7 @@ __all__ = [
     "relative_contraction",
     "relative_extension",
     "rest_force",
+    "rouse_time",
     "run_chain",
     "sample_average",
     "sample_histogram",
@@ -200,7 +223,9 @@ __all__ = [
     "start_from",
     "steady_network",
     "strand_force",
+    "strand_fraction",
     "stretched_walk",
+    "two_fluid_network",
     "uniform_strand",
     "varying_strand",
     "walk_moments",

@@ -8,8 +8,9 @@
     conservative  phi_p = phi (T xi_0 / xi_perp)^2 V / (xi_par / (T xi_0)),    T = tanh(f_0) / f_0
 
 They differ at rest (0.050752, 0.050376 and 0.05 for phi = 0.05) because the walk's rest state is ``T xi_0``,
-not ``xi_0``. The conservative form is normalised there and keeps the polymer flux exactly, with a network that
-moves at ``v_0 xi_par / xi_par(V = 1)``. All grow without bound (inf beyond 1e308; the ``log_`` functions go on),
+not ``xi_0``. The conservative form is normalised there and keeps the polymer flux exactly, with an affine network that
+moves at ``v_0 xi_par / xi_par(V = 1)``; `flux_fraction` is the same for any closure and any velocity u of the flux,
+``phi_p = phi (xi_perp(1)/xi_perp)^2 V/u``. All grow without bound (inf beyond 1e308; the ``log_`` functions go on),
 which a volume fraction cannot: `saturate` holds them at 1 and says where. Past that point the network radius is
 the one that carries the polymer, ``r_P / r = phi^(1/2)``, or ``[phi V / (xi_par / xi_par(1))]^(1/2)`` for the
 conservative form.
@@ -33,6 +34,8 @@ from spinline.network.mesh import SolventQuality, rest_force
 __all__ = [
     "compaction_velocity_ratio",
     "conservative_radius_ratio",
+    "flux_fraction",
+    "flux_radius_ratio",
     "fraction_conservative",
     "fraction_eq40",
     "fraction_walk",
@@ -169,6 +172,61 @@ def conservative_radius_ratio(
     at_rest = np.tanh(rest) / rest
     compacted: FloatArray = np.sqrt(phi * v * at_rest / conformation.axial_stretch)
     return np.maximum(conformation.radial_contraction / at_rest, compacted), compacted
+
+
+def flux_fraction(
+    conformation: Conformation,
+    velocity_ratio: ArrayLike,
+    volume_fraction: ArrayLike,
+    rest_contraction: ArrayLike,
+    flux_velocity_ratio: ArrayLike,
+) -> FloatArray:
+    """Polymer fraction that carries the flux at a given velocity: ``phi (xi_perp(1)/xi_perp)^2 V/u``.
+
+    Parameters
+    ----------
+    conformation : Conformation
+        Strands at the same points.
+    velocity_ratio : array_like
+        V > 0 of the solution.
+    volume_fraction : array_like
+        phi, in (0, 1).
+    rest_contraction : array_like
+        ``xi_perp / xi_0`` of the closure at rest, > 0.
+    flux_velocity_ratio : array_like
+        u over v_0, > 0.
+
+    Returns
+    -------
+    ndarray
+        Unbounded; inf past 1e308.
+    """
+    v, u = (
+        real("velocity_ratio", velocity_ratio, above=0.0),
+        real("flux_velocity_ratio", flux_velocity_ratio, above=0.0),
+    )
+    rest = real("rest_contraction", rest_contraction, above=0.0)
+    with np.errstate(over="ignore"):  # inf is the answer there
+        value: FloatArray = fraction_walk(conformation, volume_fraction) * (rest**2 * (v / u))
+    return value
+
+
+def flux_radius_ratio(
+    conformation: Conformation,
+    velocity_ratio: ArrayLike,
+    volume_fraction: ArrayLike,
+    rest_contraction: ArrayLike,
+    flux_velocity_ratio: ArrayLike,
+) -> tuple[FloatArray, FloatArray]:
+    """Network radius over jet radius that goes with `flux_fraction`, and its value when compacted, ``(phi V/u)^(1/2)``."""
+    phi = _fraction(volume_fraction)
+    v, u = (
+        real("velocity_ratio", velocity_ratio, above=0.0),
+        real("flux_velocity_ratio", flux_velocity_ratio, above=0.0),
+    )
+    compacted: FloatArray = np.sqrt(phi * (v / u))
+    rest = real("rest_contraction", rest_contraction, above=0.0)
+    return np.maximum(conformation.radial_contraction / rest, compacted), compacted
 
 
 def saturate(unbounded: FloatArray) -> tuple[FloatArray, BoolArray]:

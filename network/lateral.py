@@ -30,7 +30,10 @@ from scipy.optimize import brentq
 from spinline.base.checks import BoolArray, FloatArray, number, positive, real
 from spinline.base.errors import InputError
 
-__all__ = ["LateralNetwork", "lateral_network"]
+__all__ = ["DRAGS", "LateralNetwork", "lateral_limit", "lateral_network", "lateral_time"]
+
+DRAGS = {"xi mu": 1.0, "6 pi xi mu": 6 * np.pi}
+"""Drag of a bead over ``xi_eff mu u``: as alpha_v has it (the review), and Stokes's for a sphere of radius xi_eff."""
 
 _MOST_REFINED = 5
 _GAMMA = 2.0 - np.sqrt(2.0)  # TR-BDF2
@@ -68,6 +71,56 @@ class LateralNetwork:
     detached: BoolArray
     compacted: BoolArray
     error: float
+
+
+def lateral_time(residence_time: ArrayLike, coupling: float, pace: float, spring: float = 3.0) -> FloatArray:
+    """Time the network has to contract, ``F = c k_B T t/(xi_eff mu r_0^2)``: how much of `lateral_limit` is reached.
+
+    Parameters
+    ----------
+    residence_time : array_like
+        Time from the nozzle, s, >= 0.
+    coupling : float
+        alpha_v > 0, with a drag of ``xi_eff mu`` a bead; divide F by 6 pi for Stokes's.
+    pace : float
+        ``v_0/r_0``, 1/s, > 0.
+    spring : float, optional
+        c > 0.
+
+    Returns
+    -------
+    ndarray
+        F; far below 1 the network moves with the solution (r_P/r = 1), far above it is `lateral_limit`.
+
+    Examples
+    --------
+    >>> round(float(lateral_time(0.0354, 1e4, 145.0)), 5)
+    0.00154
+    """
+    time = real("residence_time", residence_time, least=0.0, unit="s")
+    value: FloatArray = positive("spring", spring) / positive("coupling", coupling) * positive("pace", pace) * time
+    return value
+
+
+def lateral_limit(contraction: ArrayLike, velocity_ratio: ArrayLike) -> FloatArray:
+    """``r_P/r`` of a network with all the time it takes, ``min(1, q V^(1/2))``; Eq. (39) says q.
+
+    Parameters
+    ----------
+    contraction : array_like
+        q > 0, lateral size of the strands over that at rest.
+    velocity_ratio : array_like
+        V > 0.
+
+    Notes
+    -----
+    A strand that the flow has made narrower than its own lateral size pushes outward: the network fills the jet for as long as
+    ``q V^(1/2) > 1``. Eq. (39), r_P/r = q from the nozzle on, would need a lateral tension beyond f_0, the strands' own at
+    rest.
+    """
+    q, v = real("contraction", contraction, above=0.0), real("velocity_ratio", velocity_ratio, above=0.0)
+    value: FloatArray = np.minimum(1.0, q * np.sqrt(v))
+    return value
 
 
 def lateral_network(

@@ -7,14 +7,14 @@ Beads leave the nozzle at a constant rate, so the stretch of the strands ``w = x
     w = V + (eps T'(w) - I) w dw/ds
 
 Series: ``w = V + eps V V' + ...``; Eq. (33) is right to O(eps) only. For ``eps T' > I`` the equation is violently unstable
-downstream (growth rate ``1 / (eps w)``) and as stable upstream: it is marched from the free end, ``T(L) = T(1)``, back to
-the nozzle, and no condition is set at the inlet. For the linear spring with ``I > eps`` it is the other way round.
+downstream (growth rate ``1 / (eps w)``) and as stable upstream: it is marched from its far end back to the nozzle, and no
+condition is set at the inlet. For the linear spring with ``I > eps`` it is the other way round.
 
-A steady state that does not depend on the far end exists only while ``eps V' <= 1/4``: for ``V = g s``,
-``w / V = (1 - sqrt(1 - 4 eps g)) / (2 eps g)``. Beyond, a backward march still returns numbers, which depend on L, and the
-chain in time never settles: such jets are refused, with the place where the state is lost. A network at its contour
-is another matter: *locking* is nonlocal. As ``alpha_v -> inf``, it is fully extended from the s_1 that satisfies
-``int_{s_1}^{L} (V_S - V) ds = 0`` on.
+How much the far end decides is measured, not judged by ``eps V' <= 1/4``: two marches, from a free end and from the slow
+root of `far_end`, and the largest difference of w at the stations is `far_end_effect`. For ``V = g s`` the network that
+does not depend on the far end is ``w / V = (1 - sqrt(1 - 4 eps g)) / (2 eps g)``; a finite jet forgets its end as ``(s /
+L)^p`` only. A network at its contour is held by its end whatever the coupling: *locking* is nonlocal. As ``alpha_v ->
+inf``, it is fully extended from the s_1 that satisfies ``int_{s_1}^{L} (V_S - V) ds = 0`` on.
 
 Method: Radau IIA collocation with 12 stages (order 23, L-stable) on panels marched upstream, each accepted when the last
 Legendre coefficients of w and T are below `rtol`. 30 to 170 panels, 5 to 60 ms; errors below 1e-11 at the default rtol.
@@ -25,7 +25,7 @@ Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (32a), (33).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -34,10 +34,12 @@ from scipy.optimize import brentq
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.network import far_end
 from spinline.network._objects import instance
+from spinline.network.far_end import End
 from spinline.network.tension import Tension
 
-__all__ = ["Manifold", "eq33", "steady_network"]
+__all__ = ["Manifold", "checked_profile", "eq33", "steady_network"]
 
 _STAGES = 12
 _LONGEST = 1e100
@@ -45,7 +47,6 @@ _MOST_TRIALS = (
     1000  # panels tried in all; jets smooth between their breaks take 240 at most, alpha_v to 1e15, rtol to 1e-13
 )
 _PER_BREAK = 100  # more of them for every break
-_FRONT = 0.25  # eps V' beyond which no steady state is independent of the far end
 _LOCKED = 0.95  # extension from which the network counts as locked
 
 Profile = Callable[[FloatArray], FloatArray]
@@ -69,6 +70,12 @@ class Manifold:
         Legendre coefficients of T on each panel.
     locked_from : float
         Upstream end of the stretch of the jet over which strands are beyond 0.95 of their contour; NaN if none is.
+    end : {"free", "take-up", "extended"}
+        What holds the network downstream.
+    far_end_effect : float
+        Largest relative change of w, at the stations, between the two marches (`far_end`).
+    moves_most : float
+        Where that is, initial radii.
     """
 
     length: float
@@ -78,6 +85,9 @@ class Manifold:
     edges: FloatArray
     coefficients: FloatArray
     locked_from: float
+    end: End = "free"
+    far_end_effect: float = 0.0
+    moves_most: float = float("nan")
 
     def tension(self, s: ArrayLike) -> FloatArray:
         """Tension T at s, in units of the strand force at rest."""
@@ -93,10 +103,14 @@ class Manifold:
         """Stretch ``w = xi_par / xi_0 = u / v_0`` at s."""
         return self.law.stretch(self.tension(s))
 
+    def velocity_ratio(self, s: ArrayLike) -> FloatArray:
+        """Velocity of the network over v_0: the stretch, since nothing relaxes."""
+        return self.stretch(s)
+
     def first_passage(self, stretch: float) -> float:
         """First s where w passes a value; NaN where it never does. To 1e-12 of the panel."""
         stretch = number("stretch", stretch)
-        for low, high in pairwise(self.edges.tolist()):
+        for low, high in pairwise([*self.edges[self.edges < self.length].tolist(), self.length]):
             s = np.linspace(low, high, 33)
             above = np.flatnonzero(self.stretch(s) >= stretch)
             if not above.size:
@@ -153,6 +167,9 @@ def steady_network(
     inertia: float = 0.0,
     law: Tension | None = None,
     breaks: Sequence[float] = (),
+    end: End = "free",
+    stations: ArrayLike | None = None,
+    known_to: float | None = None,
     rtol: float = 1e-10,
 ) -> Manifold:
     """Steady network along a jet, marched the stable way.
@@ -160,9 +177,9 @@ def steady_network(
     Parameters
     ----------
     velocity_ratio : callable
-        V(s) > 0 for arrays of s in [0, length], in initial radii; smooth but for `breaks`.
+        V(s) > 0 for arrays of s in [0, `known_to`], in initial radii; smooth but for `breaks`.
     length : float
-        Free far end L, in initial radii, in (0, 1e100].
+        Last station L, in initial radii, in (0, 1e100].
     coupling : float
         alpha_v > 0.
     spring : float, optional
@@ -173,6 +190,13 @@ def steady_network(
         Tension law; default the linear spring, which has no contour.
     breaks : sequence of float, optional
         Places where V is not smooth (s_0 of a power-law jet).
+    end : {"free", "take-up", "extended"}
+        "free": T = T(1) at `length`. "take-up": the network goes on as the jet does, from beyond `length` on. "extended":
+        free, as far beyond `length` as it takes for the end not to be felt.
+    stations : array_like, optional
+        Where the far end is judged, in [0, length]. Default: 201 places.
+    known_to : float, optional
+        Where V(s) ends, at least `length`, its default; beyond, V goes on with the slope it has there. inf for a law.
     rtol : float, optional
         Tolerance of w, relative, in [1e-13, 1e-2].
 
@@ -183,8 +207,7 @@ def steady_network(
     Raises
     ------
     InputError
-        For values out of range; where no steady state independent of the far end exists (``eps V' > 1/4``), with the
-        place where it is lost; where inertia and elasticity balance, so that neither march is stable.
+        For values out of range; where inertia and elasticity balance, so that neither march is stable.
 
     Examples
     --------
@@ -192,45 +215,56 @@ def steady_network(
     >>> round(float(network.stretch(20.0)), 6)
     3.030615
     """
-    if not callable(velocity_ratio):
-        raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
-    end, alpha = number("length", length, above=0.0, most=_LONGEST), positive("coupling", coupling)
+    far, alpha = number("length", length, above=0.0, most=_LONGEST), positive("coupling", coupling)
     eps = positive("spring", spring) / alpha
     mass = number("inertia", inertia, least=0.0)
     tol = number("rtol", rtol, least=1e-13, most=1e-2)
     chosen = Tension.linear() if law is None else law
     instance("law", chosen, Tension, remedy="make one with Tension.of")
-    named = set(real("breaks", breaks).ravel().tolist())
-    edges = [0.0, *sorted(b for b in named if 0 < b < end), end]
-    profile = _checked(velocity_ratio)
-    kind = np.asarray(velocity_ratio(np.array([0.0]))).dtype
-    precision = float(np.finfo(kind if kind.kind == "f" else np.float64).eps)
-    _refuse_lost(profile, edges, eps, chosen, precision)
+    held = far_end.check_end(end)
+    known = far if known_to is None else (np.inf if known_to == np.inf else number("known_to", known_to, least=far))
+    profile = far_end.continued(checked_profile(velocity_ratio), far, known)
+    at = np.linspace(0.0, far, 201) if stations is None else real("stations", stations, least=0.0, most=far).ravel()
     upstream = eps > mass
     if not upstream and (chosen.bounded or eps == mass):
         raise InputError(
             "inertia", "is as large as the elastic coupling: no march of the steady network is stable", value=mass,
             allowed=f"< c/alpha_v = {eps:g}", remedy="use the chain in time, or lower I",
         )  # fmt: skip
-    march = _March(profile, chosen, eps, mass, tol, -1.0 if upstream else 1.0)
-    pieces = list(pairwise(edges))
-    tension = chosen.tension_at_rest
-    for low, high in reversed(pieces) if upstream else pieces:
-        tension = march.over(low, high, tension)
-    panels = march.panels[::-1] if upstream else march.panels
-    return Manifold(
-        length=end,
-        eps=eps,
-        inertia=mass,
-        law=chosen,
-        edges=np.array([panels[0][0], *(panel[1] for panel in panels)]),
-        coefficients=np.array([panel[2] for panel in panels]),
-        locked_from=_locked_from(panels, chosen),
-    )
+    begin = far_end.elastic_reach(profile, far, eps, chosen) if upstream and held != "free" else far
+    named = set(real("breaks", breaks).ravel().tolist())
+    edges = [0.0, *sorted(b for b in named if 0 < b < begin), begin]
+
+    def marched(tension: float) -> Manifold:
+        march = _March(profile, chosen, eps, mass, tol, -1.0 if upstream else 1.0)
+        pieces = list(pairwise(edges))
+        for low, high in reversed(pieces) if upstream else pieces:
+            tension = march.over(low, high, tension)
+        panels = march.panels[::-1] if upstream else march.panels
+        places = np.array([panels[0][0], *(panel[1] for panel in panels)])
+        locked = _locked_from(panels, chosen)
+        return Manifold(far, eps, mass, chosen, places, np.array([panel[2] for panel in panels]),
+                        locked if locked <= far else float("nan"), held)  # fmt: skip
+
+    free = chosen.tension_at_rest
+    if not upstream:  # held at the nozzle
+        return marched(free)
+    root = far_end.root_of(profile, begin, eps, chosen, inertia=mass)
+    pulled = float("nan") if np.isnan(root) else float(chosen.tension(root))
+    first, second = (free, pulled) if held != "take-up" or np.isnan(pulled) else (pulled, free)
+    main = marched(first)
+    here = main.stretch(at)
+    # nothing steady beyond: the jet may pull the network to its contour, everywhere
+    there = np.full_like(here, chosen.full_stretch) if np.isnan(pulled) else marched(second).stretch(at)
+    effect = np.abs(there / here - 1)
+    worst = int(np.argmax(effect))
+    return replace(main, far_end_effect=float(effect[worst]), moves_most=float(at[worst]))
 
 
-def _checked(velocity_ratio: Profile) -> Profile:
+def checked_profile(velocity_ratio: Profile) -> Profile:
     """The jet's V(s), refused where it is not one positive number for each place."""
+    if not callable(velocity_ratio):
+        raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
 
     def profile(s: FloatArray) -> FloatArray:
         v = real("velocity_ratio", velocity_ratio(s), above=0.0, remedy="the jet must move forward everywhere")
@@ -239,39 +273,6 @@ def _checked(velocity_ratio: Profile) -> Profile:
         return np.broadcast_to(v, s.shape)
 
     return profile
-
-
-def _refuse_lost(profile: Profile, edges: list[float], eps: float, law: Tension, precision: float) -> None:
-    """Refuse a jet where ``eps V'`` passes 1/4 short of the contour, by more than rounding of V, at the first such place."""
-    for low, high in pairwise(edges):
-        width = high - low
-        s = low + width * np.unique(np.concatenate((np.geomspace(1e-9, 1.0, 257), np.linspace(1e-9, 1.0, 513))))
-        v = profile(s)
-        share = eps * np.diff(v) / np.diff(s)
-        rounding = 4 * eps * precision * v[1:] / np.diff(s)
-        lost = np.flatnonzero((share - rounding > _FRONT) & (v[1:] < _LOCKED * law.full_stretch))
-        if not lost.size:
-            continue
-        first = int(lost[0])
-        where = low if first == 0 else _where_lost(profile, float(s[first - 1]), float(s[first + 1]), eps)
-        raise InputError(
-            "coupling", f"no steady network: eps V' passes 1/4 at s = {where:.6g} (it reaches {share[lost].max():.3g})",
-            value=1 / eps, allowed=f"alpha_v / c >= {4 * share[lost].max() / eps:.4g}",
-            remedy="raise alpha_v, or follow the chain in time (it does not settle there)",
-        )  # fmt: skip
-
-
-def _where_lost(profile: Profile, low: float, high: float, eps: float) -> float:
-    """Place between two others where ``eps V'`` passes 1/4, by bisection."""
-    step = 1e-4 * (high - low)
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        ends = profile(np.array([middle - step, middle + step]))
-        if eps * (ends[1] - ends[0]) / (2 * step) > _FRONT:
-            high = middle
-        else:
-            low = middle
-    return high
 
 
 def _locked_from(panels: list[tuple[float, float, FloatArray]], law: Tension) -> float:

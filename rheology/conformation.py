@@ -27,6 +27,7 @@ Bird, Armstrong, Hassager, Dynamics of Polymeric Liquids, vol. 1 and 2 (1987); G
 """
 
 from dataclasses import dataclass
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,11 +51,22 @@ __all__ = [
 ]
 
 _RTOL = 1e-10  # of the logarithms
+Followed = tuple[FloatArray, FloatArray, FloatArray]  # A_zz, A_rr, f
 
 
 @dataclass(frozen=True)
 class Maxwell:
     """Upper-convected Maxwell."""
+
+    solvent_viscosity: ClassVar[float] = 0.0
+
+    def follow(self, history: ElementHistory, first: FloatArray, rtol: float) -> Followed:
+        """Exact for the interpolated history."""
+        return _linear(history, first)
+
+    def stiffening(self, v: FloatArray) -> tuple[FloatArray, float]:
+        """As Maxwell."""
+        return np.ones_like(v), float("inf")
 
 
 @dataclass(frozen=True)
@@ -66,28 +78,76 @@ class OldroydB:
     def __post_init__(self) -> None:
         number("solvent_viscosity", self.solvent_viscosity, least=0.0, unit="Pa s")
 
+    def follow(self, history: ElementHistory, first: FloatArray, rtol: float) -> Followed:
+        """Strands as Maxwell's."""
+        return _linear(history, first)
+
+    def stiffening(self, v: FloatArray) -> tuple[FloatArray, float]:
+        """As Maxwell."""
+        return np.ones_like(v), float("inf")
+
 
 @dataclass(frozen=True)
 class Giesekus:
     """Anisotropic drag; `mobility` alpha in [0, 1], 1/2 at most for a monotone flow curve."""
 
+    solvent_viscosity: ClassVar[float] = 0.0
     mobility: float
 
     def __post_init__(self) -> None:
         number("mobility", self.mobility, least=0.0, most=1.0)
+
+    def follow(self, history: ElementHistory, first: FloatArray, rtol: float) -> Followed:
+        """Radau's method in ln A."""
+        _within_doubles(history, first)
+        axial, radial = np.exp(_followed(history, 0, self.mobility, np.log(first), rtol))
+        return axial, radial, np.ones(history.time.size)
+
+    def stiffening(self, v: FloatArray) -> tuple[FloatArray, float]:
+        """Faster by ``1 + alpha (v^2 - 1)``."""
+        return 1 + self.mobility * np.maximum(v**2 - 1, 0.0), float("inf")
 
 
 @dataclass(frozen=True)
 class FENEP:
     """Finitely extensible; `extensibility` L^2 > 3, N_s segments of a strand."""
 
+    solvent_viscosity: ClassVar[float] = 0.0
     extensibility: float
 
     def __post_init__(self) -> None:
         number("extensibility", self.extensibility, above=3.0, most=1e12, remedy="L^2 = N_s, segments of a strand")
 
+    def follow(self, history: ElementHistory, first: FloatArray, rtol: float) -> Followed:
+        """Radau's method in ln(f A), which makes every value possible."""
+        _within_doubles(history, first)
+        limit, spread = self.extensibility, float(first[0] + 2 * first[1])
+        if spread >= limit:
+            raise InputError("start", "is beyond the contour", value=spread, allowed=f"A_zz + 2 A_rr < {limit:g}")
+        scaled = first * (limit - 3) / (limit - spread)
+        tensor = np.exp(_followed(history, 1, limit, np.log(scaled), rtol))
+        stiffening = (tensor[0] + 2 * tensor[1] + limit - 3) / limit
+        axial, radial = tensor / stiffening
+        return axial, radial, stiffening
 
-Model = Maxwell | OldroydB | Giesekus | FENEP
+    def stiffening(self, v: FloatArray) -> tuple[FloatArray, float]:
+        """Faster by f, up to L."""
+        room = np.maximum(1 - v**2 / self.extensibility, 1e-6)
+        return (1 - 3 / self.extensibility) / room, float(np.sqrt(self.extensibility))
+
+
+class Model(Protocol):
+    """A constitutive law with its parameters; `Maxwell`, `OldroydB`, `Giesekus`, `FENEP`, or any object that does as much."""
+
+    @property
+    def solvent_viscosity(self) -> float:
+        """Of a Newtonian stress beside that of the strands, Pa s; 0 for none."""
+
+    def follow(self, history: ElementHistory, first: FloatArray, rtol: float, /) -> Followed:
+        """A_zz, A_rr and the stiffening f at every sample, from `first` on."""
+
+    def stiffening(self, v: FloatArray, /) -> tuple[FloatArray, float]:
+        """How much faster than Maxwell's it gives back an affine stretch, and its largest stretch; for estimates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +192,7 @@ class ElementConformation:
         g = real("modulus", modulus, above=0.0, unit="Pa")
         if g.ndim and g.shape != self.time.shape:
             raise InputError("modulus", "must be one, or one per sample", value=f"{g.shape} against {self.time.shape}")
-        solvent = self.model.solvent_viscosity * self.strain_rate if isinstance(self.model, OldroydB) else 0.0
+        solvent = self.model.solvent_viscosity * self.strain_rate
         return g * (self.stiffening * self.axial - 1) + 2 * solvent, g * (self.stiffening * self.radial - 1) - solvent
 
 
@@ -186,24 +246,9 @@ def conformation(
     if first.shape != (2,):
         raise InputError("start", "must be A_zz and A_rr", value=start)
     accuracy = float(real("rtol", rtol, least=1e-12, most=1e-3))
-    stiffening = np.ones(history.time.size)
-    if isinstance(chosen, Giesekus | FENEP):  # integrated step by step: within what a double can square
-        real("start", first, least=1e-100, most=1e100)
-        real("relaxation_time", history.relaxation_time, least=1e-100, most=1e100, unit="s")
-    elif not isinstance(chosen, Maxwell | OldroydB):
+    if not callable(getattr(chosen, "follow", None)):
         raise InputError("model", "is not one of Maxwell, OldroydB, Giesekus, FENEP", value=chosen)
-    if isinstance(chosen, Maxwell | OldroydB):
-        axial, radial = propagate(history, 2.0, float(first[0])), propagate(history, -1.0, float(first[1]))
-    elif isinstance(chosen, Giesekus):
-        axial, radial = np.exp(_followed(history, 0, chosen.mobility, np.log(first), accuracy))
-    else:
-        limit, spread = chosen.extensibility, float(first[0] + 2 * first[1])
-        if spread >= limit:
-            raise InputError("start", "is beyond the contour", value=spread, allowed=f"A_zz + 2 A_rr < {limit:g}")
-        scaled = first * (limit - 3) / (limit - spread)
-        tensor = np.exp(_followed(history, 1, limit, np.log(scaled), accuracy))
-        stiffening = (tensor[0] + 2 * tensor[1] + limit - 3) / limit
-        axial, radial = tensor / stiffening
+    axial, radial, stiffening = chosen.follow(history, first, accuracy)
     rate = 0.5 * (
         np.append(history.first_rate, history.last_rate[-1]) + np.insert(history.last_rate, 0, history.first_rate[0])
     )
@@ -268,6 +313,18 @@ def steady_fenep(weissenberg: float, extensibility: float) -> tuple[float, float
     high = max(2.0, 4 / limit + 1 / low)
     gap = float(brentq(excess, 0.5 * low, high, xtol=1e-300, rtol=1e-14))
     return 1 / gap, 1 / (gap + 3 * de)
+
+
+def _linear(history: ElementHistory, first: FloatArray) -> Followed:
+    """A linear model: A_zz with twice the strain, A_rr with minus once."""
+    axial, radial = propagate(history, 2.0, float(first[0])), propagate(history, -1.0, float(first[1]))
+    return axial, radial, np.ones(history.time.size)
+
+
+def _within_doubles(history: ElementHistory, first: FloatArray) -> None:
+    """What is integrated step by step must be within what a double can square."""
+    real("start", first, least=1e-100, most=1e100)
+    real("relaxation_time", history.relaxation_time, least=1e-100, most=1e100, unit="s")
 
 
 def _followed(history: ElementHistory, kind: int, parameter: float, first: FloatArray, rtol: float) -> FloatArray:

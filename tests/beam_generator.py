@@ -58,8 +58,10 @@ def shared_light(photons, blur, seed):
     """Poisson photons whose light falls on several pixels each: what a scintillator does to noise; blur in pixels."""
     from scipy.ndimage import gaussian_filter
 
-    counts = np.random.default_rng(seed).poisson(photons).astype(float)
-    return gaussian_filter(counts, blur, mode="nearest", truncate=6.0) if blur else counts
+    beyond = int(np.ceil(6 * blur)) + 1  # light comes in from beyond the frame, too
+    counts = np.random.default_rng(seed).poisson(np.pad(photons, beyond, mode="edge")).astype(float)
+    inside = slice(beyond, -beyond)
+    return (gaussian_filter(counts, blur, truncate=6.0) if blur else counts)[inside, inside]
 
 
 def stack(mean, frames, seed, dark=0.0):

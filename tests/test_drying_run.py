@@ -121,7 +121,7 @@ def test_a_measured_radius_is_kept_and_the_jet_is_slower(tmp_path) -> None:
     stiff = quiet(
         str(tmp_path / "s.toml"), *dry[:2], HUMID, "solution.relaxation_time=1e9 s", "network.model=conformation"
     )
-    np.testing.assert_allclose(stiff["network_velocity_ratio"], stiff["velocity"] / stiff["velocity"][0], rtol=1e-6)
+    np.testing.assert_allclose(stiff["strand_stretch"], stiff["velocity"] / stiff["velocity"][0], rtol=1e-6)
 
 
 # --- relaxation ------------------------------------------------------------------------------------------------------
@@ -130,7 +130,7 @@ def test_a_measured_radius_is_kept_and_the_jet_is_slower(tmp_path) -> None:
 def test_conformation_is_affine_where_nothing_relaxes_and_rest_where_all_does() -> None:
     """Rate 1 in 1/De and in De: the rung meets the one below it, and the network at rest."""
     affine = quiet("peo5-water")
-    names = ("network_velocity_ratio", "relative_extension", "orientation", "core_polymer_fraction_conservative")
+    names = ("strand_stretch", "relative_extension", "orientation", "core_polymer_fraction_conservative")
     gaps = {name: [] for name in names}
     for theta in ("1e3 s", "1e4 s", "1e5 s"):
         result = quiet("peo5-water", f"solution.relaxation_time={theta}", "network.model=conformation")
@@ -144,7 +144,7 @@ def test_conformation_is_affine_where_nothing_relaxes_and_rest_where_all_does() 
     rest = []
     for theta in ("1e-7 s", "1e-8 s", "1e-9 s"):
         result = quiet("peo5-water", f"solution.relaxation_time={theta}", "network.model=conformation")
-        rest.append(float((result["network_velocity_ratio"] - 1).max()))
+        rest.append(float((result["strand_stretch"] - 1).max()))
         np.testing.assert_allclose(result["mean_polymer_fraction"], result["volume_fraction"], rtol=1e-12)
     np.testing.assert_allclose(np.log10(np.divide(rest[:-1], rest[1:])), 1.0, atol=0.02)
     # sqrt(1 + 2 De) - 1 = De
@@ -171,7 +171,7 @@ def test_conformation_against_an_independent_integration(model: str) -> None:
         return (np.array([2.0, -1.0]) * rate * a - g / theta) / v
 
     exact = solve_ivp(slope, (125e-6, 5e-3), [1.0, 1.0], method="LSODA", rtol=1e-11, atol=1e-13).y[:, -1]
-    assert float(result["network_velocity_ratio"][-1]) == pytest.approx(np.sqrt(exact[0]), rel=2e-6)
+    assert float(result["strand_stretch"][-1]) == pytest.approx(np.sqrt(exact[0]), rel=2e-6)
     f = (limit - 3) / (limit - exact[0] - 2 * exact[1]) if model == "FENE-P" else 1.0
     solvent = 1.0016e-3 if model == "Oldroyd-B" else 0.0
     stress = (2.0 - solvent) / theta * (f * exact - 1) + solvent * np.array([2, -1]) * float(jet.strain_rate(5e-3))
@@ -191,7 +191,7 @@ def test_closure_stretch_takes_strands_that_end() -> None:
     )
     assert "FENEP" in result.attrs["constitutive_model"]
     full = float(result["crossover_velocity_ratio"])
-    assert float(result["network_velocity_ratio"].max()) < full
+    assert float(result["strand_stretch"].max()) < full
     assert np.isfinite(result["strand_force"]).all()
 
 
@@ -206,7 +206,7 @@ def test_drying_slows_relaxation() -> None:
     )
     np.testing.assert_allclose(dry["relaxation_time"], 0.01 * c / c[0], rtol=1e-9)
     np.testing.assert_allclose(dry["viscosity"], 2.0 * 10 ** (7 * (c**0.1 - c[0] ** 0.1)), rtol=1e-9)
-    assert float(dry["network_velocity_ratio"][-1]) > 1.2 * float(wet["network_velocity_ratio"][-1])
+    assert float(dry["strand_stretch"][-1]) > 1.2 * float(wet["strand_stretch"][-1])
     assert (np.diff(dry["relaxation_time"]) >= -1e-12).all()
 
 
@@ -275,7 +275,7 @@ def test_extremes_are_finite_and_ordered() -> None:
                 assert np.isfinite(variable).all(), name
         assert (run["core_polymer_fraction"] <= 1).all()
         assert (run["relative_extension"] <= 1).all()
-        stretches.append(run["network_velocity_ratio"].values)
+        stretches.append(run["strand_stretch"].values)
     for slower, faster in zip(stretches[1:], stretches, strict=False):
         assert (slower >= faster * (1 - 1e-9)).all()
     for name, variable in result.data_vars.items():
@@ -298,12 +298,12 @@ def test_the_material_stretch_drives_the_network_along_a_bent_jet() -> None:
     assert 0.01 < time[-1] < 0.015
     assert plain.attrs["flow_rate"] / (np.pi * 50e-6**2) == pytest.approx(1.76, abs=0.02)  # m/s, physics.md section 7
     stiff = quiet("pvp-jetspin", "solution.relaxation_time=1e6 s", "network.model=conformation")
-    w = stiff["network_velocity_ratio"].values[known]
+    w = stiff["strand_stretch"].values[known]
     np.testing.assert_allclose(np.log(w[110] / w[10]), 2 * np.log(radius[10] / radius[110]), rtol=1e-6)
     lab = np.abs(np.gradient(plain["x"].values[1:][known], time))  # what the spinning axis sees of it
     assert not np.allclose(np.log(lab[100] / lab[10]), np.log(w[100] / w[10]), rtol=0.3)
     relaxed = quiet("pvp-jetspin", "solution.relaxation_time=5 ms", "network.model=conformation")
-    assert float(relaxed["network_velocity_ratio"].values[known][-1]) < 0.8 * w[-1]
+    assert float(relaxed["strand_stretch"].values[known][-1]) < 0.8 * w[-1]
 
 
 def test_a_bead_jet_dries_at_all_its_times() -> None:
@@ -313,7 +313,7 @@ def test_a_bead_jet_dries_at_all_its_times() -> None:
     assert result["frozen_position"].dims == ("time",)
     last = quiet("pvp-jetspin", *overrides[:2], overrides[3])
     known = np.isfinite(last["stretch_ratio"].values)
-    for name in ("evaporated_fraction", "network_velocity_ratio", "radius", "viscosity"):
+    for name in ("evaporated_fraction", "strand_stretch", "radius", "viscosity"):
         np.testing.assert_allclose(result[name].values[-1][known], last[name].values[known], rtol=1e-9)
     flux = (result["radius"] ** 2 * result["stretch_ratio"] * result["mean_polymer_fraction"]).values
     np.testing.assert_allclose(flux[np.isfinite(flux)], 2.5e-9 * float(result["volume_fraction"]), rtol=1e-12)
@@ -362,10 +362,10 @@ def test_what_freezes_stays() -> None:
     assert np.interp(place, z, result["mean_polymer_fraction"]) == pytest.approx(0.75, abs=2e-3)
     beyond = z > place
     np.testing.assert_array_equal(result["frozen"], beyond)
-    for name in ("orientation", "network_velocity_ratio", "relative_extension", "axial_stretch"):
+    for name in ("orientation", "strand_stretch", "relative_extension", "axial_stretch"):
         assert np.ptp(result[name].values[beyond]) == 0
     assert float(result["orientation"][-1]) == pytest.approx(float(result["frozen_orientation"]), rel=1e-12)
-    assert float(result["frozen_stretch"]) == float(result["network_velocity_ratio"][-1])
+    assert float(result["frozen_stretch"]) == float(result["strand_stretch"][-1])
     affine = np.interp(place, z, result["stretch_ratio"])
     assert float(result["frozen_relaxed"]) == pytest.approx(1 - float(result["frozen_stretch"]) / affine, abs=1e-3)
     assert np.isnan(result["stress"].values[beyond]).all()
@@ -456,7 +456,8 @@ def test_auto_takes_what_matters_and_says_so() -> None:
     drier = quiet("peo5-water", "solution.relaxation_time=10 s", HUMID, "rheology.convention=yarin2001")
     assert (drier.attrs["model"], drier.attrs["relaxation_reason"][:3]) == ("conformation", "on:")
     both = quiet("peo5-water", "solution.relaxation_time=10 ms", "network.coupling=100")
-    assert "no model holds both" in both.attrs["warnings"]
+    assert both.attrs["model"] == "two-fluid"
+    assert "relaxation" not in both.attrs["effects_left_out"]
 
 
 @pytest.mark.parametrize("model", ["manifold", "walk"])
@@ -469,7 +470,7 @@ def test_other_rungs_dry_too(model: str) -> None:
     drying = ("rheology.convention=yarin2001", "jet.length=2 mm", *WET)
     result = quiet("peo5-water", f"network.model={model}", *few, *drying)
     flux = np.pi * result["radius"] ** 2 * result["velocity"] * result["mean_polymer_fraction"]
-    moved = flux * result["network_velocity_ratio"] / result["velocity_ratio"]
+    moved = flux * result["strand_stretch"] / result["velocity_ratio"]
     free = result["mean_polymer_fraction"].values < 1
     np.testing.assert_allclose(moved.values[free], moved.values[0], rtol=1e-10)
 

@@ -216,7 +216,8 @@ def test_a_file_by_its_first_bytes(tmp_path) -> None:
     [["f_1", "f_2", "f_10", "f_100"], ["1.tif", "02.tif", "3.tif", "11.tif"], ["a2b9", "a2b10", "a10b1"], ["x", "x1"]],
 )
 def test_natural_order(names) -> None:
-    assert sorted(names[::-1], key=natural) == names
+    mixed = names[::-1]
+    assert sorted(mixed, key=natural) == names
 
 
 @pytest.mark.parametrize("part", [slice(100, 200), slice(7, None)])

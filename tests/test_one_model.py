@@ -24,6 +24,7 @@ VARIANTS = {
     "manifold, linear": {"network.model": "manifold", "network.force_law": "linear", "network.coupling": 200},
     "manifold, lattice": {"network.model": "manifold", "network.coupling": 2000},
     "chain": {"network.model": "chain", "network.force_law": "linear", "network.coarse_grain": 40, "network.coupling": 500},
+    "two-fluid": {"network.model": "two-fluid", "solution.relaxation_time": "10 ms", "network.coupling": 2000},
     "conformation": {"network.model": "conformation", "solution.relaxation_time": "10 ms"},
     "FENE-P": {"network.model": "conformation", "solution.relaxation_time": "10 ms", "network.closure": "stretch"},
     "drying": {"network.model": "conformation", "solution.relaxation_time": "10 ms", "effects.evaporation": True,
@@ -86,7 +87,7 @@ def test_a_fit_is_held_against_what_a_run_shows(variant):
     assert model.model == result.attrs["model"]
     seen = model.predict(result["z"].values)
     for name, field in (("radius", "radius"), ("mean", "mean_polymer_fraction"), ("core", "core_polymer_fraction"),
-                        ("velocity_ratio", "velocity_ratio"), ("stretch", "network_velocity_ratio"),
+                        ("velocity_ratio", "velocity_ratio"), ("stretch", "strand_stretch"),
                         ("relative_extension", "relative_extension")):  # fmt: skip
         same(getattr(seen, name), result[field].values)
     same(seen.orientation + 1, result["orientation"].values + 1)

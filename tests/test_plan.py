@@ -113,9 +113,11 @@ def test_choices():
     assert planned("solution.relaxation_time=1 ms", "effects.relaxation=false").model == "affine"
     assert planned("network.force_law=fene").model == "manifold"
     both = planned("solution.relaxation_time=1 ms", "network.coupling=100")
-    assert both.model == "conformation"
-    assert "no model holds both" in both.remarks[0]
-    assert planned("network.coupling=5").model == "affine"  # no steady network: the chain alone can say
+    assert both.model == "two-fluid"
+    assert not both.remarks
+    assert planned("network.coupling=5").model == "manifold"  # which says how much the far end decides
+    apart = planned("network.model=conformation", "solution.relaxation_time=1 ms", "network.coupling=100")
+    assert "see --model two-fluid" in apart.remarks[0]
     forced = planned("network.model=affine", "network.coupling=100")
     assert forced.forced
     assert "asked for" in forced.reason

@@ -313,14 +313,15 @@ def test_manifold_rung_meets_the_affine_one_and_locks() -> None:
     # bead by bead: what drags is what pulls; 5e-3 m of drag forces add up to the change of the strand force
     assert locked["scission"].any() == (locked["strand_force"].max() > 5e-9)
     for scene, overrides in (
-        ("pvp-jetspin", ["network.model=manifold"]),
+        ("pvp-jetspin", ["network.model=chain"]),
         ("peo5-water", ["network.model=affine", "network.force_law=fene"]),
         ("peo5-water", ["network.model=walk", "network.closure=stretch"]),
     ):
         with pytest.raises(InputError, match="network"):
             sl.run(load_scene(scene, overrides))
-    with pytest.raises(InputError, match="passes 1/4"):
-        sl.run(load_scene("peo5-water", ["network.model=manifold", "network.coupling=5"]))
+    loose = quiet("peo5-water", "network.model=manifold", "network.force_law=linear", "network.coupling=5")
+    assert float(loose["far_end_effect"]) > 0.01  # eps V' = 0.6: the far end decides, and the result says so
+    assert "the far end decides" in loose.attrs["warnings"]
 
 
 def test_walk_rung_samples_the_affine_one() -> None:

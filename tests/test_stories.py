@@ -1,4 +1,4 @@
-"""The stories of CONTRIBUTING: a jet and a rung added from outside, through the public registration, and run."""
+"""The stories of CONTRIBUTING: a jet, a law and a rung added from outside, through the public registration, and run."""
 
 from typing import Literal
 
@@ -10,7 +10,9 @@ from spinline.base.errors import InputError
 from spinline.jetprofile import Jet, LagrangianJet, PowerLaw
 from spinline.network_models import RUNGS, Rung, register
 from spinline.network_models.rung import Setting
-from spinline.scene import load_scene, scene_from_dict
+from spinline.rheology.constitutive import LAWS, ConstitutiveLaw, LawParameter
+from spinline.scene import json_schema, load_scene, register_law, scene_from_dict
+from spinline.scene.air_and_rheology import RheologySection
 from spinline.scene.file import JET_SECTIONS, MODELS, HyperbolicJet, Scene, add_jet_section
 from spinline.scene.keys import full_key
 from spinline.scene.quantities import FlowRate, Length, Section
@@ -136,6 +138,57 @@ def test_a_rung_is_one_file(half, spinline):
     from spinline.study.trade import trade
 
     assert "half" in {rung.model for rung in trade(scene, quick=True).rungs}
+
+
+class Share:
+    """A toy model: strands take a share of the flow's stretch, in its logarithm."""
+
+    solvent_viscosity = 0.0
+
+    def __init__(self, share):
+        self.share = share
+
+    def follow(self, history, first, rtol):
+        axial, radial = np.exp(2 * self.share * history.log_stretch), np.exp(-self.share * history.log_stretch)
+        return first[0] * axial, first[1] * radial, np.ones(axial.size)
+
+    def stiffening(self, v):
+        return np.ones_like(v), np.inf
+
+
+@pytest.fixture
+def share_law():
+    table = (LawParameter("affine_share", "fraction", 0.0, 1.0, True, "share of the stretch", default=0.5),)
+    register_law(
+        ConstitutiveLaw("share", "a share of the stretch", lambda values, _: Share(values["affine_share"]), table)
+    )
+    yield
+    del LAWS["share"], RheologySection.__pydantic_fields__["affine_share"]
+    register_law(LAWS["UCM"])  # the section anew
+
+
+@pytest.mark.parametrize(("given", "share"), [([], 0.5), (["rheology.affine_share=0.25"], 0.25)])
+def test_a_law_is_one_file_with_its_table(share_law, given, share):
+    asked = ["solution.relaxation_time=10 ms", "network.model=conformation", "rheology.constitutive=share", *given]
+    result = sl.run(load_scene("peo5-water", asked))
+    np.testing.assert_allclose(result["network_velocity_ratio"], result["stretch_ratio"] ** share, rtol=1e-12)
+    assert result["stress"].values[-1] > 0
+    assert full_key("rheology.affine_share", "x") == "rheology.affine_share"
+    assert "share of the stretch" in str(json_schema())
+    with pytest.raises(InputError, match=r"allowed: \[0, 1\]"):
+        load_scene("peo5-water", [*asked, "rheology.affine_share=1.5"])
+    with pytest.raises(InputError, match='is given, but constitutive = "UCM" does not use it'):
+        load_scene("peo5-water", ["rheology.constitutive=UCM", "rheology.affine_share=0.5"])
+
+
+def test_keys_and_checks_of_the_laws_are_those_of_their_tables():
+    fields = RheologySection.model_fields
+    for law in LAWS.values():
+        for parameter in law.parameters:
+            assert parameter.words in (fields[parameter.name].description or "")
+            if parameter.needed:
+                with pytest.raises(InputError, match=f"{parameter.name}: is missing"):
+                    load_scene("peo5-water", [f"rheology.constitutive={law.name}"])
 
 
 @pytest.mark.parametrize("name", list(RUNGS))

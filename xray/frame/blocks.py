@@ -51,8 +51,10 @@ class Frame:
         False for pixels left out.
     pixel, blur : float
         Width of a pixel, and the standard deviation of the point spread, m.
-    tail_share, tail_length, scatter : float
+    tail_share, tail_length : float
         As in `forward.Detector`.
+    scatter : tuple of float
+        Covariance of pixels 0, 1, 2, ... rows apart over the variance of their photons: (1,) where pixels share no light.
     """
 
     counts: FloatArray
@@ -63,7 +65,7 @@ class Frame:
     blur: float = 0.0
     tail_share: float = 0.0
     tail_length: float = 0.0
-    scatter: float = 1.0
+    scatter: tuple[float, ...] = (1.0,)
 
     def __post_init__(self) -> None:
         shape = np.shape(self.counts)
@@ -91,13 +93,16 @@ class Frame:
         if not lit.any():
             raise InputError("flat", "has no good pixel in these rows", value=f"rows {start} to {stop}")
         filled = flat if lit.all() else np.where(lit, flat, np.median(flat[lit]))
-        return counts, self.detector(filled, dark), lit
+        return counts, self.detector(filled, dark, stop - start), lit
 
-    def detector(self, flat: FloatArray, dark: FloatArray) -> Detector:
-        """The detector of one row of it."""
+    def detector(self, flat: FloatArray, dark: FloatArray, rows: int = 1) -> Detector:
+        """The detector of one row of it, or of some rows summed."""
+        lags = np.arange(len(self.scatter))
+        share = np.where(lags == 0, 1.0, 2.0) * np.maximum(1.0 - lags / rows, 0.0)
+        scatter = max(float(share @ np.array(self.scatter)), 1e-3)
         return Detector(
             flat, self.pixel, dark, blur=self.blur, tail_share=self.tail_share, tail_length=self.tail_length,
-            scatter=self.scatter,
+            scatter=scatter,
         )  # fmt: skip
 
 

@@ -118,6 +118,8 @@ def transmission_image(
     tilt_out: float = 0.0,
     blur: float = 0.0,
     motion: float = 0.0,
+    tail: tuple[float, float] = (0.0, 0.0),
+    depth: float = 1.0,
 ) -> FloatArray:
     """Share of the beam that each pixel sees, without drift, veil, dark and noise.
 
@@ -138,6 +140,10 @@ def transmission_image(
         Standard deviation of the Gaussian blur, both ways, m.
     motion : float
         Way along the jet that the image moved during the exposure, m.
+    tail : (float, float)
+        Share and length, m, of the far tail of the point spread (`tail`), across the jet: along it the tail sees the jet go on.
+    depth : float
+        Of the section along the beam over its width.
 
     Returns
     -------
@@ -154,8 +160,8 @@ def transmission_image(
     spread = number("blur", blur, least=0.0, unit="m")
     way = number("motion", motion, least=0.0, unit="m")
     p = positive("pixel", pixel, "m")
-    seen = _scaled(medium, np.cos(turn) / np.cos(out))
-    detector = Detector(np.ones(pixels), p, blur=spread)
+    seen = _scaled(medium, np.cos(turn) / np.cos(out) * positive("depth", depth))
+    detector = Detector(np.ones(pixels), p, blur=spread, tail_share=tail[0], tail_length=tail[1] / np.cos(turn))
     edges = equal_shells(jet.fraction.shape[1])
     radius = jet.radius / np.cos(turn)
     axes = axis + np.tan(turn) * p * np.arange(radius.size)

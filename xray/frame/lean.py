@@ -18,6 +18,7 @@ __all__ = ["Lean", "axis_lean"]
 _HIGHEST = 6  # order of the curve through the axis
 _FEWEST = 4  # rows
 _LEAST_STD = 0.02  # pixels: of an axis, for what no row's noise says
+_SEEN = 3.0  # standard deviations; less is no lean, and matters little
 _FAR = 5.0  # robust standard deviations of a row that is left out
 
 
@@ -97,5 +98,7 @@ def axis_lean(track: Track) -> Lean:
     step = 2.0 / max(rows - 1, 1)
     slope, variance = columns @ c * step, np.einsum("ri,ij,rj->r", columns, covariance, columns) * step**2
     std = float(np.sqrt(variance.mean()))
-    seen = np.maximum(slope**2 - variance, 0.0)  # the noise of a slope makes its square too large
+    seen = np.where(
+        slope**2 > _SEEN**2 * variance, slope**2 - variance, 0.0
+    )  # noise makes the square of a slope too large
     return Lean(np.sign(slope) * np.sqrt(seen), std, order)

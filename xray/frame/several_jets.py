@@ -14,6 +14,11 @@ part of the signal that the jet does not stop (harmonics, scatter) is a share h:
 Width and depth of a chord together tell mu from the size: nothing of the water's attenuation is put in. Residuals are weighed
 by soft_l1 (a bad reading counts little), its scale that of the residuals themselves. Errors are those of the residuals'
 scatter, taken as independent; the model's own (spot, round sections) come on top.
+
+Where sections touch or cross in the plane of the scan, chords of both add up from every side, and attenuation and size are no
+longer told apart: two real water jets that touch came out as one of 3.7 by 0.9 mm in a liquid of 420 /m, where 1003 is right,
+by a fit that settled. Such ends are refused, by what gives them away: sections that touch, an ellipse more than 2.5 times as
+long as wide (a round jet that leans by over 66 degrees), or a share of the signal at the end of its range.
 """
 
 from dataclasses import dataclass
@@ -27,6 +32,8 @@ from spinline.base.errors import InputError
 __all__ = ["Section", "SectionsFit", "fit_sections", "section_chord"]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(7)
+_LONGEST = 2.5  # half-axis over the other: a round jet leans by 66 degrees
+_LEAST_SHARE, _MOST_SHARE = -0.02, 0.5
 _BAD = 60.0  # robust standard deviations: jets that move do a few of them at their edges, a lost reading does 100
 
 
@@ -139,7 +146,7 @@ def fit_sections(
     Raises
     ------
     InputError
-        For shapes that do not fit, too few views, or a number of jets without a start.
+        For shapes that do not fit, too few views, a number of jets without a start, or jets that the scans do not tell apart.
 
     Notes
     -----
@@ -170,7 +177,7 @@ def fit_sections(
     mu = float(depth.sum(axis=1).mean()) * step / sum(np.pi * s.major * s.minor for s in first)
     p = problem.pack(mu, held or 0.0, middle, first, level)
     lower, upper = np.full(p.size, -np.inf), np.full(p.size, np.inf)
-    lower[1], upper[1] = (-0.02, 0.5) if held is None else (held - 1e-12, held + 1e-12)
+    lower[1], upper[1] = (_LEAST_SHARE, _MOST_SHARE) if held is None else (held - 1e-12, held + 1e-12)
     lower[5 : 3 + 5 * jets : 5] = lower[6 : 3 + 5 * jets : 5] = 1e-3  # half-axes
     robust = 0.1
     for _ in range(3):
@@ -180,6 +187,7 @@ def fit_sections(
         )  # fmt: skip
         p = found.x
         robust = max(1.4826 * float(np.median(np.abs(found.fun))), 1e-9)
+    _require_apart(problem.unpack(p)[3], float(p[1]), broad, held is None)
     fitted = problem.expected(p)
     good = np.abs(data - fitted) < _BAD * robust
     mu, h, centre, sections, base = problem.unpack(p)
@@ -206,6 +214,36 @@ def fit_sections(
         scatter=robust,
         converged=bool(found.success),
     )
+
+
+def _require_apart(sections: tuple[Section, ...], share: float, width: float, free: bool) -> None:
+    """Refuse what is no answer, whatever the fit says of itself."""
+    for i, one in enumerate(sections):
+        ratio = max(one.major, one.minor) / max(min(one.major, one.minor), 1e-300)
+        if ratio > _LONGEST:
+            raise InputError(
+                "jets", f"are not told apart: section {i} comes out {ratio:.2g} times as long as wide", value=len(sections),
+                allowed=f"up to {_LONGEST:g}, a round jet that leans by 66 degrees",
+                remedy="scan where the jets are apart, more views, or give start",
+            )  # fmt: skip
+        for j, two in enumerate(sections[:i]):
+            apart = float(np.hypot(one.x - two.x, one.y - two.y))
+            along = np.arctan2(one.y - two.y, one.x - two.x)
+            reach = sum(
+                float(np.hypot(s.major * np.cos(along - s.angle), s.minor * np.sin(along - s.angle)))
+                for s in (one, two)
+            )
+            if apart - reach < width:
+                raise InputError(
+                    "jets", f"are not told apart: sections {j} and {i} touch or cross: attenuation and size change together",
+                    value=f"{1e3 * apart:.3g} mm apart, {1e3 * reach:.3g} mm of both half-axes",
+                    remedy="scan where the jets are apart",
+                )  # fmt: skip
+    if free and not _LEAST_SHARE + 1e-6 < share < _MOST_SHARE - 1e-6:
+        raise InputError(
+            "share", "ends at the limit of its range: the sections do not explain the scans", value=share,
+            allowed=f"({_LEAST_SHARE:g}, {_MOST_SHARE:g})", remedy="give share, or scan where the jets are apart",
+        )  # fmt: skip
 
 
 class _Problem:

@@ -20,6 +20,7 @@ import typer
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
+from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
@@ -303,7 +304,7 @@ def import_jet(
     say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-for register in (register_sweep, register_fit, register_simulate, register_images):
+for register in (register_sweep, register_fit, register_simulate, register_images, register_deposit):
     register(app)
 
 

@@ -1,20 +1,22 @@
 """The command that makes X-ray frames of a computed jet."""
 
+import inspect
+import math
+from dataclasses import Field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from spinline.base.constants import KEV
 from spinline.base.errors import InputError
 from spinline.cli.speech import say
+from spinline.images.camera import Camera
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["register", "simulate_image"]
-
-Text = str | None
 
 
 def register(app: typer.Typer) -> None:
@@ -22,77 +24,24 @@ def register(app: typer.Typer) -> None:
     app.command("simulate-image")(simulate_image)
 
 
-def simulate_image(
-    source: Annotated[
-        str, typer.Argument(metavar="SOURCE", help="Result of run (.nc), a scene file, or a bundled scene's name.")
-    ],
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Frames, .npz or .tif. Default: SOURCE's name with .npz.")
-    ] = None,
-    energy: Annotated[str, typer.Option(help="Photon energy.")] = "10 keV",
-    photons: Annotated[float, typer.Option(help="Per pixel and frame, without a jet.")] = 1e4,
-    frames: Annotated[int, typer.Option(help="Frames of the jet.")] = 10,
-    pixel: Annotated[str, typer.Option(help="Size of a pixel in the plane of the jet.")] = "0.67 um",
-    z_from: Annotated[Text, typer.Option("--from", help='Field of view along the jet, "0.1 mm".')] = None,
-    z_to: Annotated[Text, typer.Option("--to", help='Its end, "0.4 mm".')] = None,
-    width: Annotated[int | None, typer.Option(help="Pixels of a row.")] = None,
-    distance: Annotated[str, typer.Option(help="From jet to detector; over 0: with Fresnel fringes.")] = "0 cm",
-    blur: Annotated[str, typer.Option(help="Standard deviation of the detector's blur.")] = "0 um",
-    motion: Annotated[str, typer.Option(help="Way along the jet during an exposure.")] = "0 um",
-    axis: Annotated[str, typer.Option(help="Position of the axis from the middle.")] = "0 um",
-    tilt: Annotated[float, typer.Option(help="Tilt in the image, degrees.")] = 0.0,
-    tilt_out: Annotated[float, typer.Option(help="Tilt out of the image, degrees.")] = 0.0,
-    drift: Annotated[float, typer.Option(help="Beam level, standard deviation from frame to frame.")] = 0.0,
-    slope: Annotated[float, typer.Option(help="Beam slope from the middle of a row to its end.")] = 0.0,
-    flat_structure: Annotated[float, typer.Option(help="Fixed pattern of the flat, standard deviation.")] = 0.0,
-    dark: Annotated[float, typer.Option(help="Dark counts per pixel and frame.")] = 0.0,
-    veil: Annotated[float, typer.Option(help="Stray light, share of the flat.")] = 0.0,
-    harmonic: Annotated[float, typer.Option(help="Share of the third harmonic in the signal.")] = 0.0,
-    reference_frames: Annotated[int, typer.Option(help="Flat frames, and dark frames.")] = 15,
-    seed: Annotated[int, typer.Option(help="Of the noise.")] = 0,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite files.")] = False,
-) -> None:
+def simulate_image(source: str, **given: Any) -> None:
     """X-ray frames of a computed jet, with the images file that reduces them."""
-    import numpy as np
-
     from spinline.base.files import writable
-    from spinline.base.units import parse
-    from spinline.images.simulate import Camera, simulate, write_frames
+    from spinline.images.simulate import simulate, write_frames
 
-    def length(text: str, option: str) -> float:
-        return parse(text, "length", option).value
-
+    out, force = given.pop("out"), given.pop("force")
+    z_from, z_to = given.pop("z_from"), given.pop("z_to")
     target = out or Path(Path(source).name).with_suffix(".npz")
     if Path(target).suffix.lower() not in (".npz", ".tif", ".tiff"):
         raise InputError("--out", "is neither .npz nor .tif", value=str(target), remedy="name it frames.npz")
     for file in (target, target.with_suffix(".toml")):
         writable(file, force=force)
-    camera = Camera(
-        energy_kev=parse(energy, "energy", "--energy").value / KEV,
-        pixel=length(pixel, "--pixel"),
-        photons=photons,
-        frames=frames,
-        reference_frames=reference_frames,
-        pixels=width,
-        distance=length(distance, "--distance"),
-        blur=length(blur, "--blur"),
-        motion=length(motion, "--motion"),
-        axis=length(axis, "--axis"),
-        tilt=float(np.deg2rad(tilt)),
-        tilt_out=float(np.deg2rad(tilt_out)),
-        drift=drift,
-        slope=slope,
-        flat_structure=flat_structure,
-        dark=dark,
-        veil=veil,
-        harmonic=harmonic,
-        seed=seed,
-    )
+    camera = _camera(given)
     result = _result(source)
     made = simulate(
         result, camera,
-        start=None if z_from is None else length(z_from, "--from"),
-        stop=None if z_to is None else length(z_to, "--to"),
+        start=None if z_from is None else _read(z_from, "length", "--from"),
+        stop=None if z_to is None else _read(z_to, "length", "--to"),
     )  # fmt: skip
     files = write_frames(made, result, target, force=force)
     _, rows, pixels = made.counts.shape
@@ -101,6 +50,76 @@ def simulate_image(
         f"under the beam, mean polymer fraction {made.jet.mean_fraction.min():.4g} to {made.jet.mean_fraction.max():.4g}"
     )
     say("wrote " + ", ".join(map(str, files)))
+
+
+def _read(given: Any, kind: str, option: str) -> Any:
+    """An option as the camera takes it."""
+    if given is None or kind in ("number", "count"):
+        return given
+    if kind == "degrees":
+        return math.radians(given)
+    from spinline.base.units import parse
+
+    value = parse(given, kind, option).value
+    return value / KEV if kind == "energy" else value
+
+
+def _camera(given: dict[str, Any]) -> Camera:
+    return Camera(**{
+        item.name: _read(given[item.name], item.metadata["kind"], _option(item)) for item in fields(Camera) if item.metadata
+    })  # fmt: skip
+
+
+def _option(item: "Field[Any]") -> str:
+    """Name of a camera's field on the command line."""
+    return str(item.metadata["option"]) or "--" + item.name.replace("_", "-")
+
+
+def _asked(item: "Field[Any]") -> inspect.Parameter:
+    """A camera's field as an option: quantities as text with their unit."""
+    kind, default = item.metadata["kind"], cast("Any", item.default)
+    as_asked: dict[str, tuple[Any, Any]] = {
+        "energy": (str, f"{float(default or 0):g} keV"),
+        "length": (str, _shown(default) if kind == "length" else ""),
+        "degrees": (float, 0.0),
+        "number": (float, default),
+        "count": (int | None if default is None else int, default),
+    }
+    hint, shown = as_asked[kind]
+    annotation: Any = Annotated[hint, typer.Option(_option(item), help=item.metadata["help"])]
+    return inspect.Parameter(item.name, inspect.Parameter.KEYWORD_ONLY, default=shown, annotation=annotation)
+
+
+def _shown(length: float) -> str:
+    return f"{1e6 * length:g} um" if length else "0 um"
+
+
+def _parameters() -> list[inspect.Parameter]:
+    """The command's own parameters, and one for each field of the camera."""
+    source = Annotated[
+        str, typer.Argument(metavar="SOURCE", help="Result of run (.nc), a scene file, or a bundled scene's name.")
+    ]
+    own = [
+        (
+            "out",
+            Path | None,
+            None,
+            typer.Option("-o", "--out", help="Frames, .npz or .tif. Default: SOURCE's name with .npz."),
+        ),
+        ("z_from", str | None, None, typer.Option("--from", help='Field of view along the jet, "0.1 mm".')),
+        ("z_to", str | None, None, typer.Option("--to", help='Its end, "0.4 mm".')),
+        ("force", bool, False, typer.Option("--force", help="Overwrite files.")),
+    ]
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return [
+        inspect.Parameter("source", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=source),
+        *(inspect.Parameter(n, keyword, default=d, annotation=Annotated[h, o]) for n, h, d, o in own),
+        *(_asked(item) for item in fields(Camera) if item.metadata),
+    ]
+
+
+simulate_image.__signature__ = inspect.Signature(_parameters())  # type: ignore[attr-defined]
+simulate_image.__annotations__ = {parameter.name: parameter.annotation for parameter in _parameters()}
 
 
 def _result(source: str) -> "xr.Dataset":

@@ -199,10 +199,19 @@ def first_look(
 
 
 def judged(
-    experiment: Experiment, frame: Frame, track: Track, facts: dict[str, float], calibrate: bool = True
+    experiment: Experiment,
+    frame: Frame,
+    track: Track,
+    facts: dict[str, float],
+    calibrate: bool = True,
+    elsewhere: bool = False,
 ) -> Experiment:
-    """The experiment with its remarks, and its attenuation calibrated or with the errors of what it rests on."""
-    return _scaled(_looked_at(experiment, frame, track, facts), frame, track, calibrate)
+    """The experiment with its remarks, and its attenuation calibrated or with the errors of what it rests on.
+
+    `elsewhere`: it is calibrated by another position, and only looked at here.
+    """
+    looked = _looked_at(experiment, frame, track, facts)
+    return looked if elsewhere else _scaled(looked, frame, track, calibrate)
 
 
 def sees_jointly(experiment: Experiment) -> bool:

@@ -49,8 +49,8 @@ class Fields:
     notes : dict of str
         How gain, dark, flat and bad pixels were come by, for the result.
     remarks : tuple of str
-    scatter : float
-        Variance of a pixel over that of its photons: under 1 where pixels share light.
+    scatter : tuple of float
+        Covariance of pixels 0, 1, 2, ... rows apart over the variance of their photons: (1,) where pixels share no light.
     excess : float
         Noise over that of photons, >= 1, where the gain is given and the flats say so.
     nonlinearity, level : float
@@ -68,7 +68,7 @@ class Fields:
     notes: dict[str, str]
     remarks: tuple[str, ...] = ()
     shared: bool = False
-    scatter: float = 1.0
+    scatter: tuple[float, ...] = (1.0,)
     excess: float = 1.0
     nonlinearity: float = 0.0
     level: float = 1.0
@@ -185,7 +185,7 @@ def _of_transmission(images: Images, counts: Stack) -> Fields:
     shape = (counts.rows, counts.columns)
     notes = {"flat": f"none: {key} is over it", "dark": "none, taken off already", "dark_noise": "Poisson"}
     remarks: list[str] = []
-    scatter = 1.0
+    scatter: tuple[float, ...] = (1.0,)
     if images.i0 is not None:
         gain = images.i0
         notes["gain"] = f"{gain:g} photons where the transmission is 1, given (i0)"
@@ -197,7 +197,7 @@ def _of_transmission(images: Images, counts: Stack) -> Fields:
                 f"is missing, and the {key} does not tell it: it has no noise",
                 remedy="give i0, in photons per pixel",
             )
-        gain, scatter = found.level / found.power, found.scatter
+        gain, scatter = found.level / found.power, found.along
         notes["gain"] = f"{gain:.4g} photons where the transmission is 1, from the noise of the {key}"
         remarks.append(f"i0 = {notes['gain']}: give it if it is known")
     return Fields(
@@ -411,15 +411,15 @@ def _gain(
     dark_noise: PairNoise | None,
     notes: dict[str, str],
     remarks: list[str],
-) -> tuple[float, float, float]:
-    """Photons per count, scatter of single pixels, and noise over that of photons."""
+) -> tuple[float, tuple[float, ...], float]:
+    """Photons per count, scatter of pixels, and noise over that of photons."""
     fitting = dark if dark.shape == (stack.rows, stack.columns) else float(np.median(dark))
     noise = pair_noise(stack, part, fitting)
     read = (0.0, 0.0) if dark_noise is None else (dark_noise.power, dark_noise.variance)
     if images.gain is not None:
         notes["gain"] = f"{images.gain:g} photons per count, given"
         if noise is None or not noise.level > 0.0 or not noise.power > read[0]:
-            return images.gain, 1.0, 1.0
+            return images.gain, (1.0,), 1.0
         return (images.gain, *_against_gain(images, noise, read, notes, remarks))
     if noise is None:
         raise InputError(
@@ -440,7 +440,7 @@ def _gain(
     own = images.flat_frames if images.flat is not None and images.flat.file is not None else 1
     gain = noise.level / signal / own
     std = gain * float(np.hypot(np.sqrt(2.0 / noise.samples), np.nan_to_num(noise.power_std)))
-    scatter = min((noise.variance - read[1]) / signal, 1.0)
+    scatter = _of_signal(noise, read, signal)
     notes["gain"] = f"{gain:.4g} +/- {std:.2g} photons per count, from differences of flat frames"
     remarks.append(f"gain = {notes['gain']}: give it if it is known")
     return float(gain), _shared_light(scatter, notes, remarks), 1.0
@@ -448,14 +448,14 @@ def _gain(
 
 def _against_gain(
     images: Images, noise: PairNoise, read: tuple[float, float], notes: dict[str, str], remarks: list[str]
-) -> tuple[float, float]:
+) -> tuple[tuple[float, ...], float]:
     """Scatter and excess of the flats' noise against the gain that is given."""
     assert images.gain is not None
     own = images.flat_frames if images.flat is not None and images.flat.file is not None else 1
     signal = noise.power - read[0]
     ratio = signal * images.gain * own / noise.level
     std = ratio * float(np.hypot(np.sqrt(2.0 / noise.samples), np.nan_to_num(noise.power_std)))
-    scatter = min(max((noise.variance - read[1]) / signal, 1e-3), 1.0)
+    scatter = _of_signal(noise, read, signal)
     notes["flat_scatter"] = f"{ratio:.4g} +/- {std:.2g} of that of photons"
     if ratio < 1.0 / _AVERAGED and own == 1:
         remarks.append(
@@ -472,9 +472,17 @@ def _against_gain(
     return _shared_light(scatter, notes, remarks), 1.0
 
 
-def _shared_light(scatter: float, notes: dict[str, str], remarks: list[str]) -> float:
-    """The scatter, with words where pixels share light; 1 where they do not."""
-    if scatter > 0.97:
-        return 1.0
-    notes["shared_light"] = f"a pixel scatters {scatter:.3g} times as much as its photons: neighbours share light"
-    return max(scatter, 1e-3)
+def _of_signal(noise: PairNoise, read: tuple[float, float], signal: float) -> tuple[float, ...]:
+    """Covariance along rows of what is not read noise, over the photons' variance."""
+    if len(noise.along) < 2:
+        return (1.0,)
+    first, *rest = (value * noise.power for value in noise.along)
+    return (first - read[1]) / signal, *(value / signal for value in rest)
+
+
+def _shared_light(scatter: tuple[float, ...], notes: dict[str, str], remarks: list[str]) -> tuple[float, ...]:
+    """The scatter, with words where pixels share light; (1,) where they do not."""
+    if scatter[0] > 0.97:
+        return (1.0,)
+    notes["shared_light"] = f"a pixel scatters {scatter[0]:.3g} times as much as its photons: neighbours share light"
+    return (max(scatter[0], 1e-3), *scatter[1:])

@@ -8,8 +8,8 @@ of sums of pixels, its power at frequency zero,
     S = sum_k C(k),    gain = mean/S,
 
 C(k) being the covariance of pixels k apart. It is summed over the lags that blur reaches, less its level beyond them, which is
-that of a beam that changes its shape. `scatter` = C(0)/S is how much less single pixels scatter. What a detector adds to
-the photons' own noise (swank) is in S, and so in the gain: photons that count.
+that of a beam that changes its shape. C(0)/S is how much less single pixels scatter (`along`: sums of rows, from C along
+them). What a detector adds to the photons' own noise (swank) is in S, and so in the gain: photons that count.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,8 @@ __all__ = ["PairNoise", "pair_noise"]
 
 _PAIRS = 16
 _REACH = 6  # pixels: farther, light is a tail, whose noise is little
-_LEAST = 32  # rows or columns of a part whose neighbours can be compared
+_BEYOND = 10  # and as many more, for the level of a beam that changes its shape
+_LEAST = 20  # rows or columns of a part whose neighbours can be compared
 _SURE = 4.0  # standard deviations
 
 
@@ -41,6 +42,8 @@ class PairNoise:
         S: the variance of a sum of pixels, over their number.
     power_std : float
         Its relative standard deviation.
+    along : tuple of float
+        Covariance of pixels 0, 1, 2, ... rows apart, over S; (1,) where pixels do not share light.
     """
 
     variance: float
@@ -48,11 +51,7 @@ class PairNoise:
     samples: int
     power: float
     power_std: float
-
-    @property
-    def scatter(self) -> float:
-        """Variance of a pixel over that of its photons."""
-        return self.variance / self.power
+    along: tuple[float, ...] = (1.0,)
 
 
 def pair_noise(
@@ -75,14 +74,14 @@ def pair_noise(
     Notes
     -----
     Pairs are scaled to the same mean (a beam that flickers is no noise), and pixels 6 robust standard deviations off left out.
-    Up to 16 pairs, spread over the stack. Neighbours are compared where the part has 32 rows and columns.
+    Up to 16 pairs, spread over the stack. Neighbours are compared where the part has 20 rows and columns.
     """
     if stack.frames < 2:
         return None
     pairs = np.unique(np.linspace(0, stack.frames - 2, _PAIRS).astype(int))
     variance = level = 0.0
     samples = 0
-    lags = np.zeros((2 * _REACH + 5, 2 * _REACH + 5))
+    lags = np.zeros((2 * (_REACH + _BEYOND) + 1,) * 2)
     weight = np.zeros_like(lags)
     for i in pairs.tolist():
         first, second = np.asarray(stack.read(i, i + 2), dtype=np.float64)
@@ -105,8 +104,8 @@ def pair_noise(
             _add_lags(np.where(near, d, 0.0) / np.sqrt(scale), near, lags, weight)
     if not samples:
         return None
-    power, std = _power(lags, weight, variance / samples)
-    return PairNoise(variance / samples, level / samples, samples, power, std)
+    power, std, along = _power(lags, weight, variance / samples)
+    return PairNoise(variance / samples, level / samples, samples, power, std, along)
 
 
 def _add_lags(d: FloatArray, near: FloatArray, lags: FloatArray, weight: FloatArray) -> None:
@@ -122,27 +121,33 @@ def _add_lags(d: FloatArray, near: FloatArray, lags: FloatArray, weight: FloatAr
         into += product[np.ix_(at, at)]
 
 
-def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float, float]:
-    """S and its relative standard deviation; the variance itself where neighbours are not seen to share."""
+def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float, float, tuple[float, ...]]:
+    """S, its relative standard deviation and the covariance along; the variance where neighbours are not seen to share."""
     if not weight.any():
-        return variance, np.nan
+        return variance, np.nan, (1.0,)
     reach = lags.shape[0] // 2
     covariance = lags / np.maximum(weight, 1.0)
     at = np.arange(-reach, reach + 1)
     far = np.maximum(np.abs(at[:, None]), np.abs(at))
-    noise = variance / np.sqrt(float(weight[reach, reach]))
+    area = float(np.maximum((covariance / variance) ** 2, 0.0)[far <= _REACH].sum())  # pixels that go together
+    noise = variance * np.sqrt(max(area, 1.0) / float(weight[reach, reach]))
     level = float(covariance[far > _REACH].mean())
     near = float(covariance[(far == 1)].mean()) - level
     if near < _SURE * noise / np.sqrt(4.0):  # of eight neighbours, four are independent
-        return variance, np.sqrt(2.0 / max(float(weight[reach, reach]), 1.0))
-    best = variance
+        return variance, np.sqrt(2.0 / max(float(weight[reach, reach]), 1.0)), (1.0,)
+    best = variance - level
     count = 1
     for width in range(1, _REACH + 1):
         ring = far == width
         number = int(ring.sum())
         added = float((covariance[ring] - level).sum())
-        if added < _SURE * noise * np.sqrt(2.0 * number) and width > 1:
+        if added < noise * np.sqrt(2.0 * number) and width > 1:
             break
         best += added
         count += number
-    return best - level, float(noise * np.sqrt(2.0 * count) / best)
+    power = best
+    along = (covariance[reach : reach + _REACH + 1, reach] - level) / power
+    patches = max(
+        float(weight[reach, reach]) / count, 1.0
+    )  # of the size that is summed over: each tells the power once
+    return power, float(np.sqrt(2.0 / patches)), tuple(along.tolist())

@@ -195,7 +195,7 @@ def lone_outliers(ratio: FloatArray, photons: FloatArray, floor: float = 0.02, f
     for size in ((1, 5), (5, 1)):
         if ratio.shape[0] < 5 and size[0] > 1:
             continue
-        middle = median_filter(filled, size=size, mode="nearest")
+        middle = median_filter(filled, size=size, mode="mirror")
         noise = np.sqrt(np.maximum(middle, 0.02) * photons + 4.0)
         lone &= np.abs(filled - middle) * photons > far * noise + floor * photons
     return np.asarray(lone)

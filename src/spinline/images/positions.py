@@ -36,9 +36,6 @@ from spinline.xray.row.model import beam_shape
 
 __all__ = ["Place", "Seam", "prepare_positions", "reduce_positions", "seams"]
 
-_OFF = 4.0  # standard deviations by which two positions' radii disagree that is said
-_LEAST = 3  # rows that two positions share for their radii to be compared
-
 
 @dataclass(frozen=True, eq=False)
 class Place:
@@ -79,8 +76,8 @@ class Seam:
         Of the differences of their mean fractions, their own errors taken; and how many.
     probability : float
         Of a larger one by chance; under 0.01 they do not agree.
-    radius : float
-        Mean difference of their radii over its standard deviation.
+    radius, radius_gap : float
+        Mean difference of their radii over its standard deviation, the stage's taken in; and that difference, m.
     """
 
     first: int
@@ -89,6 +86,7 @@ class Seam:
     blocks: int
     probability: float
     radius: float
+    radius_gap: float
 
 
 def prepare_positions(images: Images, summing: Callable[[Stack], FrameSum]) -> tuple[list[Place], list[str]]:
@@ -143,11 +141,12 @@ def prepare_positions(images: Images, summing: Callable[[Stack], FrameSum]) -> t
     for k, (offset, experiment, frame, track, facts) in enumerate(looks):
         mine = replace(experiment, detector=found, notes={**experiment.notes, **dict(found.notes)})
         seen = _own_shape(mine, bent(frame, found), track)
-        mine = judged(mine, seen, track, facts, calibrate=k == calibration)
+        elsewhere = calibration is not None and k != calibration
+        mine = judged(mine, seen, track, facts, elsewhere=elsewhere)
         places.append(Place(mine, seen, track, facts, offset.value, offset.std))
     if calibration is not None:
         places = _calibrated_alike(places, calibration)
-    return places, [*found.remarks, *_offsets(places)]
+    return places, [*found.remarks, *_apart(places)]
 
 
 def _own_shape(experiment: Experiment, frame: Frame, track: Track) -> Frame:
@@ -177,30 +176,13 @@ def _calibrated_alike(places: list[Place], which: int) -> list[Place]:
     ]  # fmt: skip
 
 
-def _offsets(places: list[Place]) -> list[str]:
-    """Words where two positions that overlap see radii that their offsets do not explain."""
-    said = []
-    for a, (one, two) in enumerate(pairwise(places)):
-        z = one.z[one.z >= two.z[0]]
-        if z.size < _LEAST:
-            if z.size == 0:
-                said.append(
-                    f"positions {a} and {a + 1} do not overlap: nothing ties them but the smoothness of the jet"
-                )
-            continue
-        radii = [p.frame.pixel * np.interp(z, p.z, p.track.radius * p.experiment.lean.cosine) for p in (one, two)]
-        noise = [p.frame.pixel * np.interp(z, p.z, p.track.radius_std) for p in (one, two)]
-        off = float(np.mean(radii[1] - radii[0]))
-        slope = abs(float(np.polyfit(z, radii[0], 1)[0]))
-        stage = float(np.hypot(one.offset_std, two.offset_std))
-        std = float(np.hypot(np.sqrt(np.mean(noise[0] ** 2 + noise[1] ** 2) / z.size), slope * stage))
-        if abs(off) > _OFF * std and abs(off) > 0.05 * one.frame.pixel:
-            along = f", as if the stage were {1e6 * off / slope:+.3g} um off" if slope > 1e-3 else ""
-            said.append(
-                f"positions {a} and {a + 1} see radii {1e6 * off:+.2g} um apart where they overlap "
-                f"({abs(off) / std:.0f} standard deviations){along}: check offset and pixel_size"
-            )
-    return said
+def _apart(places: list[Place]) -> list[str]:
+    """Words where two neighbouring positions share no row."""
+    return [
+        f"positions {a} and {a + 1} do not overlap: nothing ties them but the smoothness of the jet"
+        for a, (one, two) in enumerate(pairwise(places))
+        if one.z[-1] < two.z[0]
+    ]
 
 
 def seams(places: list[Place], fits: list[FrameFit]) -> list[Seam]:
@@ -233,8 +215,10 @@ def seams(places: list[Place], fits: list[FrameFit]) -> list[Seam]:
         noise = np.hypot(
             fits[a].std["radius"][inside], np.interp(z[0][inside], z[1][good], fits[a + 1].std["radius"][good])
         )
-        pull = float(gap.mean() / np.sqrt((noise**2).sum()) * gap.size)
-        out.append(Seam(a, a + 1, chi, inside.size, float(chi2.sf(chi, inside.size)), pull))
+        taper = abs(float(np.polyfit(z[1][good], radius, 1)[0]))
+        stage = taper * float(np.hypot(one.offset_std, two.offset_std))
+        pull = float(gap.mean() / np.hypot(np.sqrt((noise**2).sum()) / gap.size, stage))
+        out.append(Seam(a, a + 1, chi, inside.size, float(chi2.sf(chi, inside.size)), pull, float(gap.mean())))
     return out
 
 

@@ -5,19 +5,22 @@ drift and Poisson noise from (seed, frame), beside flat and dark frames with noi
 the file (`truth_*`), so that a reduction can be held against it.
 """
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
 from spinline.base.files import streaming, writable, write_text
+from spinline.images.camera import Camera
 from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
-from spinline.xray.matter.spectrum import Spectrum, harmonic_spectrum
+from spinline.xray.matter.spectrum import Spectrum
 from spinline.xray.row.chords import equal_shells
+from spinline.xray.row.model import beam_shape
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,69 +32,6 @@ __all__ = ["Camera", "Frames", "field_from_result", "medium_from_result", "simul
 _SHELLS = 30
 _MOST_PIXELS = 200_000_000
 _FIRST_FLAT, _FIRST_DARK = 1_000_000, 2_000_000  # numbers of the random streams
-
-
-@dataclass(frozen=True)
-class Camera:
-    """Beam, detector and frames.
-
-    Attributes
-    ----------
-    energy_kev : float
-    pixel : float
-        m, in the plane of the jet.
-    photons : float
-        Per pixel and frame without a jet.
-    frames, reference_frames : int
-        Of the jet, and of flat and of dark each.
-    pixels : int or None
-        Of a row; None: one and a half times what the jet takes.
-    distance : float
-        From jet to detector, m; 0: no fringes.
-    blur, motion : float
-        m: Gaussian blur; way along the jet during an exposure.
-    axis, tilt, tilt_out : float
-        Position of the axis from the middle (m), tilt in the image and out of it (rad).
-    drift, slope : float
-        Standard deviation of the beam's level from frame to frame; its slope across the row.
-    flat_structure : float
-        Standard deviation of the flat field's fixed pattern.
-    dark : float
-        Dark counts per pixel and frame.
-    veil : float
-        Stray light as a share of the flat.
-    harmonic : float
-        Share of the third harmonic in the signal.
-    coherent : bool
-        Total attenuation, or that without coherent scatter.
-    seed : int
-    """
-
-    energy_kev: float = 10.0
-    pixel: float = 0.67e-6
-    photons: float = 1e4
-    frames: int = 10
-    reference_frames: int = 15
-    pixels: int | None = None
-    distance: float = 0.0
-    blur: float = 0.0
-    motion: float = 0.0
-    axis: float = 0.0
-    tilt: float = 0.0
-    tilt_out: float = 0.0
-    drift: float = 0.0
-    slope: float = 0.0
-    flat_structure: float = 0.0
-    dark: float = 0.0
-    veil: float = 0.0
-    harmonic: float = 0.0
-    coherent: bool = True
-    seed: int = 0
-
-    @property
-    def beam(self) -> float | Spectrum:
-        """Energy, or the lines where there is a harmonic."""
-        return harmonic_spectrum(self.energy_kev, {3: self.harmonic}) if self.harmonic else self.energy_kev
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,8 +154,10 @@ def simulate(result: "xr.Dataset", camera: Camera, *, start: float | None = None
     medium = medium_from_result(result, camera.beam, coherent=camera.coherent)
     seen = transmission_image(
         jet, medium, pixels, camera.pixel, distance=camera.distance, axis=camera.axis, tilt=camera.tilt,
-        tilt_out=camera.tilt_out, blur=camera.blur, motion=camera.motion,
+        tilt_out=camera.tilt_out, blur=camera.blur, motion=camera.motion, tail=(camera.tail_share, camera.tail_length),
+        depth=camera.depth,
     )  # fmt: skip
+    bend = beam_shape({"shape2": camera.bend}, pixels)
     pattern = _stream(camera.seed, 3_000_000).normal(0.0, 1.0, (rows, pixels))
     flat = camera.photons * np.maximum(1.0 + camera.flat_structure * pattern, 0.05)
     counts = np.empty((camera.frames, rows, pixels), dtype=np.uint32)
@@ -223,7 +165,12 @@ def simulate(result: "xr.Dataset", camera: Camera, *, start: float | None = None
         stream = _stream(camera.seed, i)
         level = max(1.0 + camera.drift * float(stream.normal()), 0.05)
         mean = expected_image(
-            seen, flat, dark=camera.dark, veil=camera.veil, amplitude=level, slope=camera.slope if camera.slope else 0.0
+            seen,
+            flat * bend,
+            dark=camera.dark,
+            veil=camera.veil,
+            amplitude=level,
+            slope=camera.slope if camera.slope else 0.0,
         )
         counts[i] = stream.poisson(mean)
     shape = (camera.reference_frames, rows, pixels)
@@ -274,12 +221,10 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
         import tifffile
 
         for key, stack in parts.items():
+            made = io.BytesIO()  # tifffile wants a file that the system knows, or memory
+            tifffile.imwrite(made, stack.astype(np.uint16) if stack.max() < 65536 else stack, photometric="minisblack")
             with streaming(names[key], force=force) as stream:
-                tifffile.imwrite(
-                    cast(IO[bytes], stream),
-                    stack.astype(np.uint16) if stack.max() < 65536 else stack,
-                    photometric="minisblack",
-                )
+                stream.write(made.getbuffer())
     write_text(toml, images_text(frames.camera, result, names), force=force)
     return (*dict.fromkeys(names.values()), toml)
 
@@ -298,6 +243,14 @@ def images_text(camera: Camera, result: "xr.Dataset", names: dict[str, Path]) ->
         lines.append("coherent = false")
     if camera.distance:
         lines += [f'propagation_distance = "{camera.distance * 1e2:.9g} cm"', 'method = "phase"']
+    if camera.tail_share:
+        lines += [f"tail_share = {camera.tail_share:.9g}", f'tail_length = "{camera.tail_length * 1e6:.9g} um"']
+    if camera.tilt_out:
+        lines.append(f'tilt_out = "{np.degrees(camera.tilt_out):.9g} deg"')
+    if camera.depth != 1.0:
+        lines.append(f"depth = {camera.depth:.9g}")
+    if camera.bend:
+        lines.append("flat_shape = 2")
     if camera.blur:
         lines.append(f'blur = "{camera.blur * 1e6:.9g} um"')
     solution = [f"{_key(key)} = {_toml(value)}" for key, value in _data(result)["solution"].items()]
@@ -346,6 +299,10 @@ def _check(camera: Camera) -> None:
         positive(name, getattr(camera, name))
     for name in ("distance", "blur", "motion", "drift", "flat_structure", "dark", "veil"):
         number(name, getattr(camera, name), least=0.0, below=1.0 if name in ("drift", "flat_structure") else 1e9)
+    number("tail_share", camera.tail_share, least=0.0, below=0.8)
+    number("tail_length", camera.tail_length, least=0.0, unit="m")
+    number("depth", camera.depth, least=0.5, most=2.0)
+    number("bend", camera.bend, least=-0.5, most=0.5)
     number("harmonic", camera.harmonic, least=0.0, below=1.0)
     for name, least in (("frames", 1), ("reference_frames", 1), ("seed", 0)):
         value = getattr(camera, name)

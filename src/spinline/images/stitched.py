@@ -14,6 +14,7 @@ from spinline.xray.frame.blocks import FrameFit
 
 __all__ = ["assemble_positions"]
 
+_FAR = 4.0  # standard deviations of two positions' radii
 _APART = 0.01  # probability of a seam under which the positions do not agree
 
 
@@ -121,5 +122,11 @@ def _words(places: list[Place], found: list[Seam], remarks: list[str]) -> tuple[
         f"(probability {s.probability:.2g}); check offset, flats and drift"
         for s in found
         if s.probability < _APART
+    ]
+    said += [
+        f"positions {s.first} and {s.second} see radii {1e6 * abs(s.radius_gap):.2g} um apart where they overlap "
+        f"({abs(s.radius):.0f} standard deviations): check offset and pixel_size"
+        for s in found
+        if abs(s.radius) > _FAR
     ]
     return tuple(said)

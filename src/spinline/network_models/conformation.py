@@ -80,7 +80,8 @@ def stretch_strands(
     InputError
         For a missing property, or a history that a linear model cannot hold.
     """
-    from spinline.rheology.conformation import FENEP, OldroydB, conformation, tensile_force
+    from spinline.rheology.conformation import conformation, tensile_force
+    from spinline.rheology.constitutive import fenep, maxwell
 
     theta = material.relaxation_time(fraction)
     late = time[0] > 0
@@ -94,7 +95,8 @@ def stretch_strands(
     try:
         state = conformation(along[0], along[1], along[2], model, strain_rate=rate, rtol=_RTOL)
     except InputError as error:
-        other = "UCM" if isinstance(model, FENEP) else "FENE-P"
+        finite = np.isfinite(model.stiffening(np.ones(1))[1])
+        other = (maxwell if finite else fenep).LAW.name
         remedy = f'{error.remedy or "see the jet"}; or rheology.constitutive = "{other}"'
         raise InputError(f"jet: {error.field}", error.problem, value=error.value, allowed=error.allowed,
                          remedy=remedy) from None  # fmt: skip
@@ -102,7 +104,7 @@ def stretch_strands(
     stress = radial = force = None
     if material.solution.viscosity is not None or material.laws.law == "martin":
         viscosity = material.viscosity(fraction)
-        if isinstance(model, OldroydB):
+        if model.solvent_viscosity:
             viscosity = viscosity - model.solvent_viscosity
             if (viscosity <= 0).any():
                 raise InputError("solution.viscosity", "is not above the solvent's, as Oldroyd-B needs",

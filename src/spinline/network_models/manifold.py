@@ -2,10 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from spinline.network_models.rung import Setting
 from spinline.network_models.slipping import SlippingRung, force_law_of
+from spinline.network_models.steady import Networks, course_of
 
 if TYPE_CHECKING:
     from spinline.network.manifold import Manifold
@@ -21,37 +20,45 @@ class SteadyNetwork(SlippingRung):
 
     name = "manifold"
     words = "steady network that slips at finite alpha_v: one stiff equation"
+    needs = ("alpha_v",)
     automatic = True
     branch = "elastic"
     cost = "10 to 60 ms"
 
-    def solve(self, context: "Context") -> "Manifold":
-        """Steady network of a scene at its finite coupling."""
-        from spinline.network.manifold import steady_network
-        from spinline.network.tension import Tension
-
-        n, jet = context.scene.network, context.line
-        r0 = jet.initial_radius
-        length = context.length - jet.start
-        return steady_network(
-            lambda s: jet.velocity_ratio(np.minimum(jet.start + s * r0, jet.end)),
-            length / r0,
-            coupling=context.coupling.required(),
-            spring=n.spring.value,
-            inertia=n.inertia.value,
-            law=Tension.of(n.force_law, context.rest.full_stretch),
-            breaks=jet.kinks(),
-            rtol=min(1e-8, 1e-3 * context.scene.accuracy.rtol),
-        )
+    def solve(self, context: "Context") -> "Manifold | Networks":
+        """Steady network of a scene at its finite coupling; of a bead jet, one a moment."""
+        if context.straight:
+            return _steady(context)
+        return Networks([_steady(frame) for frame in context.frames])
 
     def settings(self, context: "Context", quick: bool) -> list[Setting]:
         """By the scene's force law."""
-        return [Setting("steady", {**force_law_of(context)})] if context.straight else []
+        return [Setting("steady", {**force_law_of(context)})]
 
     def finest(self, context: "Context") -> Setting | None:
         """A hundred times finer than the scene's rtol."""
         rtol = float(f"{max(context.scene.accuracy.rtol / _FINER, 1e-9):.0e}")
         return Setting("", {"rtol": rtol, **force_law_of(context)})
+
+
+def _steady(context: "Context") -> "Manifold":
+    from spinline.network.manifold import steady_network
+    from spinline.network.tension import Tension
+
+    n, course = context.scene.network, course_of(context)
+    return steady_network(
+        course.profile,
+        course.length,
+        coupling=course.coupling,
+        spring=n.spring.value,
+        inertia=n.inertia.value,
+        law=Tension.of(n.force_law, context.rest.full_stretch),
+        breaks=course.breaks,
+        end=n.end,
+        stations=course.stations,
+        known_to=course.known_to,
+        rtol=min(1e-8, 1e-3 * context.scene.accuracy.rtol),
+    )
 
 
 RUNG = SteadyNetwork()

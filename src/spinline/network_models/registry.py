@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable
 
-from spinline.network_models import affine, chain, conformation, manifold, walk
+from spinline.network_models import affine, chain, conformation, manifold, two_fluid, walk
 from spinline.network_models.rung import Rung
 from spinline.scene.file import MODELS, add_model
 
 __all__ = ["RUNGS", "cheapest", "register", "rung_of", "simplest"]
 
 RUNGS: dict[str, Rung] = {
-    module.RUNG.name: module.RUNG for module in (affine, manifold, conformation, chain, walk)
+    module.RUNG.name: module.RUNG for module in (affine, manifold, conformation, two_fluid, chain, walk)
 }  # in the order that "auto" tries them
 
 

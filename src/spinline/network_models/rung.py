@@ -173,6 +173,10 @@ class Rung:
         """Variables that only this rung has, or has better, from those of every rung."""
         return {}
 
+    def scalars(self, context: "Context", network: Network | None) -> dict[str, Any]:
+        """Numbers that only this rung has, by their names in a result."""
+        return {}
+
     def attributes(self, context: "Context", network: Network | None) -> dict[str, Any]:
         """What a result says of it."""
         return {}

@@ -7,6 +7,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.network.coupling import BOLTZMANN, strand_force
 from spinline.network_models.rung import Network, Rung
+from spinline.network_models.steady import course_of, solved_on, velocity_of
 
 if TYPE_CHECKING:
     from spinline.setup.context import Context
@@ -34,7 +35,7 @@ class SlippingRung(Rung):
 
     slips = True
     holds = ("elastic coupling", "inertia", "finite extensibility")
-    needs = ("straight jet", "alpha_v")
+    needs: tuple[str, ...] = ("straight jet", "alpha_v")
 
     def remarks(self, context: "Context") -> list[str]:
         """A closure that does not know the force law."""
@@ -51,22 +52,59 @@ class SlippingRung(Rung):
     ) -> dict[str, FloatArray]:
         """What slips and pulls where the network does not move with the solution."""
         assert network is not None
-        jet, solution = context.line, context.solution
-        s = np.minimum((fields["z"] - jet.start) / jet.initial_radius, network.length)
+        solution, course = context.solution, course_of(context.frames[-1])
+        if context.straight:
+            tension = network.tension(along(context, network, fields["z"]))
+        else:
+            tension = solved_on(context, network, lambda one, s: one.tension(s))
+        r0 = context.jet.initial_radius
         slip = fields["velocity_ratio"] - fields["network_velocity_ratio"]
         # c = 3 is the Gaussian strand, f_0 = 3 / V_S
-        pull = context.scene.network.spring.value / context.rest.full_stretch * network.tension(s)
-        force = strand_force(pull, solution.kuhn_length, solution.temperature)
-        drag = context.coupling.alpha * BOLTZMANN * solution.temperature / jet.initial_radius * slip
+        pull = context.scene.network.spring.value / context.rest.full_stretch * tension
+        known = np.isfinite(pull)
+        force = np.full(pull.shape, np.nan)
+        force[known] = strand_force(pull[known], solution.kuhn_length, solution.temperature)
+        drag = course.coupling * BOLTZMANN * solution.temperature / r0 * slip
         found: dict[str, Any] = {
-            "slip_velocity": slip * jet.initial_velocity,
+            "slip_velocity": slip * course.pace * r0,
             "drag_force": drag,
             "strand_force": force,
             "scission": force > BOND_STRENGTH,
         }
         return found
 
+    def scalars(self, context: "Context", network: Network | None) -> dict[str, Any]:
+        """How much the far end decides."""
+        effect = getattr(network, "far_end_effect", None)
+        return {} if effect is None else {"far_end_effect": float(effect)}
+
+    def solved_remarks(self, context: "Context", network: Network) -> list[str]:
+        """A far end that is felt, a network faster than the jet that feeds it."""
+        rtol, r0, remarks = context.scene.accuracy.rtol, context.jet.initial_radius, []
+        effect, full = float(getattr(network, "far_end_effect", 0.0)), context.rest.full_stretch
+        if effect > rtol:
+            at = float(getattr(network, "moves_most", float("nan"))) * r0
+            where = "" if np.isnan(at) else f", most at {1e3 * at:.3g} mm"
+            locked = network.locked_from
+            why = (
+                f"; strands are at their contour from {1e3 * locked * r0:.3g} mm on and are pulled by whatever lies beyond"
+                if locked < network.length
+                else ""
+            )
+            remarks.append(
+                f"the far end decides: what lies beyond the end of the jet moves the network by up to {effect:.2g}{where} "
+                f"(rtol = {rtol:g}){why}. These numbers belong to this length of the jet"
+            )
+        inlet = float(velocity_of(network, np.array([0.0]))[0])
+        if inlet > 1 + max(rtol, 0.01) and np.isfinite(full):
+            remarks.append(
+                f"the network leaves the nozzle at {inlet:.3g} v_0, faster than the jet that feeds it: it would have to be "
+                f"pulled out, and its fraction there would be {context.solution.volume_fraction / inlet:.3g}"
+            )
+        return remarks
+
     def attributes(self, context: "Context", network: Network | None) -> dict[str, Any]:
         """Where the network is locked, and its inertia."""
         assert network is not None
-        return {"locked_from": network.locked_from * context.jet.initial_radius, "inertia": network.inertia}
+        held = {"network_end": context.scene.network.end} if hasattr(network, "far_end_effect") else {}
+        return held | {"locked_from": network.locked_from * context.jet.initial_radius, "inertia": network.inertia}

@@ -17,11 +17,12 @@ from spinline.network.mesh import SolventQuality
 from spinline.network.state import dried_state, network_state
 from spinline.network_models.rung import Network, Rung
 from spinline.network_models.slipping import along
+from spinline.network_models.steady import solved_on, velocity_of
 
 if TYPE_CHECKING:
     from spinline.setup.context import Context
 
-__all__ = ["lateral_variables", "network_stretch", "network_variables", "strand_conformation"]
+__all__ = ["lateral_variables", "network_motion", "network_variables", "strand_conformation"]
 
 
 def network_variables(
@@ -35,13 +36,15 @@ def network_variables(
     kuhn_length: ArrayLike,
     temperature: ArrayLike,
     remaining: FloatArray | None = None,
+    velocity: FloatArray | None = None,
+    entanglements_left: FloatArray | None = None,
 ) -> dict[str, Any]:
     """Network variables from the stretch of the strands and that of the solution.
 
     Parameters
     ----------
     stretch, flow : ndarray
-        w, and the stretch of the solution at the same places.
+        Of the strands, and of the solution at the same places.
     radius : ndarray
         Of the jet, m.
     volume_fraction, kuhn_length, temperature : array_like
@@ -51,18 +54,33 @@ def network_variables(
     remaining : ndarray, optional
         Volume left over that at the nozzle, where the jet dries: strands are those at the nozzle, fractions over what is left.
 
+    velocity : ndarray, optional
+        w of the network; that of the solution where strands relax in it, their stretch otherwise (the default).
+    entanglements_left : ndarray, optional
+        nu, where entanglements let go.
+
     Returns
     -------
     dict of str to ndarray
         By their names in a result.
     """
-    net = network_state(stretch, flow, volume_fraction, closure=closure, solvent_quality=solvent_quality)
+    net = network_state(
+        stretch if velocity is None else velocity,
+        flow,
+        volume_fraction,
+        strand_stretch=None if velocity is None else stretch,
+        entanglements_left=entanglements_left,
+        closure=closure,
+        solvent_quality=solvent_quality,
+    )
     if remaining is not None:
         net = dried_state(net, flow, float(np.asarray(volume_fraction)), remaining, solvent_quality)
     walk = net.conformation
     return {
         "mean_polymer_fraction": net.mean_polymer_fraction,
         "network_velocity_ratio": net.network_velocity_ratio,
+        "strand_stretch": net.strand_stretch,
+        "flux_velocity_ratio": net.flux_velocity_ratio,
         "axial_stretch": walk.axial_stretch,
         "relative_extension": walk.relative_extension,
         "radial_contraction": walk.radial_contraction,
@@ -90,16 +108,23 @@ def strand_conformation(context: "Context", stretch: float) -> tuple[float, floa
     return float(walk.relative_extension), float(walk.orientation)
 
 
-def network_stretch(context: "Context", rung: Rung, network: Network, place: FloatArray) -> FloatArray:
-    """Stretch w of a network that slips, at places along a straight jet (m); held at its far end beyond it."""
-    stretch = network.stretch(along(context, network, place))
-    if not (stretch > 0).all():
+def network_motion(
+    context: "Context", rung: Rung, network: Network, profile: dict[str, FloatArray]
+) -> tuple[FloatArray, FloatArray]:
+    """Stretch of the strands and velocity w of a network that slips, at the places of a profile."""
+    if context.straight:
+        s = along(context, network, profile["z"])
+        stretch, velocity = network.stretch(s), velocity_of(network, s)
+    else:
+        stretch = solved_on(context, network, lambda one, s: one.stretch(s))
+        velocity = solved_on(context, network, velocity_of)
+    if not (stretch[np.isfinite(stretch)] > 0).all():
         joined = getattr(network, "coarse_grain", 1.0)
         raise InputError(
             "network.model", f"leaves strands turned over ({joined:.3g} joined into one): too few of them in this jet",
             value=rung.name, remedy="join fewer (network.coarse_grain), take a longer jet, or a higher coupling",
         )  # fmt: skip
-    return stretch
+    return stretch, velocity
 
 
 def lateral_variables(context: "Context", fields: dict[str, FloatArray]) -> dict[str, FloatArray]:

@@ -1,7 +1,7 @@
 """Which physics a scene needs, and the number that decides: the cheapest rung whose estimated error is within rtol.
 
-Two branches leave the affine network: elastic slip (manifold; its finest is the chain) and relaxation (conformation). A rung
-holds one of them; where both would err by more than rtol the plan takes the larger and says that no model holds both.
+Two branches leave the affine network: elastic slip (manifold; its finest is the chain) and relaxation (conformation); where
+both would err by more than rtol they meet in the two-fluid network.
 Evaporation and radial gradients go with any rung. Finite extensibility of the *network* is a reason to change the rung only
 where the scene names a `force_law`; saturation is in every rung.
 
@@ -18,7 +18,7 @@ import numpy as np
 from spinline.network_models.registry import RUNGS, cheapest, simplest
 from spinline.network_models.rung import Rung
 from spinline.plan.effects import EFFECTS, SWITCHED
-from spinline.plan.estimates import MARGIN, UNSTEADY, Estimate
+from spinline.plan.estimates import MARGIN, Estimate
 from spinline.plan.governing_numbers import EffectNumbers, numbers_of
 from spinline.rheology.solution import Solution
 from spinline.scene.file import Scene
@@ -126,7 +126,7 @@ def plan_of(context: Context, numbers: EffectNumbers | None = None) -> Plan:
     known = numbers_of(context) if numbers is None else numbers
     effects = tuple(effect.estimate(context, known) for effect in EFFECTS)
     errors = {effect.name: effect.error for effect in effects}
-    wanted = _choice(scene, errors, rtol, effects[0].number)
+    wanted = _choice(scene, errors, rtol)
     rung = wanted if asked == "auto" else RUNGS[asked]
     on = _switched_on(scene, errors, rtol)
     used = {
@@ -159,16 +159,18 @@ def resolved(scene: Scene, plan: Plan) -> Scene:
     return scene.model_copy(update={"network": scene.network.model_copy(update=changes)})
 
 
-def _choice(scene: Scene, errors: dict[str, float], rtol: float, steepest: float) -> Rung:
-    """Rung for a scene; `steepest` is the largest eps V', beyond 1/4 of which nothing is steady."""
+def _choice(scene: Scene, errors: dict[str, float], rtol: float) -> Rung:
+    """Rung for a scene, by the errors of leaving effects out."""
     elastic, relaxing = errors["elastic coupling"], errors["relaxation"]
     simple = simplest()
-    slips = MARGIN * elastic > rtol and steepest <= UNSTEADY
+    slips = MARGIN * elastic > rtol
     relaxes = MARGIN * relaxing > rtol and scene.effects.relaxation is not False
     slipping, relaxed = cheapest(["elastic coupling"]) or simple, cheapest(["relaxation"]) or simple
+    if (slips or (_names_a_law(scene) and not np.isnan(elastic))) and (relaxes or scene.effects.relaxation is True):
+        return cheapest(["elastic coupling", "relaxation"]) or slipping
     if scene.effects.relaxation is True:
         return relaxed
-    if _names_a_law(scene) or (slips and not (relaxes and relaxing >= elastic)):
+    if _names_a_law(scene) or slips:
         return slipping if not np.isnan(elastic) else simple
     # a solution that dries relaxes by other times than it set out with: the rung that can hold that, if the time is known
     dries = _switched(scene.effects.evaporation, errors["evaporation"], rtol) and MARGIN * errors["evaporation"] > rtol
@@ -220,17 +222,11 @@ def _remarks(
 ) -> list[str]:
     """What a choice loses."""
     remarks = []
-    steady, relaxed = cheapest(["elastic coupling"]), cheapest(["relaxation"])
+    steady, both = cheapest(["elastic coupling"]), cheapest(["elastic coupling", "relaxation"])
     if "elastic coupling" in missed and not rung.relaxes:
-        transient = next((other.name for other in RUNGS.values() if other.slips and other.sampled), "")
-        finer = (
-            f"no steady network there, see --model {transient}"
-            if known["elastic coupling"].number > UNSTEADY
-            else f"see --model {'' if steady is None else steady.name}"
-        )
         remarks.append(
             f"the affine network errs by about {errors['elastic coupling']:.2g} without elastic coupling, more than "
-            f"rtol = {rtol:g}: {finer}"
+            f"rtol = {rtol:g}: see --model {'' if steady is None else steady.name}"
         )
     if "relaxation" in missed:
         remarks.append(
@@ -238,10 +234,9 @@ def _remarks(
             f"stretch errs by about {errors['relaxation']:.2g}, more than rtol = {rtol:g}"
         )
     if len(missed) == 2 or (missed and set(_MOVING) & set(rung.holds)):
-        other = " and ".join(one.name for one in (steady, relaxed) if one is not None)
         remarks.append(
-            f"no model holds both elastic coupling (error of about {errors['elastic coupling']:.2g}) and relaxation "
-            f"({errors['relaxation']:.2g}) within rtol = {rtol:g}: compare {other}"
+            f"elastic coupling (error of about {errors['elastic coupling']:.2g}) and relaxation "
+            f"({errors['relaxation']:.2g}) both matter at rtol = {rtol:g}: see --model {'' if both is None else both.name}"
         )
     return remarks
 

@@ -3,7 +3,7 @@
 An estimate is the change of the reported quantities (`difference`) over the first nine tenths of the jet, by the first term
 that the effect adds:
 
-* elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``; nothing steady beyond eps V' = 1/4
+* elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``
 * inertia: the same with -I for eps
 * finite extensibility: the place from which a stiff network locks, ``int (V_S - V) ds = 0`` from there to the end
 * relaxation: ``ln(w/V) = -int (1 - V^-2) / (2 theta) dt``, what a strand stretched with the flow gives back
@@ -41,7 +41,7 @@ __all__ = [
 MARGIN = 1.2  # on every estimate, before it is compared with rtol
 _KEPT = 0.9  # of the jet, as in `difference`
 _POINTS = 201
-UNSTEADY = 0.25  # eps V' from which no steady network exists
+UNSTEADY = 0.25  # eps V' from which the series of the slip says nothing
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def elastic_coupling_effect(context: Context) -> Estimate:
     if np.isnan(alpha):
         words = f"alpha_v is {viscosity}"
     elif number > UNSTEADY:
-        words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): no steady network there, see the chain"
+        words = f"c V'/alpha_v passes 1/4 (alpha_v = {alpha:.4g}): the far end of the jet may decide"
     else:
         words = f"the network slips by {number:.2g} of its velocity at most (alpha_v = {alpha:.4g}; {viscosity})"
     return Estimate("elastic coupling", "c V'/alpha_v", number, error, words)
@@ -147,7 +147,7 @@ def relaxation_effect(context: Context, deborah: float) -> Estimate:
         if problem.field != "rheology.extensibility":
             raise
         model = Maxwell()
-    faster, contour = _stiffening(model, v)
+    faster, contour = model.stiffening(v)
     rate = (1 - v**-2.0) / 2 * faster
     given_back = np.concatenate(([0.0], np.cumsum(np.diff(time) * 0.5 * (rate[1:] + rate[:-1])))) / theta
     w = np.maximum(v * np.exp(-np.minimum(given_back, 700.0)), 1.0)
@@ -157,18 +157,6 @@ def relaxation_effect(context: Context, deborah: float) -> Estimate:
     return Estimate(
         name, symbol, deborah, error, f"a strand gives back {-np.expm1(-given_back[-1]):.2g} of its stretch on the way"
     )
-
-
-def _stiffening(model: "Model", v: FloatArray) -> tuple[FloatArray, float]:
-    """How much faster than Maxwell's a model gives stretch back, at an affine stretch; and its largest stretch."""
-    from spinline.rheology.conformation import FENEP, Giesekus
-
-    if isinstance(model, Giesekus):
-        return 1 + model.mobility * np.maximum(v**2 - 1, 0.0), float("inf")
-    if isinstance(model, FENEP):
-        room = np.maximum(1 - v**2 / model.extensibility, 1e-6)
-        return (1 - 3 / model.extensibility) / room, float(np.sqrt(model.extensibility))
-    return np.ones_like(v), float("inf")
 
 
 def saturation_effect(context: Context) -> Estimate:

@@ -159,11 +159,11 @@ def _strands(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> No
 def _stretches(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     shade(axis, place, result, "stretch_ratio", GREY)
     if "deborah_number" in result:
-        shade(axis, place, result, "network_velocity_ratio", GREEN)
+        shade(axis, place, result, "strand_stretch", GREEN)
     shade(axis, place, result, "axial_stretch", BLUE)
     axis.plot(place, result["stretch_ratio"], color=GREY, linewidth=2, label="solution, material stretch")
     if "deborah_number" in result:
-        axis.plot(place, result["network_velocity_ratio"], color=GREEN, linestyle="-.", label="network $w$")
+        axis.plot(place, result["strand_stretch"], color=GREEN, linestyle="-.", label=r"strands, stretch $\lambda$")
     axis.plot(place, result["axial_stretch"], color=BLUE, linestyle="--", label=r"strands $\xi_\parallel/\xi_0$")
     contour = float(result["crossover_velocity_ratio"])
     if "crossover_velocity_ratio_band" in result:

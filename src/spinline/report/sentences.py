@@ -124,7 +124,7 @@ def _dried(result: "xr.Dataset | NamedArrays", end: int) -> list[str]:
             f"It cools to {np.nanmin(kelvin) - 273.15:.3g} °C on the way and ends at {float(kelvin[end]) - 273.15:.3g} °C."
         )
     if "deborah_number" in result:
-        w, affine = (float(result[name].values[end]) for name in ("network_velocity_ratio", "stretch_ratio"))
+        w, affine = (float(result[name].values[end]) for name in ("strand_stretch", "stretch_ratio"))
         sentences.append(
             f"The strands relax while they are stretched: {w:.3g} times at the end, where the solution is stretched "
             f"{affine:.3g} times."

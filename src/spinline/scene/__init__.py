@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from spinline.scene.file import Scene, bundled_scenes, json_schema, load_scene, scene_from_dict
+    from spinline.scene.file import Scene, bundled_scenes, json_schema, load_scene, register_law, scene_from_dict
 
 _NAMES = {
     "Scene": "file",
     "bundled_scenes": "file",
     "json_schema": "file",
     "load_scene": "file",
+    "register_law": "file",
     "scene_from_dict": "file",
 }
 
@@ -20,6 +21,7 @@ __all__ = [
     "bundled_scenes",
     "json_schema",
     "load_scene",
+    "register_law",
     "scene_from_dict",
 ]
 

@@ -3,9 +3,11 @@
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from spinline.base.units import Measured
+from spinline.rheology.constitutive import LAWS, ConstitutiveLaw
 from spinline.scene.quantities import (
     Diffusivity,
     Fraction,
@@ -15,13 +17,14 @@ from spinline.scene.quantities import (
     NumberOrZero,
     Pressure,
     Proper,
+    Read,
     Section,
     Supercooling,
     Temperature,
     Velocity,
 )
 
-__all__ = ["AmbientSection", "EffectsSection", "RheologySection", "refusal"]
+__all__ = ["AmbientSection", "EffectsSection", "RheologySection", "add_law", "refusal"]
 
 
 def refusal(key: str, problem: str) -> PydanticCustomError:
@@ -41,12 +44,11 @@ class AmbientSection(Section):
     saturation: Number | None = None
 
 
-# parameter, the choice it belongs to, the law that uses it, whether that law cannot do without
+# parameter, the choice it belongs to, the law that uses it, whether that law cannot do without; of the constitutive laws
+# the tables of `spinline.rheology.constitutive` say it
 _PARAMETERS = (
     ("intrinsic_viscosity", "law", "martin", True),
     ("martin_constant", "law", "martin", True),
-    ("mobility", "constitutive", "Giesekus", True),
-    ("extensibility", "constitutive", "FENE-P", False),
     ("D_decay", "D_law", "exponential", True),
     ("D_gap", "D_law", "free-volume", True),
     ("D_growth", "D_law", "free-volume", True),
@@ -66,9 +68,7 @@ class RheologySection(Section):
     n: Annotated[float, Field(ge=-10, le=10)] | None = None
     intrinsic_viscosity: IntrinsicViscosity | None = None
     martin_constant: NumberOrZero | None = None
-    constitutive: Literal["auto", "UCM", "Oldroyd-B", "Giesekus", "FENE-P"] = "auto"
-    mobility: Fraction | None = None
-    extensibility: Number | None = None
+    constitutive: str = "auto"
     convention: Literal["mass", "yarin2001"] = "mass"
     activity: Literal["flory-huggins", "raoult", "unit"] = "flory-huggins"
     chi: Annotated[float, Field(ge=-5, le=5)] | None = None
@@ -89,17 +89,55 @@ class RheologySection(Section):
     flow_enhancement: NumberOrZero | None = None
     maximum_crystallinity: Fraction | None = None
 
+    def parameters(self, law: ConstitutiveLaw) -> dict[str, float]:
+        """Parameters of a constitutive law, SI: those given, and the defaults of the others that have one."""
+        found: dict[str, float] = {}
+        for parameter in law.parameters:
+            given = getattr(self, parameter.name, None)
+            value = parameter.default if given is None else given.value
+            if value is not None:
+                found[parameter.name] = value
+        return found
+
     @model_validator(mode="after")
     def _parameters_have_a_law(self) -> Self:
         chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law,
                   "crystallisation": self.crystallisation}  # fmt: skip
-        for key, choice, needed, must in _PARAMETERS:
+        # what finite strands alone have is a choice of them
+        listed = [
+            (parameter.name, "constitutive", law.name, parameter.needed)
+            for law in LAWS.values()
+            for parameter in law.parameters
+        ]
+        for key, choice, needed, must in (*_PARAMETERS, *listed):
             given, used = getattr(self, key) is not None, chosen[choice]
-            if given and used != needed and not (key == "extensibility" and used == "auto"):
+            if given and used != needed and not (choice == "constitutive" and used == "auto" and not must):
                 raise refusal(key, f'is given, but {choice} = "{used}" does not use it; drop it, or take "{needed}"')
             if must and not given and used == needed:
                 raise refusal(key, f'is missing: {choice} = "{needed}" needs it')
         return self
+
+
+def _keys_of_laws() -> None:
+    """Names of the constitutive laws, and their parameters, as keys of ``[rheology]``: from their tables."""
+    fields = RheologySection.__pydantic_fields__
+    fields["constitutive"].annotation = Literal["auto", *LAWS]  # type: ignore[assignment]
+    for law in LAWS.values():
+        for parameter in law.parameters:
+            read = Read(parameter.kind, parameter.low, parameter.high, closed=parameter.closed)
+            field = FieldInfo.from_annotated_attribute(Annotated[Measured, read] | None, None)  # type: ignore[arg-type]
+            field.description = f"{law.name}: {parameter.words}"
+            fields[parameter.name] = field
+    RheologySection.model_rebuild(force=True)
+
+
+_keys_of_laws()
+
+
+def add_law(law: ConstitutiveLaw) -> None:
+    """Let ``rheology.constitutive`` be another law, its parameters keys beside it; see `spinline.scene.register_law`."""
+    LAWS[law.name] = law
+    _keys_of_laws()
 
 
 Switch = Literal["auto", True, False]

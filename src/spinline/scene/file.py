@@ -16,7 +16,8 @@ from pydantic_core import ErrorDetails
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
-from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, refusal
+from spinline.rheology.constitutive import ConstitutiveLaw
+from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
 from spinline.scene.quantities import (
     Concentration,
     Conductivity,
@@ -119,7 +120,9 @@ class SolutionSection(Section):
     def _one_fraction(self) -> Self:
         given = [key for key in ("mass_fraction", "volume_fraction", "concentration") if getattr(self, key) is not None]
         if len(given) != 1:
-            raise refusal("mass_fraction", "give one of mass_fraction, volume_fraction and concentration, not both and not none")
+            raise refusal(
+                "mass_fraction", "give one of mass_fraction, volume_fraction and concentration, not both and not none"
+            )
         return self
 
 
@@ -202,6 +205,7 @@ MODELS: dict[str, bool] = {
     "affine": False,
     "manifold": True,
     "conformation": False,
+    "two-fluid": True,
     "chain": True,
     "walk": False,
 }
@@ -210,7 +214,7 @@ MODELS: dict[str, bool] = {
 class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
-    model: Literal["auto", "affine", "manifold", "conformation", "chain", "walk"] = "auto"
+    model: Literal["auto", "affine", "manifold", "conformation", "two-fluid", "chain", "walk"] = "auto"
     closure: Literal["auto", "force", "stretch"] = "auto"
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
@@ -219,6 +223,8 @@ class NetworkSection(Section):
     lateral: bool = False
     inertia: NumberOrZero = Measured(0.0, 0.0, "0")
     force_law: Literal["lattice", "linear", "langevin", "fene"] = "lattice"
+    end: Literal["take-up", "free", "extended"] = "take-up"
+    strand_law: Literal["maxwell", "shortcut"] = "maxwell"
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 
@@ -266,6 +272,12 @@ def add_jet_section(section: type[Section]) -> None:
     (name,) = get_args(section.model_fields["profile"].annotation)
     JET_SECTIONS[name] = section
     Scene.model_fields["jet"].annotation = Union[tuple(JET_SECTIONS.values())]  # type: ignore[assignment]  # noqa: UP007
+    Scene.model_rebuild(force=True)
+
+
+def register_law(law: ConstitutiveLaw) -> None:
+    """Add a constitutive law: ``rheology.constitutive`` may name it, and its parameters are keys of ``[rheology]``."""
+    add_law(law)
     Scene.model_rebuild(force=True)
 
 

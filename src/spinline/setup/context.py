@@ -19,7 +19,7 @@ from spinline.rheology.solution import Solution
 from spinline.scene.file import Scene
 from spinline.setup.air import Air, build_air
 from spinline.setup.build import build_solution
-from spinline.setup.coupling import Coupling, build_coupling
+from spinline.setup.coupling import Coupling, Feed, Paced, build_coupling
 from spinline.setup.effects import Effects
 from spinline.setup.grid import jet_grid, jet_length
 from spinline.setup.jet import build_jet
@@ -151,10 +151,28 @@ class Context:
 
     @property
     def coupling(self) -> Coupling:
-        """alpha_v and A, of a straight jet."""
+        """alpha_v and A of one moment of a jet."""
         return self._once(
-            self._own, "coupling", lambda: build_coupling(self.scene, self.solution, self.line, self.rest.size)
+            self._own, "coupling", lambda: build_coupling(self.scene, self.solution, self.feed, self.rest.size)
         )
+
+    @property
+    def feed(self) -> Paced:
+        """r_0 and v_0 of one moment of a jet.
+
+        Raises
+        ------
+        InputError
+            For a bead jet whose velocity at the nozzle is not known.
+        """
+        if isinstance(self.jet, StraightJet):
+            return self.jet
+        r0, rate = self.jet.initial_radius, self.bead_flow_rate
+        velocity = rate / (np.pi * r0**2) if np.isfinite(rate) else float(self.jet.bead_velocity[0])
+        if not velocity > 0:
+            raise InputError("jet", "has no velocity at the nozzle: alpha_v and theta v_0/r_0 are not known",
+                             value=velocity, remedy="give the velocities of the beads")  # fmt: skip
+        return Feed(r0, velocity)
 
     @property
     def air(self) -> Air:

@@ -1,18 +1,38 @@
 """How strongly the solution drags the network along: alpha_v of Eq. (33), and the viscosity it was made with."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.base.units import Measured
-from spinline.jetprofile.straight import StraightJet
 from spinline.network.coupling import affinity, elastic_coupling
 from spinline.rheology.materials import solvent_viscosity
 from spinline.rheology.solution import Solution
 from spinline.scene.file import Scene, SolventData
 
-__all__ = ["Coupling", "build_coupling", "drag_of_solvent"]
+__all__ = ["Coupling", "Feed", "Paced", "build_coupling", "drag_of_solvent"]
+
+
+class Paced(Protocol):
+    """What the coupling takes from a jet: r_0 in m and v_0 in m/s."""
+
+    @property
+    def initial_radius(self) -> float:
+        """r_0, m."""
+
+    @property
+    def initial_velocity(self) -> float:
+        """v_0, m/s."""
+
+
+@dataclass(frozen=True)
+class Feed:
+    """What is known of the nozzle of a bead jet."""
+
+    initial_radius: float
+    initial_velocity: float
 
 
 @dataclass(frozen=True)
@@ -47,8 +67,8 @@ class Coupling:
         return self.alpha
 
 
-def build_coupling(scene: Scene, solution: Solution, jet: StraightJet, mesh_size: float) -> Coupling:
-    """Coupling along a straight jet; `mesh_size` is that of the network at rest, in Kuhn lengths."""
+def build_coupling(scene: Scene, solution: Solution, jet: Paced, mesh_size: float) -> Coupling:
+    """Coupling along a jet; `mesh_size` is that of the network at rest, in Kuhn lengths."""
     if scene.network.coupling is not None:
         alpha = scene.network.coupling.value
         return Coupling(alpha, alpha * solution.kuhn_length / (3 * jet.initial_radius), "given as network.coupling")

@@ -12,11 +12,13 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
+from spinline.rheology.constitutive import LAWS, Surroundings
+from spinline.rheology.constitutive.fenep import LAW as FINITE_LAW
+from spinline.rheology.constitutive.maxwell import LAW as LINEAR_LAW
 from spinline.rheology.solution import Solution, mass_fraction
 from spinline.scene.air_and_rheology import RheologySection
 from spinline.scene.file import Scene
 from spinline.setup.coupling import drag_of_solvent
-from spinline.setup.values import given
 
 if TYPE_CHECKING:
     from spinline.rheology.conformation import Model
@@ -142,7 +144,7 @@ def build_material(scene: Scene, solution: Solution) -> Material:
         Where a law needs the viscosity of a solvent that is not built in.
     """
     laws = scene.rheology or RheologySection()
-    needs = laws.law in ("scaling", "martin") or laws.constitutive == "Oldroyd-B"
+    needs = laws.law in ("scaling", "martin") or (laws.constitutive in LAWS and LAWS[laws.constitutive].needs_solvent)
     solvent = drag_of_solvent(scene, solution, "rheology")[0] if needs else float("nan")
     return Material(solution, laws, scene.network.solvent_quality, solvent)
 
@@ -152,26 +154,14 @@ def constitutive_model(scene: Scene, material: Material, full_stretch: float) ->
 
     A strand's finite length is in the walk of closure "force" already, and in nothing but the model with "stretch".
     """
-    from spinline.rheology.conformation import FENEP, Giesekus, Maxwell, OldroydB
-
     laws = material.laws
     name = laws.constitutive
     if name == "auto":
-        name = "UCM" if scene.network.closure_used == "force" and laws.extensibility is None else "FENE-P"
-    if name == "UCM":
-        return Maxwell()
-    if name == "Oldroyd-B":
-        return OldroydB(material.solvent_viscosity)
-    if name == "Giesekus":
-        assert laws.mobility is not None
-        return Giesekus(laws.mobility.value)
-    limit = given(laws.extensibility, full_stretch**2)
-    if not limit > 3:
-        raise InputError(
-            "rheology.extensibility", "is that of strands too short for FENE-P", value=limit, allowed="(3, 1e12]",
-            remedy='take constitutive = "UCM" and closure = "force", or give it',
-        )  # fmt: skip
-    return FENEP(limit)
+        finite = scene.network.closure_used != "force" or laws.parameters(FINITE_LAW)
+        name = FINITE_LAW.name if finite else LINEAR_LAW.name
+    law = LAWS[name]
+    model: Model = law.make(laws.parameters(law), Surroundings(material.solvent_viscosity, full_stretch))
+    return model
 
 
 def diffusion_law(scene: Scene) -> "DiffusionLaw":

@@ -10,6 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
 from spinline.network_models.rung import Network
+from spinline.network_models.steady import Networks
 from spinline.scene.file import Scene
 from spinline.setup.context import Context
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.many import StraightJets
     from spinline.jetprofile.straight import StraightJet
 
-__all__ = ["Crossover", "crossover", "crossover_scalars", "passage", "passages", "slipping_passage", "targets"]
+__all__ = ["Crossover", "crossover", "crossover_scalars", "passage", "passages", "slipping_passages", "targets"]
 
 
 @dataclass(frozen=True)
@@ -104,9 +105,14 @@ def passage(context: Context, velocity_ratio: float) -> Crossover:
     return Crossover(velocity_ratio, place, radius, radius / beads.initial_radius, place)
 
 
-def slipping_passage(context: Context, network: Network, target: float) -> Crossover:
-    """First place where the stretch of a network that slips passes a value."""
-    nan, jet = float("nan"), context.line
+def slipping_passages(context: Context, network: Network, target: float) -> list[Crossover]:
+    """First places, one a moment, where the stretch of a network that slips passes a value."""
+    moments = network.moments if isinstance(network, Networks) else [network]
+    return [_slipping_passage(frame, one, target) for frame, one in zip(context.frames, moments, strict=True)]
+
+
+def _slipping_passage(context: Context, network: Network, target: float) -> Crossover:
+    nan, jet = float("nan"), context.jet
     s = network.first_passage(target)
     if np.isnan(s):
         return Crossover(nan, nan, nan, nan, nan)

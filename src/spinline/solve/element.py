@@ -119,10 +119,11 @@ def follow(
     fields |= _material_fields(material, history.fraction)
     w = history.stretch
     if slipping is not None:
-        w = np.exp(np.interp(x, place[known], np.log(slipping)))
+        w = np.exp(np.interp(x, place[known], np.log(slipping[known])))
     if context.effects.relaxation:
         relaxed = rung_of(context.scene.network.model).relax(context, _held(history, arrest))
-        w, attributes["constitutive_model"] = relaxed.stretch, relaxed.words
+        attributes["constitutive_model"] = relaxed.words
+        w = relaxed.stretch if slipping is None else w  # of a network that slips strands have relaxed already
         fields |= relaxed.fields
     along = Along(x, history.time, history.radius, w, history.stretch)
     frozen = None

@@ -129,9 +129,13 @@ def follow_moments(
         For missing properties, or a jet that cannot be followed.
     """
     frames, lead = context.frames, context.jet.time is not None
-    solution, effects = context.solution, context.effects
     moments = [
-        follow(frame, {name: values[i] for name, values in profile.items()} if lead else profile, slipping, bare=bare)
+        follow(
+            frame,
+            {name: values[i] for name, values in profile.items()} if lead else profile,
+            slipping[i] if lead and slipping is not None else slipping,
+            bare=bare,
+        )
         for i, frame in enumerate(frames)
     ]
 
@@ -145,30 +149,10 @@ def follow_moments(
             ]
     else:
         for name, places in found.items():
-            if not np.isnan(places[0].position):
-                radius = moments[0].along.at(places[0].position)["radius"]
-                found[name] = [replace(places[0], radius=radius, radius_ratio=radius / context.jet.initial_radius)]
+            if not all(np.isnan(place.position) for place in places):
+                found[name] = [_dried(moment, context, place) for moment, place in zip(moments, places, strict=True)]
     names = set.intersection(*(set(moment.fields) for moment in moments))
     new = {name: gather([moment.fields[name] for moment in moments]) for name in moments[0].fields if name in names}
-    first = moments[0]
-    scalars: dict[str, Any] = {}
-    if first.frozen is not None:
-        for name in first.frozen.scalars:
-            values = [moment.frozen.scalars[name] for moment in moments if moment.frozen is not None]
-            scalars[name] = np.array(values) if lead and name != "vitrification_fraction" else values[0]
-    remarks = list(dict.fromkeys(remark for moment in moments for remark in moment.remarks))
-    attributes: dict[str, Any] = dict(moments[-1].attributes)
-    for name, value in (("zero_shear_viscosity", solution.viscosity),
-                        ("relaxation_time_at_rest", solution.relaxation_time)):  # fmt: skip
-        if value is not None:
-            attributes[name] = value
-    if effects.radial:
-        known = first.frozen is not None and not np.isnan(first.frozen.scalars["vitrification_fraction"])
-        attributes["skin_criterion"] = (
-            "depth at which the fraction of drying is that of vitrification"
-            if known
-            else "depth at which the fraction of drying is half way between axis and surface"
-        )
     return Moments(
         context=context,
         moments=moments,
@@ -176,10 +160,46 @@ def follow_moments(
         profile=new,
         stretch=gather([moment.stretch for moment in moments]),
         remaining=gather([moment.remaining for moment in moments]),
-        scalars=scalars,
-        remarks=remarks,
-        attributes=attributes,
+        scalars=_frozen_scalars(moments, lead),
+        remarks=list(dict.fromkeys(remark for moment in moments for remark in moment.remarks)),
+        attributes=_attributes(context, moments),
     )
+
+
+def _frozen_scalars(moments: list[Followed], lead: bool) -> dict[str, Any]:
+    """What freezes, one a moment."""
+    scalars: dict[str, Any] = {}
+    if moments[0].frozen is not None:
+        for name in moments[0].frozen.scalars:
+            values = [moment.frozen.scalars[name] for moment in moments if moment.frozen is not None]
+            scalars[name] = np.array(values) if lead and name != "vitrification_fraction" else values[0]
+    return scalars
+
+
+def _attributes(context: Context, moments: list[Followed]) -> dict[str, Any]:
+    """What a result says of the last moment, and of the solution."""
+    solution, first = context.solution, moments[0]
+    attributes: dict[str, Any] = dict(moments[-1].attributes)
+    for name, value in (("zero_shear_viscosity", solution.viscosity),
+                        ("relaxation_time_at_rest", solution.relaxation_time)):  # fmt: skip
+        if value is not None:
+            attributes[name] = value
+    if context.effects.radial:
+        known = first.frozen is not None and not np.isnan(first.frozen.scalars["vitrification_fraction"])
+        attributes["skin_criterion"] = (
+            "depth at which the fraction of drying is that of vitrification"
+            if known
+            else "depth at which the fraction of drying is half way between axis and surface"
+        )
+    return attributes
+
+
+def _dried(moment: Followed, context: Context, place: Crossover) -> Crossover:
+    """The same place in the jet as it has dried."""
+    if np.isnan(place.position):
+        return place
+    radius = moment.along.at(place.position)["radius"]
+    return replace(place, radius=radius, radius_ratio=radius / context.jet.initial_radius)
 
 
 def _crossover(moment: Followed, context: Context, affine: Crossover) -> Crossover:

@@ -46,6 +46,12 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "stretch_ratio": ("1", "material stretch since the nozzle"),
     "mean_polymer_fraction": ("1", "polymer volume fraction, mean of the cross-section"),
     "network_velocity_ratio": ("1", "network velocity over initial velocity w"),
+    "strand_stretch": ("1", "stretch of the strands lam: w, less what they have relaxed"),
+    "flux_velocity_ratio": (
+        "1",
+        "velocity over initial velocity at which core_polymer_fraction_conservative carries the polymer",
+    ),
+    "entanglements_left": ("1", "part of the entanglements that is left, nu"),
     "axial_stretch": ("1", "axial stretch of the strands xi_par / xi_0"),
     "relative_extension": ("1", "extension of the strands over their contour xi_par / xi_max"),
     "radial_contraction": ("1", "radial contraction of the strands xi_perp / xi_0"),
@@ -71,6 +77,14 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "layer": ("1", "radius of a layer of the network at rest, over the initial radius"),
     "scission": ("", "strand_force is beyond what a covalent bond holds, 5 nN"),
     "volume_fraction": ("1", "polymer volume fraction of the solution"),
+    "far_end_effect": (
+        "1",
+        "relative difference of the two marches from beyond the far end, at the station that moves most",
+    ),
+    "lateral_time": (
+        "1",
+        "time that the network has to contract F = c k_B T t/(xi_eff mu r_0^2), at the crossover or the end",
+    ),
     "crossover_position": ("m", "where the network is fully stretched, Eq. (38)"),
     "crossover_radius": ("m", "jet radius where the network is fully stretched, Eq. (38)"),
     "crossover_radius_ratio": ("1", "the same over the initial radius"),

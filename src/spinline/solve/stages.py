@@ -14,10 +14,10 @@ from spinline.base.checks import FloatArray
 from spinline.network_models.registry import rung_of
 from spinline.network_models.rung import Network
 from spinline.network_models.slipping import BOND_STRENGTH
-from spinline.network_models.variables import lateral_variables, network_stretch, network_variables
+from spinline.network_models.variables import lateral_variables, network_motion, network_variables
 from spinline.setup.context import Context
 from spinline.setup.grid import jet_grid
-from spinline.solve.crossovers import Crossover, crossover_scalars, passage, slipping_passage, targets
+from spinline.solve.crossovers import Crossover, crossover_scalars, passage, slipping_passages, targets
 from spinline.solve.moments import Moments, follow_moments
 
 __all__ = ["Answer", "jet_stage", "network_stage", "solve_stages"]
@@ -51,8 +51,8 @@ class Answer:
 
     @property
     def stretch(self) -> FloatArray:
-        """Stretch w of the strands along the jet."""
-        return self.fields["network_velocity_ratio"]
+        """Stretch of the strands along the jet."""
+        return self.fields["strand_stretch"]
 
     @property
     def remaining(self) -> FloatArray:
@@ -95,14 +95,15 @@ def solve_stages(
     remarks: list[str] = []
     if network is not None and not bare:
         remarks += rung.solved_remarks(context, network)
-        found["crossover_extension"] = [slipping_passage(context, network, wanted["crossover_extension"])]
+        for name in ("crossover", "crossover_extension") if rung.relaxes else ("crossover_extension",):
+            found[name] = slipping_passages(context, network, wanted[name])
     if places is None and context.straight:
         places = default_places(context, [moments[0].position for moments in found.values()])
     profile = jet_stage(context, places)
-    slipping = None if network is None else network_stretch(context, rung, network, profile["z"])
+    slipping = None if network is None else network_motion(context, rung, network, profile)
     moments: Moments | None = None
     if context.effects.any:
-        moments = follow_moments(context, profile, slipping, found, bare=bare)
+        moments = follow_moments(context, profile, None if slipping is None else slipping[0], found, bare=bare)
         profile |= moments.profile
         remarks += moments.remarks
     fields = profile | network_stage(context, profile, slipping, moments)
@@ -113,6 +114,7 @@ def solve_stages(
     if moments is not None:
         fields |= moments.across(fields["radial_contraction"])
         scalars |= moments.scalars
+    scalars |= rung.scalars(context, network)
     scalars |= crossover_scalars(found, single=context.jet.time is None)
     forces = fields["strand_force"]
     if np.nanmax(forces, initial=0.0) > BOND_STRENGTH:
@@ -167,22 +169,26 @@ def _bead_profile(context: Context) -> dict[str, FloatArray]:
 
 
 def network_stage(
-    context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None, moments: Moments | None
+    context: Context,
+    profile: dict[str, FloatArray],
+    slipping: tuple[FloatArray, FloatArray] | None,
+    moments: Moments | None,
 ) -> dict[str, FloatArray]:
     """Network variables wherever the stretch is known, NaN (or False) elsewhere.
 
     Where the jet loses volume, the strands are those of the solution at the nozzle and every fraction is over what is left.
-    What relaxes moves with the solution: the network then slips by what the closure says of its own stretch.
+    What relaxes and does not slip moves with the solution.
     """
     n, solution, stretch = context.scene.network, context.solution, profile["stretch_ratio"]
     known = np.isfinite(stretch)
     flow = stretch[known]
-    moved = flow if slipping is None else slipping
+    moved, velocity = (flow, None) if slipping is None else (slipping[0][known], slipping[1][known])
     left: FloatArray | None = None
     if moments is not None:
         moved = moments.stretch[known]
-        flow = moved if slipping is None else flow
         left = moments.remaining[known] if moments.dries else None
+        velocity = flow if velocity is None else velocity
+    entangled = profile.get("entanglements_left")
     flat = network_variables(
         moved,
         flow,
@@ -193,6 +199,8 @@ def network_stage(
         kuhn_length=solution.kuhn_length,
         temperature=solution.temperature,
         remaining=left,
+        velocity=velocity,
+        entanglements_left=None if entangled is None else entangled[known],
     )
     return {name: _spread(values, known) for name, values in flat.items()}
 

@@ -1,6 +1,7 @@
 """What each rung costs on a user's own scene, and how far it is from the finest.
 
-Two branches leave the affine network: elastic coupling (manifold, chain) and relaxation (conformation). The reference of a
+Two branches leave the affine network, elastic coupling (manifold, chain) and relaxation (conformation), and meet in the
+two-fluid network, the reference of a jet whose strands slip and relax. The reference of a
 branch is its finest rung that can be afforded, at tolerances a hundred times below the scene's; what a rung of one branch says
 against the reference of the other is the price of the effect it leaves out. Times are of this process, the best of a few,
 compiled.
@@ -237,7 +238,7 @@ def _recommendation(measured: list[Measured], rtol: float, words: dict[str, str]
     affine = measured[0].errors
     matters = max(branches, key=lambda branch: affine[branch])
     both = [branch for branch in branches if affine[branch] > rtol]
-    rest = " No rung holds both effects." if len(both) > 1 else ""
+    rest = " Both effects matter: see the rung that holds both." if len(both) > 1 else ""
     fit = [rung for rung in measured if not rung.refused and rung.errors[matters] <= rtol]
     if not fit:
         return f"no rung is within rtol = {rtol:g} of the {matters} reference: raise rtol.{rest}"

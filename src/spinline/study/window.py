@@ -5,12 +5,13 @@ every point is computed at k and at k times the two ends of `k_factor`, and what
 follows the concentration by the law of the scene's [rheology], by the scaling law of an entangled solution where there is none,
 through the viscosity of the scene.
 
-Dryness is the share of the solvent that the jet has lost at its end, by the closed form of Eqs. (43a), (44) for a power-law jet
-in still air (`power_law_loss`), activity 1: an upper estimate, good while little is lost. The network is that of the scene's
+Dryness is the share of the solvent that the jet has lost at its end, by the drying stage of a run: the scene's air and
+activity, flat across the jet, whether or not the run itself would include evaporation. The network is that of the scene's
 model; orientation is at the end of the jet.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,11 +19,15 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
+from spinline.base.units import Measured
+from spinline.drying.along_jet import dry, element_path
 from spinline.jetprofile.k_estimate import estimate_k
 from spinline.rheology.solution import Solution, volume_fraction
-from spinline.scene.air_and_rheology import RheologySection
+from spinline.scene.air_and_rheology import AmbientSection, RheologySection
 from spinline.scene.file import PowerLawJet, Scene
 from spinline.setup.build import build_solution
+from spinline.setup.context import Context
+from spinline.setup.jet import build_jet
 from spinline.setup.material import build_material
 from spinline.study.design import Axis, Design
 from spinline.study.sweep import Progress, run_sweep
@@ -32,6 +37,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["AXES", "operating_window"]
+
+_NODES = 33  # values of k at which the drying stage is run, of many
 
 # name: (unit, what it is)
 AXES = {
@@ -96,8 +103,6 @@ def operating_window(
     InputError
         For another jet, or what the estimates need and was not given.
     """
-    import xarray as xr
-
     jet = scene.jet
     if not isinstance(jet, PowerLawJet):
         raise InputError(
@@ -116,6 +121,41 @@ def operating_window(
         )
     if solution.viscosity is None:
         raise InputError("solution.viscosity", "is missing: the estimate of k needs it", remedy="give it in the scene")
+    axes = _axes(jet, solution, voltage, gap, flow_rate, mass_fraction)
+    factors = np.array([low, 1.0, high])
+    u, g, q, w = (x[np.newaxis] for x in np.meshgrid(*axes.values(), indexing="ij"))
+    mu, law = _viscosity(scene, solution, w)
+    k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
+        radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
+    )
+    q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
+    columns = {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu}
+    rows = _rows(scene, columns, workers, progress)
+    phi = np.reshape(rows["volume_fraction"].values, k.shape)
+    dry, air = _dryness(scene, k, q, phi, relative_humidity)
+    found = {"k": k, "viscosity": mu, "dryness": dry, "strands_per_chain": _strands(scene, solution, phi)}
+    attributes = {
+        "title": scene.title or scene.name,
+        "scene": scene.text,
+        "spinline_version": rows.attrs["spinline_version"],
+        "conductivity": sigma,
+        "jet_length": jet.length.value,
+        "viscosity_law": law,
+        "air": air,
+        "k_estimate": f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
+    }
+    return _dataset(found, rows, factors, axes, attributes)
+
+
+def _axes(
+    jet: PowerLawJet,
+    solution: Solution,
+    voltage: ArrayLike,
+    gap: ArrayLike,
+    flow_rate: ArrayLike | None,
+    mass_fraction: ArrayLike | None,
+) -> dict[str, FloatArray]:
+    """The four axes, one number where nothing varies."""
     axes = {
         "voltage": _axis("voltage", voltage, 1e-3, 1e7),
         "gap": _axis("gap", gap, 1e-6, 1e3),
@@ -127,58 +167,37 @@ def operating_window(
     if jet.length.value > axes["gap"].min():
         raise InputError("gap", "is shorter than the jet of the scene", value=float(axes["gap"].min()),
                          allowed=f">= jet.length = {jet.length.value:g} m", remedy="shorten jet.length")  # fmt: skip
-    factors = np.array([low, 1.0, high])
-    u, g, q, w = (x[np.newaxis] for x in np.meshgrid(*axes.values(), indexing="ij"))
-    mu, law = _viscosity(scene, solution, w)
-    k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
-        radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
-    )
-    q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
-    rows = _rows(
-        scene,
-        {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu},
-        workers,
-        progress,
-    )
-    phi = np.reshape(rows["volume_fraction"].values, k.shape)
-    dry, air = _dryness(scene, solution, jet, k, q, phi, relative_humidity)
-    found = {
-        "k": k,
-        "viscosity": mu,
+    return axes
+
+
+def _dataset(
+    found: dict[str, FloatArray],
+    rows: "xr.Dataset",
+    factors: FloatArray,
+    axes: dict[str, FloatArray],
+    attributes: dict[str, object],
+) -> "xr.Dataset":
+    """The map: what was found beside the rows, and the rows' own numbers."""
+    import xarray as xr
+
+    shape, dims = found["k"].shape, ("k_factor", *axes)
+    of_rows = {
         **{name: rows[name].values for name in ("crossover_position", "crossover_radius")},
         "full_stretch": rows["end_velocity_ratio"].values / rows["crossover_velocity_ratio"].values,
         "orientation": rows["end_orientation"].values,
         "core_polymer_fraction": rows["end_core_polymer_fraction"].values,
-        "dryness": dry,
-        "strands_per_chain": _strands(scene, solution, phi),
     }
-    dims = ("k_factor", *axes)
-    variables = {name: (dims, np.reshape(np.broadcast_to(v, k.size if np.ndim(v) == 1 else k.shape), k.shape).copy(),
-                        {"units": _OUT[name][0], "long_name": _OUT[name][1]}) for name, v in found.items()}  # fmt: skip
-    variables["status"] = (
-        dims,
-        rows["status"].values.reshape(k.shape),
-        {"long_name": rows["status"].attrs["long_name"]},
-    )
-    variables["reason"] = (
-        dims,
-        rows["reason"].values.astype(str).reshape(k.shape),
-        {"long_name": "why a point has no numbers"},
-    )
+    every = found | {name: np.reshape(values, shape) for name, values in of_rows.items()}
+    variables = {
+        name: (dims, np.broadcast_to(every[name], shape).copy(), {"units": unit, "long_name": words})
+        for name, (unit, words) in _OUT.items()
+    }
+    status, why = rows["status"], {"long_name": "why a point has no numbers"}
+    variables["status"] = (dims, status.values.reshape(shape), {"long_name": status.attrs["long_name"]})
+    variables["reason"] = (dims, rows["reason"].values.astype(str).reshape(shape), why)
     coordinates = {name: (name, x, {"units": AXES[name][0], "long_name": AXES[name][1]}) for name, x in axes.items()}
     return xr.Dataset(
-        variables,
-        {"k_factor": ("k_factor", factors, {"long_name": "k over its estimate"}), **coordinates},
-        {
-            "title": scene.title or scene.name,
-            "scene": scene.text,
-            "spinline_version": rows.attrs["spinline_version"],
-            "conductivity": sigma,
-            "jet_length": jet.length.value,
-            "viscosity_law": law,
-            "air": air,
-            "k_estimate": f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
-        },
+        variables, {"k_factor": ("k_factor", factors, {"long_name": "k over its estimate"}), **coordinates}, attributes
     )
 
 
@@ -211,39 +230,55 @@ def _rows(
 
 
 def _dryness(
-    scene: Scene,
-    solution: Solution,
-    jet: PowerLawJet,
-    k: FloatArray,
-    q: FloatArray,
-    phi: FloatArray,
-    humidity: float | None,
+    scene: Scene, k: FloatArray, q: FloatArray, phi: FloatArray, humidity: float | None
 ) -> tuple[FloatArray, str]:
-    """Share of the solvent lost at the end of the jet, and the air in words; NaN where it is not known."""
-    from spinline.rheology.evaporation import power_law_loss, sherwood
-    from spinline.rheology.vapour import air_kinematic_viscosity
-    from spinline.rheology.volatile import Volatile
+    """Share of the solvent lost at the end of the jet, and the air in words; NaN where it is not known.
 
-    if len(solution.solvent) > 1:
-        return np.full(k.shape, np.nan), "dryness is not estimated for a mixture of solvents"
-    (name,) = solution.solvent
-    given = None if scene.ambient is None else scene.ambient.relative_humidity
-    wet = given.value if humidity is None and given is not None else humidity
-    if name == "water" and wet is None:
-        return np.full(k.shape, np.nan), "dryness is not estimated: the relative humidity is not given"
-    ambient = 0.0 if wet is None or name != "water" else float(real("relative_humidity", wet, least=0.0, below=1.0))
+    By the drying stage of a run. It is smooth in k: of more than `_NODES` values of it, all else equal, the others lie on a
+    monotone cubic through that many.
+    """
+    share = np.full(k.shape, np.nan)
+    if humidity is not None:
+        wet = Measured(float(real("relative_humidity", humidity, least=0.0, below=1.0)))
+        ambient = (scene.ambient or AmbientSection()).model_copy(update={"relative_humidity": wet})
+        scene = scene.model_copy(update={"ambient": ambient})
+    context = Context(scene)
     try:
-        volatile = Volatile.build(name, solution.temperature, ambient=ambient, density=solution.solvent_density)
+        air = context.air
     except InputError as error:
-        return np.full(k.shape, np.nan), f"dryness is not estimated: {error}"
-    nu, r0 = air_kinematic_viscosity(solution.temperature), jet.radius.value
-    start = sherwood(2 * q / (np.pi * r0) / nu, nu / volatile.diffusivity)  # Re = 2 r_0 v_0 / nu
-    rate = np.pi * volatile.diffusivity * start * volatile.saturation * (1 - ambient) * r0 / q
-    usable = np.isfinite(phi)
-    lost = power_law_loss(jet.length.value / r0, k, jet.beta.value, rate)
-    share = np.where(usable, lost / (1 - np.where(usable, phi, 0.5)), np.nan)
-    air = f"{name} into still air" + (f", relative humidity {ambient:g}" if name == "water" else "")
-    return np.where(usable, np.fmin(np.where(np.isnan(lost), 1.0, share), 1.0), np.nan), air
+        return share, f"dryness is not estimated: {error}"
+    for rate, fraction in np.unique(np.stack((q[np.isfinite(phi)], phi[np.isfinite(phi)])), axis=1).T:
+        here = (q == rate) & (phi == fraction)
+        values, back = np.unique(k[here], return_inverse=True)
+        few = values.size <= _NODES
+        nodes = values if few else np.geomspace(values[0], values[-1], _NODES)
+        lost = np.array([_lost(context, one, rate, fraction) for one in nodes]) / (1 - fraction)
+        known = lost if few else _between(nodes, lost, values)
+        share[here] = known[back]
+    return share, str(air)
+
+
+def _lost(context: Context, k: float, flow_rate: float, fraction: float) -> float:
+    """Volume that a jet has lost at its end, by the flat balance; NaN where it cannot be said."""
+    section = context.scene.jet
+    moved = {"k": Measured(k), "flow_rate": Measured(flow_rate), "electric_field": None, "conductivity": None}
+    solution = replace(context.solution, volume_fraction=float(fraction))
+    scene = context.scene.model_copy(update={"jet": section.model_copy(update=moved)})
+    jet = build_jet(scene, solution)
+    try:
+        return float(dry(element_path(jet, np.array([context.length])), solution, context.air).lost[-1])
+    except InputError:
+        return float("nan")
+
+
+def _between(nodes: FloatArray, lost: FloatArray, k: FloatArray) -> FloatArray:
+    from scipy.interpolate import PchipInterpolator
+
+    known = np.isfinite(lost)
+    if known.sum() < 2:
+        return np.full(k.shape, np.nan)
+    value: FloatArray = PchipInterpolator(np.log(nodes[known]), lost[known], extrapolate=False)(np.log(k))
+    return value
 
 
 def _strands(scene: Scene, solution: Solution, phi: FloatArray) -> FloatArray:

@@ -1,0 +1,355 @@
+"""From settings to a steady jet: one branch of solutions, followed from a thread that nothing pulls.
+
+1. A thread without forces is the start. Every force is then raised to its full value along one path, around which a fold would
+   be seen (`continuation`). No other start is needed, and none hops to another branch. Where a long relaxation time folds the
+   path at a weak pull, the pull is raised at a short one, and the time then lengthened.
+2. Charge that relaxes at once is assumed first; where the relaxation length matters it is then resolved.
+3. A measured current is approached from the predicted one.
+4. The mesh is refined until its halving says that the radius is known to `tolerance`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.jetprofile.ehd.boundary_value import (
+    Discrete,
+    OutOfWork,
+    Problem,
+    Work,
+    halved,
+    interpolate,
+    newton,
+    remesh,
+)
+from spinline.jetprofile.ehd.continuation import Path, follow
+from spinline.jetprofile.ehd.equations import slopes
+from spinline.jetprofile.ehd.settings import NeedleSettings
+
+__all__ = ["Solved", "between", "raise_pull", "solve", "thins"]
+
+_COARSE = 161
+_UPWIND = 321
+_FINEST = 5121
+_LEAST_PULL = 0.01
+_RELAXED = 1e-5  # share of the conducted current by which charge relaxation may be off before it is resolved
+_SLACK = 0.5  # Deborah number at which the pull is raised where a longer relaxation time folds the path
+_FLAT = 1e-7  # slope of ln V below which a thread that thickens does so by rounding
+_WORK = 1_000_000
+_EMPTY = (np.zeros(0), np.zeros((0, 4)), False)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solution with the problem it belongs to.
+
+    Attributes
+    ----------
+    problem, discrete
+        What was solved, and its finest solution; where there is none, the last one on the way (perhaps empty).
+    error : dict
+        Estimated errors from the last halving of the mesh, relative: radius (worst), current, tension (of its maximum).
+    why : str
+        Empty, or why there is no solution: "fold" (the branch ends), "lost" (the path ended), "mesh" (the mesh moves it).
+    pull : float
+        Share of the pull that was reached.
+    time_share : float
+        Share of the relaxation time at which the branch folds under the full pull (NaN: not looked for, or no fold).
+    """
+
+    problem: Problem
+    discrete: Discrete
+    error: dict[str, float]
+    why: str = ""
+    pull: float = 1.0
+    time_share: float = np.nan
+
+
+class _Search:
+    """One search for the jet of some settings: the work left, and how far it came."""
+
+    def __init__(self, settings: NeedleSettings, work: int) -> None:
+        self.settings = settings
+        self.work = Work(work)
+        self.pull, self.time_share = 0.0, np.nan
+        self.folded = False
+        self.last = Discrete(*_EMPTY)
+        self.last_problem = settings.problem(charge=False, predicted=True)
+
+    def problem(self, *, charge: bool, predicted: bool, slack: float = 1.0) -> Problem:
+        return self.settings.problem(charge=charge, predicted=predicted, slack=slack, work=self.work)
+
+    def primary(self) -> tuple[Discrete | None, bool]:
+        """Coarse solution, and whether charge relaxation is in it; one that does not thin only where no way leads to another.
+
+        A path may come out on a branch that retracts half way: the next way is then tried.
+        """
+        given = self.settings.current is not None
+        ways = [(True, False, False), (True, True, False), (True, False, True), (True, True, True)]
+        other: tuple[Discrete | None, bool] = (None, True)
+        try:
+            for predicted, charge, upwind in [*ways, (False, True, False)] if given else ways:
+                found = self.ascend(charge, predicted, upwind)
+                if found is not None and not charge:
+                    found, charge = self.with_relaxation(found)
+                if found is not None and predicted and given:
+                    path = self.impose_current(charge, found)
+                    found = path.solution if path.arrived else None
+                    self.folded |= not np.isnan(path.fold)
+                if found is None:
+                    continue
+                if thins(self.problem(charge=charge, predicted=False), found):
+                    return found, charge
+                other = other if other[0] is not None else (found, charge)
+        except OutOfWork:
+            if other[0] is None:
+                raise
+        return other
+
+    def ascend(self, charge: bool, predicted: bool, upwind: bool) -> Discrete | None:
+        """The top of the path of rising pull, by the order-4 equations or, those lost, by the upwind ones."""
+        found, folded = self.climb(charge, predicted, 1.0, upwind)
+        de = self.settings.deborah
+        if found is None and folded and self.settings.polymer and de > _SLACK:
+            slack = _SLACK / de
+            loose, _ = self.climb(charge, predicted, slack, upwind)
+            if loose is not None:
+                path = follow(lambda t: self.problem(charge=charge, predicted=predicted, slack=slack ** (1 - t)), loose)
+                found = path.solution if path.arrived else None
+                self.folded = self.folded and not path.arrived
+                self.time_share = np.nan if path.arrived else float(slack ** (1 - path.fold))
+        return found
+
+    def climb(self, charge: bool, predicted: bool, slack: float, only: bool) -> tuple[Discrete | None, bool]:
+        """Raise the pull; the solution and whether the path folded."""
+        for nodes, upwind in ((_COARSE, False), (_UPWIND, True))[only:]:
+            options: Any = {"charge": charge, "predicted": predicted, "slack": slack}
+            path, least = raise_pull(self.settings, work=self.work, nodes=nodes, upwind=upwind, **options)
+            reached = float(least ** (1 - min(path.t, 1.0)))
+            if reached > self.pull and path.solution.y.size:
+                self.pull, self.last = reached, path.solution
+                self.last_problem = self.settings.problem(pull=reached, **options)
+            if path.arrived:
+                found = self.sharpened(path.solution, charge, predicted, slack) if upwind else path.solution
+                return found, False
+            if not np.isnan(path.fold):
+                self.folded = True
+                return None, True
+        return None, False
+
+    def sharpened(self, rough: Discrete, charge: bool, predicted: bool, slack: float) -> Discrete | None:
+        """An order-4 solution from an upwind one, on a mesh fine enough for it."""
+        problem, nodes = self.problem(charge=charge, predicted=predicted, slack=slack), _UPWIND
+        while nodes < _FINEST:
+            s = remesh(rough.s, rough.y, nodes)
+            better = newton(replace(problem, upwind=True), s, interpolate(rough.s, rough.y, s))
+            if not better.converged:
+                break
+            found = newton(problem, s, better.y)
+            if found.converged:
+                return found
+            rough, nodes = better, 2 * nodes
+        return None
+
+    def with_relaxation(self, found: Discrete) -> tuple[Discrete | None, bool]:
+        """The solution with charge relaxation resolved where it matters; None where Newton's method does not go there."""
+        quick = self.problem(charge=False, predicted=True)
+        q = _conducted(quick, found)
+        length = 0.5 * quick.parameters[5] * quick.parameters[3] * np.exp(found.y[:, 0])
+        lag = float(np.max(np.abs(length * np.gradient(q, found.s))) / np.abs(q).max())
+        if lag < _RELAXED:
+            return found, False
+        full = self.problem(charge=True, predicted=True)
+        solved = newton(full, found.s, np.column_stack((found.y, _conducted(full, found))))
+        return (solved if solved.converged else None), True
+
+    def impose_current(self, charge: bool, found: Discrete) -> Path:
+        """From the predicted current to the given one; the needle's potential then comes out."""
+        target = self.problem(charge=charge, predicted=False)
+        given = target.left[target.left[:, 0] == 3, 1][0]
+        predicted = float(found.y[0, 3])
+
+        def at(t: float) -> Problem:
+            left = target.left.copy()
+            left[left[:, 0] == 3, 1] = predicted + t * (given - predicted)
+            return replace(target, left=left)
+
+        return follow(at, found)
+
+    def refined(self, found: Discrete, charge: bool, tolerance: float) -> Solved:
+        """The solution on meshes fine enough, with its error from the last halving."""
+        problem = self.problem(charge=charge, predicted=False)
+        nodes, fine = 201, found
+        result = Solved(problem, found, dict.fromkeys(("radius", "current", "tension"), np.inf), "mesh")
+        while True:
+            s = remesh(fine.s, fine.y, nodes)
+            coarse = newton(problem, s, interpolate(fine.s, fine.y, s))
+            fine = newton(problem, halved(s), interpolate(s, coarse.y, halved(s))) if coarse.converged else coarse
+            if fine.converged:
+                error = _errors(coarse, fine)
+                worst = max(error["radius"], error["current"])
+                result = Solved(problem, fine, error, "mesh" if worst * 15 > 0.005 else "")
+                if worst <= tolerance:
+                    return result
+                nodes = int(min(max(1.5, 1.3 * (worst / tolerance) ** 0.25), 4.0) * nodes)
+            else:
+                fine, nodes = (result.discrete if np.isfinite(result.error["radius"]) else found), 2 * nodes
+            if 2 * nodes > _FINEST:
+                return result
+
+
+def thins(problem: Problem, found: Discrete) -> bool:
+    """Whether a solution thins and is under tension everywhere, to rounding."""
+    rate, tension = np.empty(found.s.size), np.empty(found.s.size)
+    fields, out = problem.field(found.s), np.empty(problem.size)
+    polymer, charge, local, _ = problem.flags
+    for j in range(found.s.size):
+        _, _, tension[j] = slopes(found.y[j], fields[j], problem.parameters, polymer, charge, local, out)
+        rate[j] = out[0]
+    return bool(tension.min() > 0 and rate.min() > -_FLAT * max(1.0, float(rate.max())))
+
+
+def _errors(coarse: Discrete, fine: Discrete) -> dict[str, float]:
+    change = np.abs(fine.y[::2] - coarse.y) / 15  # order 4
+    return {
+        "radius": 0.5 * float(change[:, 0].max()),
+        "current": float(change[0, 3]),
+        "tension": float(change[:, 1].max() / np.abs(fine.y[:, 1]).max()),
+    }
+
+
+def solve(
+    settings: NeedleSettings, *, tolerance: float = 1e-6, near: Solved | None = None, work: int = _WORK
+) -> Solved:
+    """Steady jet of the settings, or why there is none.
+
+    Parameters
+    ----------
+    settings : NeedleSettings
+        What is asked.
+    tolerance : float
+        Error of the radius (relative) and of the current to which the mesh is refined.
+    near : Solved, optional
+        Solution of a neighbouring setting: tried first (a sweep).
+    work : int
+        Nodes times linear systems allowed; 200,000 are about a second.
+    """
+    search = _Search(settings, work)
+    try:
+        found, charge = (None, True) if near is None else (_from_neighbour(settings, near), near.problem.charge)
+        if found is None:
+            found, charge = search.primary()
+        if found is not None:
+            # refinement has work of its own: the search may have used all
+            search.work.left = max(search.work.left, work // 3)
+            return replace(search.refined(found, charge, tolerance), time_share=search.time_share)
+    except OutOfWork:
+        pass
+    why = "fold" if search.folded else "lost"
+    return Solved(search.last_problem, search.last, {}, why, search.pull, search.time_share)
+
+
+def raise_pull(
+    settings: NeedleSettings, *, charge: bool, predicted: bool, slack: float = 1.0, nodes: int = _COARSE,
+    upwind: bool = False, work: Work | None = None,
+) -> tuple[Path, float]:  # fmt: skip
+    """Follow the jet from a thread without forces to the settings; the path, and the pull it started from."""
+    n, chi = settings.numbers, settings.numbers["slenderness"]
+    electric = n["pull"] * (settings.gap / settings.radius) ** 2  # eps_0 V^2 over the unit of force
+    forces = max(electric, 1 / n["capillary"], chi * n["reynolds"] * abs(n["inverse_froude"]))
+    least = min(1.0, _LEAST_PULL / (chi * forces))
+
+    def at(t: float) -> Problem:
+        pull = float(least ** (1 - t))
+        problem = settings.problem(charge=charge, predicted=predicted, pull=pull, slack=slack, work=work)
+        return replace(problem, upwind=upwind)
+
+    try:
+        start = _unpulled(at(0.0), nodes)
+    except OutOfWork:
+        start = Discrete(*_EMPTY)
+    if not start.converged:
+        return Path(start, False, 0.0, np.nan, 0), least
+    return follow(at, start, beyond_folds=True), least
+
+
+def _unpulled(problem: Problem, nodes: int) -> Discrete:
+    """The thread that nothing pulls: nearly a cylinder."""
+    p, end = problem.parameters, problem.end
+    s = end * np.expm1(np.linspace(0, np.log(1e5), nodes)) / np.expm1(np.log(1e5))
+    y = np.zeros((nodes, problem.size))
+    y[:, 0] = s * p[12]
+    y[:, 1] = 3 * p[12]
+    start = {int(index): value for index, value in problem.left}
+    psi, log_current = _charge(problem, s, y[:, 0], start.get(3))
+    y[:, 2], y[:, 3] = psi, log_current
+    if problem.charge:
+        y[:, -1] = _conducted(problem, Discrete(s, y))
+    return newton(problem, s, y)
+
+
+def _charge(problem: Problem, s: FloatArray, u: FloatArray, given: float | None) -> tuple[FloatArray, float]:
+    """Psi and ln i on a given shape: ``Psi' = E_ext - i V + Pe V^2 Psi / l``, linear, marched back from the end."""
+    p, field, v = problem.parameters, problem.field(s), np.exp(u)
+    rate = p[3] * v**2 / (p[6] + (0.5 * u if problem.local else 0.0))
+    free, carried = np.empty_like(s), np.empty_like(s)
+    free[-1], carried[-1] = -p[13] / rate[-1], v[-1] / rate[-1]
+    for j in range(s.size - 2, -1, -1):
+        h = s[j + 1] - s[j]
+        g = 0.5 * h * (rate[j] + rate[j + 1])
+        decay, mean = np.exp(-g), -np.expm1(-g) / g if g > 1e-12 else 1.0
+        free[j] = free[j + 1] * decay - 0.5 * h * (field[j] + field[j + 1]) * mean
+        carried[j] = carried[j + 1] * decay + 0.5 * h * (v[j] + v[j + 1]) * mean
+    current = max(-free[0] / carried[0], 1e-300) if given is None else float(np.exp(given))
+    return free + current * carried, float(np.log(current))
+
+
+def _from_neighbour(settings: NeedleSettings, near: Solved) -> Discrete | None:
+    """A coarse solution started from a neighbour's, if Newton's method goes straight there."""
+    problem = settings.problem(charge=near.problem.charge, predicted=False)
+    if problem.size != near.discrete.y.shape[1] or not near.discrete.converged:
+        return None
+    s = near.discrete.s * (problem.end / near.problem.end)
+    mesh = remesh(s, near.discrete.y, _COARSE)
+    found = newton(problem, mesh, interpolate(s, near.discrete.y, mesh), most=8)
+    return found if found.converged and found.sign == near.discrete.sign else None
+
+
+def _conducted(problem: Problem, found: Discrete) -> FloatArray:
+    """Conducted share q where charge relaxes at once, or nearly so: the first term of the lag where the problem resolves it."""
+    p, y = problem.parameters, found.y
+    v = np.exp(y[:, 0])
+    log = p[6] + (0.5 * y[:, 0] if problem.local else 0.0)
+    q: FloatArray = 1 - p[3] * v * y[:, 2] / (log * np.exp(y[:, 3]))
+    if problem.charge:
+        q = q - 0.5 * p[5] * p[3] * v * np.gradient(q, found.s)
+        q[0] = 1.0
+    return q
+
+
+def between(a: NeedleSettings, b: NeedleSettings, charge: bool) -> Callable[[float], Problem] | None:
+    """Path between two settings: parameters and fields in their logarithms; None where the laws differ."""
+    first, last = (x.problem(charge=charge, predicted=False) for x in (a, b))
+    same = first.polymer == last.polymer and first.local == last.local and first.left.shape == last.left.shape
+    if not same or not np.array_equal(first.left[:, 0], last.left[:, 0]):
+        return None
+    p, q = first.parameters, last.parameters
+    both = (p > 0) & (q > 0)
+
+    def at(t: float) -> Problem:
+        mixed = np.where(both, 0.0, (1 - t) * p + t * q)
+        mixed[both] = np.exp((1 - t) * np.log(p[both]) + t * np.log(q[both]))
+        mixed[6] = (1 - t) * p[6] + t * q[6]
+        end = float(np.exp(mixed[6]))
+
+        def field(s: FloatArray) -> FloatArray:
+            x = np.asarray(s) / end
+            mean: FloatArray = first.field(x * first.end) ** (1 - t) * last.field(x * last.end) ** t
+            return mean
+
+        return replace(last, parameters=mixed, field=field, end=end, left=(1 - t) * first.left + t * last.left)
+
+    return at

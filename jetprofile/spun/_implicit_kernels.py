@@ -1,0 +1,279 @@
+"""ARS(2,2,2), compiled: all but the solvent's viscosity and the charge explicit, those two implicit and L-stable.
+
+gamma = 1 - 1/sqrt 2 and delta = 1 - 1/(2 gamma) (Ascher, Ruuth, Spiteri 1997). Steps are a fraction of the time a
+longitudinal wave needs for an element, and end where an element enters or a node lands.
+"""
+
+import math
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
+from spinline.jetprofile.spun._chain_kernels import end_value, explicit_rates, geometry, inlet_radius
+from spinline.jetprofile.spun._charge_kernels import balance
+from spinline.jetprofile.spun._codes import (
+    AREA,
+    ARR,
+    AZZ,
+    BALANCE,
+    BROKEN,
+    CHARGE,
+    COLUMNS,
+    CURRENT,
+    DONE,
+    END,
+    FLOW,
+    FROZEN,
+    FULL,
+    G_HERE,
+    GIVEN_CURRENT,
+    LAW,
+    LENGTH,
+    OUTFLOW,
+    RADIUS,
+    RATE,
+    RHO,
+    SOLVENT,
+    SOLVENT_HERE,
+    STALLED,
+    THETA_HERE,
+    TRACTION,
+    TX,
+    VOLUME,
+    VX,
+    WORK,
+    IntArray,
+    X,
+)
+from spinline.jetprofile.spun._collector_kernels import first_touch
+from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
+from spinline.jetprofile.spun._law_kernels import stiffness
+from spinline.jetprofile.spun._nozzle_kernels import nozzle, split
+
+__all__ = ["march_implicit"]
+
+_G = 1.0 - 1.0 / math.sqrt(2.0)
+_D = 1.0 - 1.0 / (2.0 * _G)
+
+
+@njit(cache=True, error_model="numpy")
+def _longest(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, cfl: float) -> float:
+    """Step over which no longitudinal wave crosses more than `cfl` of an element, nor a conformation relaxes more."""
+    best = math.inf
+    for i in range(n):
+        speed = math.sqrt(max(w[G_HERE, i] * stiffness(k[LAW], y[i, AZZ], y[i, ARR], p), 0.0) / p[RHO])
+        best = min(best, w[THETA_HERE, i])
+        best = min(best, w[LENGTH, i] / max(speed, abs(w[RATE, i]) * w[LENGTH, i], 1e-300))
+    return cfl * best
+
+
+@njit(cache=True, error_model="numpy")
+def _viscous(n: int, gh: float, y: FloatArray, held: IntArray, p: FloatArray, w: FloatArray, rate: FloatArray) -> None:
+    """Velocities under the solvent's viscosity over a stage: block tridiagonal, 3 x 3; writes dv/dt to `rate`."""
+    upper, right = np.zeros((n, 3, 3)), np.zeros((n, 3))
+    pivot, side = np.zeros((3, 3)), np.zeros(3)
+    before = 0.0
+    for i in range(n):
+        mass = 0.5 * p[RHO] * (y[i, VOLUME] + (y[i - 1, VOLUME] if i > 0 else 0.0))
+        here = gh * 3.0 * w[SOLVENT_HERE, i] * w[AREA, i] / w[LENGTH, i]
+        if held[i] == 1:
+            for a in range(3):
+                right[i, a] = y[i, VX + a]
+            before = here
+            continue
+        for a in range(3):
+            side[a] = mass * y[i, VX + a]
+            for b in range(3):
+                pivot[a, b] = here * w[TX + a, i] * w[TX + b, i]
+                if i > 0:
+                    pivot[a, b] += before * w[TX + a, i - 1] * w[TX + b, i - 1]
+            pivot[a, a] += mass
+        if i == n - 1:
+            along = 0.0
+            for b in range(3):
+                along += w[TX + b, i] * y[n, VX + b]
+            for a in range(3):
+                side[a] += here * w[TX + a, i] * along
+        if i > 0:
+            for a in range(3):
+                low = before * w[TX + a, i - 1]
+                for b in range(3):
+                    side[a] += low * w[TX + b, i - 1] * right[i - 1, b]
+                    for d in range(3):
+                        pivot[a, b] -= low * w[TX + d, i - 1] * upper[i - 1, d, b]
+        inverse = _inverse(pivot)
+        for a in range(3):
+            right[i, a] = 0.0
+            for b in range(3):
+                right[i, a] += inverse[a, b] * side[b]
+                upper[i, a, b] = 0.0
+                if i < n - 1:
+                    for d in range(3):
+                        upper[i, a, b] += inverse[a, d] * here * w[TX + d, i] * w[TX + b, i]
+        before = here
+    for i in range(n - 2, -1, -1):
+        if held[i] == 0:
+            for a in range(3):
+                for b in range(3):
+                    right[i, a] += upper[i, a, b] * right[i + 1, b]
+    for i in range(n):
+        for a in range(3):
+            rate[i, a] = (right[i, a] - y[i, VX + a]) / gh
+            y[i, VX + a] = right[i, a]
+
+
+@njit(cache=True, error_model="numpy")
+def _inverse(m: FloatArray) -> FloatArray:
+    """Inverse of a 3 x 3 matrix."""
+    out = np.empty((3, 3))
+    out[0, 0] = m[1, 1] * m[2, 2] - m[1, 2] * m[2, 1]
+    out[1, 0] = m[1, 2] * m[2, 0] - m[1, 0] * m[2, 2]
+    out[2, 0] = m[1, 0] * m[2, 1] - m[1, 1] * m[2, 0]
+    det = m[0, 0] * out[0, 0] + m[0, 1] * out[1, 0] + m[0, 2] * out[2, 0]
+    out[0, 1] = m[0, 2] * m[2, 1] - m[0, 1] * m[2, 2]
+    out[1, 1] = m[0, 0] * m[2, 2] - m[0, 2] * m[2, 0]
+    out[2, 1] = m[0, 1] * m[2, 0] - m[0, 0] * m[2, 1]
+    out[0, 2] = m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1]
+    out[1, 2] = m[0, 2] * m[1, 0] - m[0, 0] * m[1, 2]
+    out[2, 2] = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+    value: FloatArray = out / det
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def _stage(
+    t: float,
+    n: int,
+    gh: float,
+    clock: FloatArray,
+    y: FloatArray,
+    held: IntArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+    w: FloatArray,
+    push: FloatArray,
+    flow: FloatArray,
+) -> bool:
+    """The implicit part of a stage at time t: solvent, then charge."""
+    if not geometry(n, y, p, k, w):
+        return False
+    radius = inlet_radius(n, y, p, w)
+    nozzle(t, n, p[FLOW] / (math.pi * radius * radius), y, p)
+    if not geometry(n, y, p, k, w):
+        return False
+    if p[SOLVENT] > 0.0:
+        _viscous(n, gh, y, held, p, w, push)
+    if k[BALANCE] != FROZEN:
+        front = 0.0
+        if k[END] == TRACTION:
+            total = p[CURRENT] if k[BALANCE] == GIVEN_CURRENT else clock[7]
+            front = end_value(y[0, X], tables, 2) * total
+        clock[7] = balance(t, n, gh, front, y, p, k, tables, w, flow)
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _step(
+    t: float,
+    h: float,
+    n: int,
+    clock: FloatArray,
+    y: FloatArray,
+    held: IntArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+    w: FloatArray,
+    f: FloatArray,
+    d: FloatArray,
+    mid: FloatArray,
+    new: FloatArray,
+    push: FloatArray,
+    flow: FloatArray,
+) -> bool:
+    """One step from `y` into `new`; d[0] holds the explicit rates at the start."""
+    for i in range(n + 1):
+        for c in range(COLUMNS):
+            mid[i, c] = y[i, c] + h * _G * d[0, i, c]
+    if not _stage(t + _G * h, n, _G * h, clock, mid, held, p, k, tables, w, push, flow):
+        return False
+    if not explicit_rates(t + _G * h, n, held, mid, p, k, tables, w, f, d[1]):
+        return False
+    for i in range(n + 1):
+        for c in range(COLUMNS):
+            new[i, c] = y[i, c] + h * (_D * d[0, i, c] + (1.0 - _D) * d[1, i, c])
+        if i < n:
+            for c in range(3):
+                new[i, VX + c] += h * (1.0 - _G) * push[i, c]
+            new[i, CHARGE] += h * (1.0 - _G) * flow[i]
+    return _stage(t + h, n, _G * h, clock, new, held, p, k, tables, w, push, flow)
+
+
+@njit(cache=True, error_model="numpy")
+def march_implicit(
+    t: float,
+    end: float,
+    n: int,
+    h: float,
+    fixed: float,
+    cfl: float,
+    clock: FloatArray,
+    y: FloatArray,
+    held: IntArray,
+    marks: FloatArray,
+    landed: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+) -> tuple[int, float, int, float]:
+    """March to `end` (see `march_explicit`); status, time, number of elements, step."""
+    cap = y.shape[0]
+    d = np.zeros((2, cap, COLUMNS))
+    w, f = np.zeros((WORK, cap)), np.zeros((cap, 3))
+    mid, new = np.zeros((cap, COLUMNS)), np.zeros((cap, COLUMNS))
+    push, flow = np.zeros((cap, 3)), np.zeros(cap)
+    while t < end:
+        if n + 2 >= cap or int(clock[4]) + n >= landed.shape[0]:
+            return FULL, t, n, h
+        entry = clock[2] + clock[1] * clock[0] / p[FLOW]
+        stop = min(end, entry)
+        if not explicit_rates(t, n, held, y, p, k, tables, w, f, d[0]):
+            return BROKEN, t, n, h
+        step = _longest(n, y, p, k, w, cfl)
+        if fixed > 0.0:
+            step = min(step, fixed)
+        step = (stop - t) / max(math.ceil((stop - t) / step), 1)  # equal steps to the stop, so that none is a splinter
+        who, tries = -1, 0
+        while True:
+            tries += 1
+            if tries > 40:
+                return STALLED, t, n, h
+            if not _step(t, step, n, clock, y, held, p, k, tables, w, f, d, mid, new, push, flow):
+                step *= 0.25
+                clock[6] += 1
+                continue
+            who, when = first_touch(n, step, y, new, held, p, k)
+            if who < 0 or when > step * (1.0 - 1e-9):
+                break
+            step = max(when, 1e-9 * step)
+        clock[5] += 1
+        reached = t + step >= stop * (1.0 - 1e-15)
+        t = stop if reached else t + step
+        y[: n + 1] = new[: n + 1]
+        h = step
+        if who >= 0:
+            touch(t, who, n, y, held, marks, p, k)
+            n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), False)
+            clock[4] = rows
+        if p[OUTFLOW] > 0.0 and y[1, X] > p[OUTFLOW]:
+            leave(t, n, y, held, marks, p)
+            n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
+            clock[4] = rows
+        if t >= entry:
+            split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
+            held[n + 1] = held[n] = 0
+            n += 1
+            clock[1] += 1
+    return DONE, t, n, h

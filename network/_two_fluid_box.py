@@ -1,0 +1,186 @@
+"""Box scheme of the two-fluid network: Newton's method, first guess and mesh. What it solves stands in `two_fluid`.
+
+Unknowns: T (its logarithm for the linear spring), whose stretch lam(T) is explicit and bounded (a strand at its contour is
+as well conditioned as a slack one), and ``q = ln(lam/w)``, what a strand has not kept of the network's stretch::
+
+    eps d(e^q T)/ds = 1 - V e^q/lam          dq/ds = -r(lam) e^q/(2 th lam^2)
+
+The first is stable upstream, the second downstream. In each box both are parabolas; the momentum holds at the points 0 and
+2/3 of it, the relaxation at 1/3 and 1: Radau's points, each counted the way its equation is stable. Third order at the
+nodes, and what a box does not resolve dies out within it. Nine diagonals, a Newton step is O(boxes).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+from spinline.base.checks import FloatArray
+from spinline.network._two_fluid_kernels import BELOW, assemble
+from spinline.network.force_laws import law_code
+from spinline.network.tension import Tension
+
+__all__ = ["Box", "halved", "refined", "remeshed", "start_of", "thinned"]
+
+Profile = Callable[[FloatArray], FloatArray]
+
+_MOST_NEWTON = 60
+_LARGEST_STEP = 2.0  # of ln T and of q
+_SHORTEST = 1e-4
+_TOLERANCE = 1e-10
+_ROUNDING = 1e-6  # of a change that does not shrink any more
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """The equations.
+
+    Attributes
+    ----------
+    profile, eps, relaxation : callable
+        V(s), eps(s), th(s); th may be inf.
+    law : Tension
+    per_line : bool
+        The tension counts once a chain line, not once a strand, and r = lam - 1: the shortcut, a test law.
+    """
+
+    profile: Profile
+    eps: Profile
+    relaxation: Profile
+    law: Tension
+    per_line: bool = False
+
+    def solve(self, s: FloatArray, guess: FloatArray, end: float, *, plain: bool = False) -> FloatArray | None:
+        """Solution with q = 0 at the first node and T = `end` at the last; None where Newton's method fails.
+
+        `guess` and the solution, (2 nodes - 1, 2), are T and q at node, middle, node, ... `plain` takes the
+        scheme of first order, whose Newton iterations go farther.
+        """
+        h, y = np.diff(s), guess.ravel().copy()
+        bounded = self.law.bounded
+        if not bounded:
+            y[::2] = np.log(y[::2])
+        at = [s[:-1] + c * h for c in (0.0, 2 / 3, 1 / 3)] + [s[1:]]
+        flow = np.stack([self.profile(x) for x in at], axis=1)
+        eps = np.stack([self.eps(x) for x in at[:2]], axis=1)
+        slow = np.stack([0.5 / self.relaxation(x) for x in at[2:]], axis=1)
+        law = (
+            law_code(self.law.law),
+            self.law.full_stretch if bounded else 1.0,
+            self.law.rest_force if bounded else 3.0,
+            self.law.tension_at_rest,
+        )
+        factors, load = np.zeros((3 * BELOW + 1, y.size)), np.empty(y.size)
+        goal = float(end if bounded else np.log(end))
+        scale = np.ones(y.size)
+
+        def residual(at: FloatArray) -> None:
+            factors[BELOW:] = 0.0
+            assemble(at, h, flow, eps, slow, law, self.per_line, plain, goal, factors[BELOW:], load)
+
+        residual(y)
+        damping, previous = 1.0, np.inf
+        for _ in range(_MOST_NEWTON):
+            matrix, pivots, failed = dgbtrf(factors, BELOW, BELOW)
+            if failed:
+                return None
+            change, _ = dgbtrs(matrix, BELOW, BELOW, load, pivots)
+            if bounded:
+                scale[::2] = 1 / np.maximum(np.abs(y[::2]), 1.0)
+            relative = change * scale
+            largest = float(np.abs(relative).max())
+            if not largest < 1e200:
+                return None
+            if largest < _TOLERANCE or (largest < _ROUNDING and largest > 0.2 * previous):
+                y -= change
+                return self._physical(y)
+            previous = largest
+            steep = float(np.abs(relative[1::2] if bounded else relative).max())
+            damping = min(1.0, 4 * damping, _LARGEST_STEP / max(steep, 1e-300))
+            size = float(np.sum(np.clip(relative, -1e100, 1e100) ** 2))
+            while True:  # the next change, by the same matrix, must be smaller: affine invariant
+                ahead = y - damping * change
+                residual(ahead)
+                following, _ = dgbtrs(matrix, BELOW, BELOW, load, pivots)
+                following = np.clip(following * scale, -1e100, 1e100)
+                if float(following @ following) <= (1 - 0.25 * damping) ** 2 * size:
+                    break
+                damping *= 0.5
+                if damping < _SHORTEST:
+                    return None
+            y = ahead
+        return None
+
+    def _physical(self, y: FloatArray) -> FloatArray:
+        state = y.reshape(-1, 2)
+        if not self.law.bounded:
+            state[:, 0] = np.exp(state[:, 0])
+        return state
+
+
+def start_of(box: Box, s: FloatArray) -> FloatArray:
+    """A guess: strands that relax in a network which moves with the flow (linear strands, held short of a contour)."""
+    x = refined(s)
+    v = box.profile(x)
+    passed = np.diff(x) / (0.5 * (v[1:] + v[:-1]) * box.relaxation(0.5 * (x[1:] + x[:-1])))
+    # over a cell of constant rates dA = power A + passed
+    power = np.clip(2 * np.diff(np.log(v)) - passed, -600, 600)
+    gain = np.exp(power)
+    fresh = passed * np.where(np.abs(power) > 1e-8, np.expm1(power) / np.where(power == 0, 1.0, power), 1.0)
+    top = min((0.9 * box.law.full_stretch) ** 2, 1e250)
+    square, squares = min(float(v[0]) ** 2, top), np.empty(x.size)
+    squares[0] = square
+    for i, (a, b) in enumerate(zip(gain.tolist(), fresh.tolist(), strict=True)):
+        square = min(a * square + b, top)
+        squares[i + 1] = square
+    lam = np.sqrt(squares)
+    return np.stack((box.law.tension(lam), np.log(lam / v) - np.log(lam[0] / v[0])), axis=1)
+
+
+def refined(s: FloatArray) -> FloatArray:
+    """Nodes and the middles between them."""
+    fine = np.empty(2 * s.size - 1)
+    fine[::2], fine[1::2] = s, 0.5 * (s[1:] + s[:-1])
+    return fine
+
+
+def halved(s: FloatArray) -> FloatArray:
+    """Nodes, and the middles of all cells but those that rounding would not let halve."""
+    middle = 0.5 * (s[1:] + s[:-1])
+    fresh: FloatArray = np.sort(np.concatenate((s, middle[np.diff(s) > 1e-13 * s[-1]])))
+    return fresh
+
+
+def remeshed(s: FloatArray, values: list[FloatArray], count: int, keep: FloatArray) -> FloatArray:
+    """About `count` cells that share the third derivative of the values evenly; the places `keep` are nodes."""
+    middle, h = 0.5 * (s[1:] + s[:-1]), np.diff(s)
+    density = np.zeros(h.size)
+    for y in values:
+        slope = np.diff(y) / h
+        bend = np.abs(np.diff(slope) / np.diff(middle))
+        root = np.sqrt(np.concatenate((bend[:1], np.maximum(bend[1:], bend[:-1]), bend[-1:])))
+        total = float(np.sum(root * h))
+        if total > 0:
+            density += root / total
+    density += 0.2 * float(np.sum(density * h)) / float(s[-1] - s[0])
+    for _ in range(2):  # no cell much longer than its neighbours
+        wide = density.copy()
+        wide[1:] = np.maximum(wide[1:], 0.6 * density[:-1])
+        wide[:-1] = np.maximum(wide[:-1], 0.6 * density[1:])
+        density = wide
+    share = np.concatenate(([0.0], np.cumsum(density * h)))
+    fresh = np.interp(np.linspace(0.0, share[-1], count + 1), share, s)
+    return thinned(fresh, keep)
+
+
+def thinned(nodes: FloatArray, keep: FloatArray) -> FloatArray:
+    """Sorted nodes with the places `keep` among them, and none that nearly meets another."""
+    nodes = np.unique(np.concatenate((nodes, keep)))
+    close = np.diff(nodes) <= 1e-14 * nodes[-1]
+    fixed = np.isin(nodes, keep)
+    drop = np.zeros(nodes.size, dtype=bool)
+    drop[:-1] |= close & ~fixed[:-1]
+    drop[1:] |= close & fixed[:-1] & ~fixed[1:]
+    kept: FloatArray = nodes[~drop]
+    return kept

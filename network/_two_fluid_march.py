@@ -1,0 +1,159 @@
+"""Meshes and errors of the two-fluid network: from a first mesh to a solution whose error is known."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.base.errors import InputError
+from spinline.network._two_fluid_box import Box, halved, refined, remeshed, start_of, thinned
+
+__all__ = ["March", "Solved"]
+
+_CELLS = 200  # to begin with
+_MOST_CELLS = 30_000
+_ROUNDS = 3  # of moving the mesh
+_GROWTH = 1.4  # of cells away from a layer
+_GRADED = 8  # breaks that get a graded mesh of their own
+_MOST_RAMPED = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Nodes (n,), T and q at nodes and middles (2 n - 1, 2), and the estimated relative error at the stations."""
+
+    nodes: FloatArray
+    state: FloatArray
+    error: float = np.inf
+
+    def on(self, nodes: FloatArray) -> FloatArray:
+        """A guess on other nodes."""
+        here, there = refined(self.nodes), refined(nodes)
+        return np.stack([np.interp(there, here, column) for column in self.state.T], axis=1)
+
+
+class March:
+    """Solves one box between the nozzle and `begin`, for any tension there; stations and breaks become nodes."""
+
+    def __init__(self, box: Box, begin: float, stations: FloatArray, breaks: FloatArray, rtol: float) -> None:
+        self.box, self.begin, self.stations, self.rtol = box, begin, np.unique(stations), rtol
+        self.breaks = np.unique(np.concatenate(([0.0], breaks, [begin])))
+        self.keep = np.unique(np.concatenate((self.breaks, self.stations)))
+        mesh = self._first_mesh()
+        self.guess = Solved(mesh, start_of(box, mesh))
+
+    def _first_mesh(self) -> FloatArray:
+        """Even cells, and cells that grow away from every break, from a tenth of the layer that it may have."""
+        parts = [np.linspace(0.0, self.begin, _CELLS + 1)]
+        places = self.breaks if self.breaks.size <= _GRADED else self.breaks[[0, -1]]
+        ends = self.box.eps(places) / np.maximum(self.box.profile(places), 1.0)
+        layer = np.minimum(ends, self.box.relaxation(places))
+        for place, width in zip(places, layer, strict=True):
+            finest = min(max(0.1 * float(width), 1e-13 * self.begin), 0.01 * self.begin)
+            steps = finest * _GROWTH ** np.arange(0.0, np.log(self.begin / finest) / np.log(_GROWTH))
+            parts += [place + steps, place - steps]
+        nodes = np.concatenate(parts)
+        return thinned(nodes[(nodes >= 0) & (nodes <= self.begin)], self.breaks)
+
+    def solve(self, end: float, start: Solved | None = None) -> Solved:
+        """Solution with the tension `end` where the march begins.
+
+        Raises
+        ------
+        InputError
+            Where Newton's method fails, or the error stays above `rtol`.
+        """
+        now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
+        for _ in range(_ROUNDS):
+            now = self._solved(remeshed(now.nodes, self._curves(now), _CELLS, self.breaks), now, end)
+        now = self._solved(thinned(now.nodes, self.keep), now, end)
+        while True:
+            finer = self._solved(halved(now.nodes), now, end)
+            error = self._difference(finer, now) / 7
+            now = replace(finer, error=error)
+            if error <= self.rtol or now.nodes.size > _MOST_CELLS:
+                break
+        if error > self.rtol:
+            raise InputError(
+                "rtol", f"is not reached: the two-fluid network is known to {error:.2g}", value=self.rtol,
+                remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
+            )  # fmt: skip
+        return now
+
+    def _difference(self, one: Solved, other: Solved) -> float:
+        """Largest relative difference of lam and w at the stations, which are nodes of both."""
+        values = []
+        for each in (one, other):
+            state = each.state[::2][np.searchsorted(each.nodes, self.stations)]
+            log_lam = np.log(self.box.law.stretch(state[:, 0]))
+            values.append((log_lam, log_lam - state[:, 1]))
+        return float(max(np.abs(a - b).max() for a, b in zip(*values, strict=True)))
+
+    def _curves(self, solved: Solved) -> list[FloatArray]:
+        t, q = solved.state[::2].T
+        log_lam = np.log(self.box.law.stretch(t))
+        return [t if self.box.law.bounded else log_lam, q, log_lam - q]
+
+    def _solved(self, nodes: FloatArray, guess: Solved, end: float) -> Solved:
+        state = self.box.solve(nodes, guess.on(nodes), end)
+        if state is None:
+            rough = self._roughly(Solved(nodes, guess.on(nodes)), end)
+            state = None if rough is None else self.box.solve(nodes, rough.on(nodes), end)
+        if state is None:
+            raise InputError(
+                "coupling", "no steady two-fluid network is found (Newton's method fails)",
+                value=float(1 / self.box.eps(nodes[-1:])[0]), remedy="raise alpha_v or shorten the jet",
+            )  # fmt: skip
+        return Solved(nodes, state)
+
+    def _roughly(self, guess: Solved, end: float) -> Solved | None:
+        """Solution of the scheme of first order, its mesh moved, then that of third order on the last mesh."""
+        now = guess
+        state = self.box.solve(now.nodes, now.state, end, plain=True)
+        if state is None:
+            found = self._ramped(now.nodes, end)
+            if found is None:
+                return None
+            now = found
+        else:
+            now = Solved(now.nodes, state)
+        for _ in range(2 * _ROUNDS):
+            nodes = remeshed(now.nodes, self._curves(now), 2 * _CELLS, self.breaks)
+            state = self.box.solve(nodes, now.on(nodes), end)
+            if state is not None:
+                return Solved(nodes, state)
+            state = self.box.solve(nodes, now.on(nodes), end, plain=True)
+            if state is None:
+                return None
+            now = Solved(nodes, state)
+        return None
+
+    def _ramped(self, nodes: FloatArray, end: float) -> Solved | None:
+        """From strands that relax fast in a network that slips little to these, in steps of both times, the mesh following."""
+        box = self.box
+        v, th, eps = box.profile(nodes), box.relaxation(nodes), box.eps(nodes)
+        if np.isinf(th).any():
+            return None
+        steepest = float(np.max(np.abs(np.diff(v)) / np.diff(nodes))) + 1e-300
+        shares = np.minimum(1.0, [1e-3 / steepest / float(np.max(eps)), 0.3 / steepest / float(np.min(th))])
+        trial = self._trial(shares)
+        state = trial.solve(nodes, start_of(trial, nodes), end, plain=True)
+        now, factor = (None if state is None else Solved(nodes, state)), 10.0
+        for _ in range(_MOST_RAMPED):
+            if now is None or (shares == 1).all():
+                return now
+            ahead = np.minimum(shares * ([factor, 1.0] if shares[0] < 1 else [1.0, factor]), 1.0)
+            mesh = remeshed(now.nodes, self._curves(now), _CELLS, self.breaks)
+            state = self._trial(ahead).solve(mesh, now.on(mesh), end, plain=True)
+            if state is None:
+                factor = factor**0.5
+                if factor < 1.02:
+                    return None
+            else:
+                now, shares, factor = Solved(mesh, state), ahead, min(factor**1.5, 100.0)
+        return None
+
+    def _trial(self, shares: FloatArray) -> Box:
+        eps, th = self.box.eps, self.box.relaxation
+        a, b = shares.tolist()
+        return replace(self.box, eps=lambda x: a * eps(x), relaxation=lambda x: b * th(x))

@@ -1,0 +1,285 @@
+"""The commands for what lies on the collector: deposit, mat."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spinline.base.errors import InputError
+from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.speech import say
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from spinline.deposit.collectors import Belt, Drum, Plate
+
+__all__ = ["register"]
+
+_ROW_BYTES = 60
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the command line."""
+    app.command("deposit")(deposit)
+    app.command("mat")(mat)
+
+
+def deposit(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENE|JET|RUN_DIR", help="Scene with [laydown] and [collector], file of landings, or run."
+        ),
+    ],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Fibres, HDF5. Default: SOURCE's name with .h5.")
+    ] = None,
+    kind: Annotated[str, typer.Option("--collector", help="plate, belt or drum, for a jet or a run.")] = "plate",
+    distance: Annotated[str | None, typer.Option(help="Of the collector. Default: where the beads landed.")] = None,
+    speed: Annotated[str | None, typer.Option(help="Of the belt or the drum's surface.")] = None,
+    radius: Annotated[str | None, typer.Option(help="Of the drum.")] = None,
+    plan: Annotated[bool, typer.Option("--plan", help="Say how much it will be, and stop.")] = False,
+    csv: Annotated[Path | None, typer.Option(help="Segments as a table.")] = None,
+    json: JsonOption = False,
+    force: ForceOption = False,
+    set_: SetOption = None,
+) -> None:
+    """Fibres on the collector from a jet's landings, or from a fitted laydown."""
+    from spinline.base.files import writable
+
+    file = Path(source)
+    target = out or Path(file.name if file.suffix == "" else file.stem).with_suffix(".h5")
+    writable(target, force=force)
+    if csv is not None:
+        writable(csv, force=force)
+    from spinline.setup.mat import landings_of, lay_scene, options_of, options_text, rows_of
+
+    attributes: dict[str, Any] = {"source": file.name}
+    if file.suffix == ".toml":
+        from spinline.scene.mat_sections import load_mat_scene
+
+        scene = load_mat_scene(source, set_ or [])
+        rows = rows_of(scene)
+        if plan:
+            say(f"{rows} segments, {rows * _ROW_BYTES / 1e6:.3g} MB, about {max(rows / 1.5e6, 0.1):.2g} s")
+            return
+        attributes |= {"title": scene.title, "scene": scene.text, "mat": options_text(options_of(scene.mat)),
+                       "collector_kind": scene.collector.kind, "seed": scene.mat.seed}  # fmt: skip
+        if scene.collector.radius is not None:
+            attributes["circumference"] = 2 * 3.141592653589793 * scene.collector.radius.value
+        blocks = lay_scene(scene)
+        numbers: dict[str, Any] = {}
+    else:
+        if set_:
+            raise InputError("--set", "changes keys of a scene, and this is a jet", value=set_[0])
+        from spinline.deposit.landing import lay
+
+        record = landings_of(source)
+        if plan:
+            say(f"{record.touch_time.size} landings")
+            return
+        surface = _collector(kind, distance, speed, radius, float(record.position[:, 0].max()))
+        segments = lay(record, surface)
+        attributes |= {"collector_kind": surface.kind, "collector_distance": surface.distance}
+        if surface.kind == "drum":
+            attributes["circumference"] = 2 * 3.141592653589793 * surface.radius  # type: ignore[union-attr]
+        blocks, numbers = iter([segments]), {f"imbalance_{key}": value for key, value in record.imbalance().items()}
+    numbers |= _write(target, blocks, attributes, csv, force=force)
+    if json:
+        import json as js
+
+        typer.echo(js.dumps(numbers, indent=1))
+        return
+    polymer = numbers["polymer_volume"] * 1e9
+    say(f"{numbers['segments']} segments, {numbers['length']:.4g} m of fibre, polymer {polymer:.4g} mm3")
+    say(f"wrote {target}")
+
+
+def mat(
+    fibres: Annotated[Path, typer.Argument(metavar="FIBRES", help="What `spinline deposit` wrote.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Result, netCDF. Default: FIBRES' name with .nc.")
+    ] = None,
+    figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
+    no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
+    picture: Annotated[Path | None, typer.Option(help="Top view alone, as a microscope shows it.")] = None,
+    report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
+    measured: Annotated[Path | None, typer.Option(help="Measured diameters, a table, to compare with.")] = None,
+    measured_unit: Annotated[
+        str | None, typer.Option(help="m, mm, um, nm or px, where the table does not say.")
+    ] = None,
+    pixel_size: Annotated[str | None, typer.Option(help="Of the measured image.")] = None,
+    export: Annotated[
+        list[Path] | None, typer.Option(help="First window for other programs: .vtp, .ply, .csv, .tif, .raw.")
+    ] = None,
+    slope: Annotated[float | None, typer.Option(help="Steepest a fibre hangs, m.")] = None,
+    window: Annotated[str | None, typer.Option(help="Side of the windows.")] = None,
+    envelope: Annotated[str | None, typer.Option(help="mean-top, max-top or percentile.")] = None,
+    law: Annotated[list[str] | None, typer.Option(help="Law of permeability; several times for several.")] = None,
+    direct: Annotated[bool, typer.Option("--direct", help="Compute the Stokes flow in the first window too.")] = False,
+    realisations: Annotated[int | None, typer.Option(help="Windows.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the windows' places.")] = None,
+    plan: Annotated[bool, typer.Option("--plan", help="Say how much it will be, and stop.")] = False,
+    csv: Annotated[Path | None, typer.Option(help="Scalars as a table.")] = None,
+    json: JsonOption = False,
+    force: ForceOption = False,
+) -> None:
+    """Thickness, porosity, pores, orientation, diameters and permeability of a mat."""
+    from spinline.base.files import writable
+    from spinline.base.units import parse
+
+    target = out or fibres.with_suffix(".nc")
+    sheet = None if no_figure else figure or target.with_suffix(".png")
+    for path in (target, sheet, picture, report, csv, *(export or [])):
+        if path is not None:
+            writable(path, force=force)
+    from spinline.deposit.fibres import FibreFile
+    from spinline.deposit.mat import analyse_mat, first_stack
+    from spinline.deposit.whole import Rolled
+    from spinline.setup.mat import options_from_text
+
+    side = parse(window, "length", "--window").value if window is not None else None
+    with FibreFile(fibres) as opened:
+        file = opened
+        turn = float(opened.attributes.get("circumference", 0.0))
+        mat_of: Any = Rolled(opened, turn) if turn > 0 else opened
+        options = options_from_text(str(file.attributes.get("mat", "")), {
+            "window": side, "slope": slope, "envelope": envelope, "permeability": tuple(law) if law else None,
+            "direct": direct or None, "realisations": realisations, "seed": seed})  # fmt: skip
+        if plan:
+            say(f"{file.rows} segments in {-(-file.rows // 262144)} chunks, {options.realisations} windows")
+            return
+        result = analyse_mat(mat_of, options)
+        stack = first_stack(mat_of, options) if export else None
+    result.attrs |= {"title": str(file.attributes.get("title", "")) or fibres.stem, "source": fibres.name}
+    if measured is not None:
+        _compare(result, measured, measured_unit, pixel_size)
+    _save(result, target, sheet, picture, report, csv, force=force)
+    for path in export or []:
+        _export(path, stack, options)
+    _say(result, json, [p for p in (target, sheet, picture, report, csv, *(export or [])) if p is not None])
+
+
+def _write(target: Path, blocks: Any, attributes: dict[str, Any], csv: Path | None, *, force: bool) -> dict[str, Any]:
+    import numpy as np
+
+    from spinline.base.files import replacing
+    from spinline.deposit.fibres import FibreWriter
+
+    rows = []
+    with replacing(target, force=force) as place, FibreWriter(place, attributes) as file:
+        for block in blocks:
+            file.write(block)
+            if csv is not None:
+                rows.append(block)
+        sums = {"segments": file.rows, "length": file.total("total_length"), "volume": file.total("total_volume"),
+                "polymer_volume": file.total("total_dry_volume")}  # fmt: skip
+    if csv is not None:
+        from spinline.base.files import write_text
+
+        names = ("x", "y", "dx", "dy", "touch_time", "radius", "length", "jet", "fibre")
+        lines = ["x (m),y (m),dx (m),dy (m),touch_time (s),radius (m),length (m),jet,fibre"]
+        for block in rows:
+            table = np.column_stack([getattr(block, name) for name in names])
+            lines += [",".join(f"{value:.9g}" for value in row) for row in table]
+        write_text(csv, "\n".join(lines) + "\n", force=force)
+    return sums
+
+
+def _collector(
+    kind: str, distance: str | None, speed: str | None, radius: str | None, landed: float
+) -> "Plate | Belt | Drum":
+    from spinline.base.units import parse
+    from spinline.deposit.collectors import collector
+
+    return collector(
+        kind, parse(distance, "length", "--distance").value if distance else landed,
+        speed=parse(speed, "velocity", "--speed").value if speed else None,
+        radius=parse(radius, "length", "--radius").value if radius else None,
+    )  # fmt: skip
+
+
+def _compare(result: "xr.Dataset", measured: Path, unit: str | None, pixel_size: str | None) -> None:
+    """Measured diameters beside the mat's, into the result."""
+    import numpy as np
+
+    from spinline.base.units import parse
+    from spinline.deposit.diameters import compare_diameters
+    from spinline.deposit.measured import read_diameters
+
+    size = parse(pixel_size, "length", "--pixel-size").value if pixel_size is not None else None
+    sample = read_diameters(measured, unit=unit, pixel_size=size)
+    width = (result["diameter_high"] - result["diameter_low"]).values
+    weight = result["diameter_density"].values * width
+    rng = np.random.default_rng(int(result.attrs["seed"]))
+    low, high = result["diameter_low"].values, result["diameter_high"].values
+    drawn = rng.choice(weight.size, 4000, p=weight / weight.sum())
+    ours = low[drawn] + rng.uniform(size=4000) * (high[drawn] - low[drawn])
+    found = compare_diameters(ours, sample.diameter, second_length=sample.weight)
+    names = ("mean_ratio", "deviation_ratio", "distance")
+    for name in names:
+        value = getattr(found, name)
+        result[f"measured_{name}"] = ("interval", list(value), {"units": "1", "long_name": "value, low, high (95 %)"})
+    result["measured_diameter"] = ("measured", sample.diameter, {"units": "m"})
+    result["measured_weight"] = ("measured", sample.weight, {"units": "1"})
+    result.attrs["measured"] = sample.source
+
+
+def _save(
+    result: "xr.Dataset", target: Path, sheet: Path | None, picture: Path | None, report: Path | None, csv: Path | None, *,
+    force: bool,
+) -> None:  # fmt: skip
+    from spinline.base.netcdf import save_dataset
+
+    save_dataset(result, target, force=force)
+    if sheet is not None or picture is not None or report is not None:
+        from spinline.report.mat_figure import mat_sheet, save_mat_report, top_view_sheet
+        from spinline.report.style import save_sheet
+
+        if sheet is not None:
+            save_sheet(mat_sheet(result), sheet, force=force)
+        if picture is not None:
+            save_sheet(top_view_sheet(result), picture, force=force)
+        if report is not None:
+            save_mat_report(result, report, force=force)
+    if csv is not None:
+        from spinline.base.files import write_text
+
+        lines = ["name,value,unit"]
+        lines += [
+            f"{name},{float(v):.9g},{v.attrs.get('units', '')}" for name, v in result.data_vars.items() if not v.dims
+        ]
+        write_text(csv, "\n".join(lines) + "\n", force=force)
+
+
+def _export(path: Path, stack: Any, options: Any) -> None:
+    from spinline.deposit import exports
+    from spinline.deposit.voxels import voxelise
+
+    plain = {".vtp": exports.write_vtp, ".ply": exports.write_ply, ".csv": exports.write_csv}
+    if path.suffix.lower() in plain:
+        plain[path.suffix.lower()](path, stack)
+        return
+    voxels = {".tif": exports.write_tiff, ".tiff": exports.write_tiff, ".raw": exports.write_raw}
+    if path.suffix.lower() not in voxels:
+        raise InputError("--export", "has no known ending", value=path.name, allowed=".vtp, .ply, .csv, .tif, .raw")
+    edge = options.voxel or float(stack.passages.radius.mean()) / 3
+    voxels[path.suffix.lower()](path, voxelise(stack, edge), edge)
+
+
+def _say(result: "xr.Dataset", json: bool, files: list[Path]) -> None:
+    if json:
+        import json as js
+
+        scalars = {str(name): float(value) for name, value in result.data_vars.items() if not value.dims}
+        laws = {str(k): float(v) for k, v in zip(result["law"].values, result["permeability"].values, strict=True)}
+        typer.echo(js.dumps({**scalars, "permeability": laws}, indent=1).replace("NaN", "null"))
+        return
+    from spinline.report.mat_figure import sentences
+
+    say(str(result.attrs["title"]))
+    for line in sentences(result):
+        say(f"  {line}")
+    for path in files:
+        say(f"wrote {path}")

@@ -1,0 +1,124 @@
+"""``[collector]``, ``[jets]``, ``[laydown]`` and ``[mat]``: where the fibre lands, and how the mat is analysed.
+
+They stand in a scene beside its jet, or alone in a file (`MatScene`) whose fibres come from a fitted laydown.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from spinline.base.units import Measured
+from spinline.scene.air_and_rheology import refusal
+from spinline.scene.quantities import (
+    Density,
+    Fraction,
+    Label,
+    Length,
+    Lifetime,
+    NumberOrZero,
+    Proper,
+    Section,
+    Sheet,
+    Velocity,
+)
+
+__all__ = [
+    "CollectorSection",
+    "JetsSection",
+    "LaydownSection",
+    "MatScene",
+    "MatSection",
+    "angular_velocity",
+    "load_mat_scene",
+]
+
+_TURN = re.compile(r"\s*([-+]?\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(rpm|rad/s|1/min|1/s|Hz)\s*$")
+_PER_SECOND = {"rpm": 1 / 60, "1/min": 1 / 60, "1/s": 1.0, "Hz": 1.0, "rad/s": 0.15915494309189535}
+
+
+def angular_velocity(text: Any) -> float:
+    """Angular velocity in rad/s from text such as "240 rpm"."""
+    match = _TURN.match(text) if isinstance(text, str) else None
+    if match is None:
+        words = {"problem": "is no rate of rotation", "allowed": "rpm, rad/s, 1/s", "remedy": 'for example "240 rpm"'}
+        raise PydanticCustomError("quantity", "{problem}", words)
+    return 2 * 3.141592653589793 * float(match[1]) * _PER_SECOND[match[2]]
+
+
+class CollectorSection(Section):
+    """``[collector]``: plate, belt or drum; `time` is how long fibre is laid."""
+
+    kind: Literal["plate", "belt", "drum"] = "plate"
+    distance: Length
+    speed: Velocity | None = None
+    rotation: Annotated[float, BeforeValidator(angular_velocity)] | None = None
+    radius: Length | None = None
+    time: Lifetime | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if self.kind == "plate" and (self.speed, self.rotation, self.radius) != (None, None, None):
+            raise refusal("kind", 'is "plate": take out speed, rotation and radius, or take a belt or a drum')
+        if self.kind == "belt" and (self.speed is None or self.rotation is not None or self.radius is not None):
+            raise refusal("speed", "is what a belt needs, and neither rotation nor radius")
+        if self.kind == "drum" and (self.radius is None or (self.speed is None) == (self.rotation is None)):
+            raise refusal("radius", "is needed by a drum, and one of rotation and speed")
+        return self
+
+
+class JetsSection(Section):
+    """``[jets]``: a row of them across the machine."""
+
+    count: Annotated[int, Field(ge=1, le=10_000)] = 1
+    spacing: Length = Measured(1e-2, 0.0, "1 cm")
+
+
+class LaydownSection(Section):
+    """``[laydown]``: the fitted law that lays kilometres (`Laydown`); `spread` is the footprint's standard deviation."""
+
+    speed: Velocity
+    spread: Length
+    turning_length: Length
+    diameter: Length
+    diameter_deviation: Length | None = None
+    correlation: Length | None = None
+    polymer_fraction: Proper | Literal[1] = 1
+    step: Length | None = None
+
+
+class MatSection(Section):
+    """``[mat]``: how the mat is analysed."""
+
+    window: Length | None = None
+    slope: NumberOrZero = Measured(0.1, 0.0, "0.1")
+    envelope: Literal["mean-top", "max-top", "percentile"] = "mean-top"
+    voxel: Length | None = None
+    flatten: Fraction = Measured(0.0, 0.0, "0")
+    permeability: list[str] = Field(default_factory=lambda: ["davies"])
+    direct: bool = False
+    realisations: Annotated[int, Field(ge=1, le=1000)] = 8
+    polymer_density: Density = Measured(1200.0, 0.0, "1200 kg/m3")
+    face_velocity: Velocity = Measured(0.05, 0.0, "5 cm/s")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+
+
+class MatScene(Sheet):
+    """A file of laydown and mat alone."""
+
+    title: Label = ""
+    laydown: LaydownSection
+    collector: CollectorSection
+    jets: JetsSection = JetsSection()
+    mat: MatSection = MatSection()
+
+
+def load_mat_scene(source: str | Path, overrides: Sequence[str] = ()) -> MatScene:
+    """Read a file of ``[laydown]``, ``[collector]``, ``[jets]`` and ``[mat]``."""
+    from spinline.scene.file import checked, read_toml
+
+    data, text, path = read_toml(source, {}, overrides)
+    return checked(MatScene, data, text, path.resolve().parent, path.stem)

@@ -1,0 +1,144 @@
+"""Sections of a scene to collectors, laydown laws and options of a mat; and whatever a user names to landings."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spinline.base.errors import InputError
+from spinline.deposit.collectors import Belt, Drum, Plate, collector
+from spinline.deposit.frames import landings_from_table
+from spinline.deposit.landing import LandingRecord
+from spinline.deposit.mat import MatOptions
+from spinline.deposit.segments import Segments
+from spinline.deposit.surrogate import Laydown, surrogate_fibre
+from spinline.scene.mat_sections import CollectorSection, LaydownSection, MatScene, MatSection
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "collector_of",
+    "landings_of",
+    "lay_scene",
+    "laydown_of",
+    "options_from_text",
+    "options_of",
+    "options_text",
+    "rows_of",
+]
+
+Surface = Plate | Belt | Drum
+
+
+def collector_of(section: CollectorSection) -> Surface:
+    """Collector of a scene."""
+    return collector(
+        section.kind, section.distance.value, speed=section.speed.value if section.speed else None,
+        rotation=section.rotation, radius=section.radius.value if section.radius else None,
+    )  # fmt: skip
+
+
+def laydown_of(section: LaydownSection) -> Laydown:
+    """Law of laydown of a scene: the median radius and spread of ln radius from mean and deviation of the diameter."""
+    mean = section.diameter.value
+    deviation = section.diameter_deviation.value if section.diameter_deviation else 0.0
+    s2 = float(np.log1p((deviation / mean) ** 2))
+    fraction = section.polymer_fraction
+    return Laydown(
+        speed=section.speed.value, covariance=section.spread.value**2, noise=float(np.sqrt(2 / section.turning_length.value)),
+        radius=0.5 * mean * float(np.exp(-s2 / 2)), radius_spread=s2**0.5,
+        radius_length=section.correlation.value if section.correlation else 0.0,
+        polymer_fraction=1.0 if isinstance(fraction, int) else fraction.value,
+    )  # fmt: skip
+
+
+def options_of(section: MatSection) -> MatOptions:
+    """Options of a mat's analysis."""
+    return MatOptions(
+        window=section.window.value if section.window else None, slope=section.slope.value, envelope=section.envelope,
+        voxel=section.voxel.value if section.voxel else None, flatten=section.flatten.value,
+        permeability=tuple(section.permeability), direct=section.direct, realisations=section.realisations,
+        polymer_density=section.polymer_density.value, face_velocity=section.face_velocity.value, seed=section.seed,
+    )  # fmt: skip
+
+
+def options_text(options: MatOptions) -> str:
+    """Options as text, for the file of fibres."""
+    return json.dumps(asdict(options))
+
+
+def options_from_text(text: str, changes: dict[str, Any]) -> MatOptions:
+    """Options from a file of fibres, changed on the command line."""
+    try:
+        data = json.loads(text) if text else {}
+    except json.JSONDecodeError:
+        data = {}
+    known = {key: value for key, value in data.items() if key in MatOptions.__dataclass_fields__}
+    return MatOptions(**{**known, **{key: value for key, value in changes.items() if value is not None}})
+
+
+def lay_scene(scene: MatScene) -> Iterator[Segments]:
+    """Fibres of all jets of a scene, block by block; jet k's random numbers follow from (mat.seed, k)."""
+    law, surface = laydown_of(scene.laydown), collector_of(scene.collector)
+    if scene.collector.time is None:
+        raise InputError("collector.time", "is missing", remedy='say how long fibre is laid, for example "10 s"')
+    length = law.speed * scene.collector.time.value
+    step = scene.laydown.step.value if scene.laydown.step else None
+    for k in range(scene.jets.count):
+        across = (k - (scene.jets.count - 1) / 2) * scene.jets.spacing.value
+        yield from surrogate_fibre(
+            law,
+            length,
+            step=step,
+            machine_speed=surface.surface_speed,
+            centre=(0.0, across),
+            jet=k,
+            seed=scene.mat.seed,
+        )
+
+
+def rows_of(scene: MatScene) -> int:
+    """Segments that `lay_scene` will make."""
+    law = laydown_of(scene.laydown)
+    if scene.collector.time is None:
+        return 0
+    spread, turning = scene.laydown.spread.value, scene.laydown.turning_length.value
+    step = scene.laydown.step.value if scene.laydown.step else min(spread, turning) / 20
+    return scene.jets.count * max(round(law.speed * scene.collector.time.value / step), 1)
+
+
+def landings_of(source: str | Path) -> LandingRecord:
+    """Landings of a JETSPIN run (its ``bead.dat``) or of a file with the dimension `landing`.
+
+    Raises
+    ------
+    InputError
+        Where there are none.
+    """
+    path = Path(source)
+    if path.is_dir():
+        path = path / "bead.dat"
+        if not path.exists():
+            raise InputError(str(source), "has no table of landed beads (bead.dat)",
+                             remedy="run JETSPIN with `print binary removed`")  # fmt: skip
+    if path.suffix == ".nc":
+        return LandingRecord.from_dataset(_with_landings(path))
+    if not path.exists():
+        raise InputError(str(source), "does not exist", remedy="give a run directory, a file of landings, or a scene")
+    from spinline.jetprofile.jetspin import read_jetspin
+
+    return landings_from_table(read_jetspin(path))
+
+
+def _with_landings(path: Path) -> "xr.Dataset":
+    from spinline.base.netcdf import open_dataset
+
+    data = open_dataset(path)
+    if "landing" not in data.dims:
+        raise InputError(str(path), "has no landings", value=", ".join(map(str, data.dims)),
+                         remedy="run the jet until it reaches its collector, with its landings kept")  # fmt: skip
+    return data

@@ -1,0 +1,140 @@
+"""`spinline deposit` and `spinline mat` as a user types them, with a mistake or two."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+SCENE = """
+title = "One jet"
+[laydown]
+speed = "5 m/s"
+spread = "60 um"
+turning_length = "100 um"
+diameter = "600 nm"
+diameter_deviation = "120 nm"
+[collector]
+kind = "{kind}"
+distance = "20 cm"
+time = "40 ms"
+{more}
+[mat]
+realisations = 2
+window = "12 um"
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(kind="plate", more="", name="one.toml"):
+        path = tmp_path / name
+        path.write_text(SCENE.format(kind=kind, more=more), encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_from_a_scene_to_a_mat(spinline, scene, tmp_path):
+    scene()
+    made = spinline("deposit", "one.toml", "-o", "f.h5", "--json")
+    assert made.code == 0, made.err
+    assert made.json["length"] == pytest.approx(0.2, rel=1e-3)
+    (tmp_path / "sem.csv").write_text(
+        "Diameter (nm)\n" + "\n".join(str(d) for d in range(500, 720, 5)), encoding="utf-8"
+    )
+    seen = spinline("mat", "f.h5", "-o", "m.nc", "--report", "m.html", "--picture", "top.png", "--measured", "sem.csv",
+                    "--export", "a.vtp", "--export", "a.tif", "--json")  # fmt: skip
+    assert seen.code == 0, seen.err
+    numbers = seen.json
+    assert 0.5 < numbers["porosity"] < 1
+    assert numbers["permeability"]["davies"] > 0
+    for name in ("m.nc", "m.png", "m.html", "top.png", "a.vtp", "a.tif"):
+        assert (tmp_path / name).stat().st_size > 500
+    with xr.open_dataset(tmp_path / "m.nc", engine="h5netcdf") as ds:
+        assert {"thickness", "porosity", "order_parameter", "mean_thickness", "areal_density", "permeability"} <= set(
+            ds.data_vars
+        )
+        assert float(ds["measured_mean_ratio"][0]) == pytest.approx(1.0, abs=0.1)
+    again = spinline("mat", "f.h5", "-o", "m.nc")
+    assert again.code == 2
+    assert "--force" in again.err
+
+
+def test_a_faster_belt_aligns(spinline, scene):
+    scene("belt", 'speed = "0 m/s"', "slow.toml")
+    scene("belt", 'speed = "20 m/s"', "fast.toml")
+    for name in ("slow", "fast"):
+        assert spinline("deposit", f"{name}.toml", "-o", f"{name}.h5").code == 0
+    from spinline.deposit import FibreFile, order_of
+
+    found = []
+    for name in ("slow", "fast"):
+        with FibreFile(f"{name}.h5") as file:
+            s = file.read()
+            found.append(order_of(s.angle, s.chord).order_parameter)
+    assert found[0] < 0.1
+    assert found[1] == pytest.approx(0.939, abs=0.01)  # the trochoid's, q = 4
+
+
+def test_a_jetspin_run_on_a_drum(spinline, tmp_path):
+    import spinline as sl
+
+    run = tmp_path / "run"
+    run.mkdir()
+    bundled = Path(sl.__file__).parent / "data" / "scenes" / "pvp3d"
+    for name in ("log.txt", "input.dat"):
+        shutil.copy(bundled / name, run)
+    shutil.copy(Path(__file__).parent / "data" / "jetspin" / "pvp3d" / "bead.dat", run)
+    made = spinline("deposit", "run", "-o", "f.h5", "--json")
+    assert made.code == 0, made.err
+    assert made.json["segments"] > 50
+    drum = spinline(
+        "deposit", "run", "-o", "g.h5", "--collector", "drum", "--radius", "10 cm", "--speed", "2 m/s", "--csv", "g.csv"
+    )
+    assert drum.code == 0, drum.err
+    assert len((tmp_path / "g.csv").read_text().splitlines()) == made.json["segments"] + 1
+    with xr.open_dataset(tmp_path / "g.h5", engine="h5netcdf") as ds:
+        assert np.isfinite(ds["x"].values).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("deposit", "absent.toml"), "absent.toml"),
+        (("deposit", "absent"), "does not exist"),
+        (("mat", "absent.h5"), "does not exist"),
+        (("deposit", "one.toml", "--set", "collector.kind=mesh"), "collector.kind"),
+        (("deposit", "one.toml", "--set", "collector.rotation=240 rpm"), "plate"),
+        (("deposit", "one.toml", "--set", "laydown.sped=3 m/s"), "not a known key"),
+        (("deposit", "one.toml", "--set", "laydown.speed=3"), "laydown.speed"),
+        (("deposit", "one.toml", "--set", "laydown.step=1 mm"), "step"),
+    ],
+)
+def test_mistakes_are_named(spinline, scene, arguments, words):
+    scene()
+    ran = spinline(*arguments)
+    assert ran.code == 2
+    assert words in ran.err
+    assert "Traceback" not in ran.err
+
+
+def test_plan_runs_nothing(spinline, scene, tmp_path):
+    scene()
+    ran = spinline("deposit", "one.toml", "--plan")
+    assert ran.code == 0
+    assert "segments" in ran.out
+    assert not list(tmp_path.glob("*.h5"))
+
+
+def test_laws_out_of_range_are_null_in_json(spinline, scene):
+    scene()
+    assert spinline("deposit", "one.toml", "-o", "f.h5").code == 0
+    ran = spinline(
+        "mat", "f.h5", "-o", "m.nc", "--no-figure", "--law", "kozeny-carman", "--realisations", "1", "--json"
+    )
+    assert ran.code == 0, ran.err
+    assert json.loads(ran.out)["permeability"]["kozeny-carman"] is None
+    assert "outside the range" in ran.err
