@@ -69,7 +69,7 @@ def test_peo_and_pcl_end_solid_with_a_finite_stretch(peo) -> None:
         place = float(result["arrest_position"])
         assert 0 < place < float(result["z"][-1])
         assert "crystals" in result.attrs["frozen_structure"]
-        w = result["network_velocity_ratio"].values[result["z"].values > place]
+        w = result["strand_stretch"].values[result["z"].values > place]
         assert np.ptp(w) == 0
         assert 1 < w[0] < 1e4
         assert np.isfinite(float(result["fibre_diameter"]))
@@ -168,7 +168,7 @@ def test_concentrations_names_and_library_chains() -> None:
     guess = solution(concentration="50 g/L", viscosity="estimate", relaxation_time="estimate")
     assert 1 < guess.viscosity < 50
     assert guess.relaxation_time > 0
-    with pytest.raises(InputError, match="solution.molar_mass.*the estimate of viscosity needs it"):
+    with pytest.raises(InputError, match=r"solution.molar_mass.*the estimate of viscosity needs it"):
         build_solution(
             scene_from_dict(
                 {
@@ -221,7 +221,7 @@ def test_refusals() -> None:
         .attrs["heat_reason"]
         .startswith("off: solution.solvent.latent_heat")
     )
-    with pytest.raises(InputError, match="rheology.transfer"):
+    with pytest.raises(InputError, match=r"rheology\.transfer"):
         run(merged(PEO, rheology={"transfer": "magic"}))
     with pytest.raises(InputError, match="crystallisation_half_time"):
         run(merged(PEO, rheology={"crystallisation_half_time": "1 s"}))
