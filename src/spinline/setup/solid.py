@@ -95,8 +95,10 @@ class Solid:
         """``T_m - supercooling - T`` in K, T not under the nozzle's: a chill of milliseconds is too short for nuclei."""
         if self.crystals is None:
             return np.full_like(here.polymer, -np.inf)
-        melting = self.crystals.melting_point(np.minimum(here.polymer, 1.0), here.mean_volume, here.mean_chi)
-        value: FloatArray = melting - self.supercooling - np.maximum(here.temperature, self.nozzle)
+        inverse = self.crystals.inverse_melting_point(np.minimum(here.polymer, 1.0), here.mean_volume, here.mean_chi)
+        kelvin = np.maximum(here.temperature, self.nozzle)
+        # T (1 - (T + supercooling)/T_m): its sign, and near it its size; finite where crystals melt at no temperature
+        value: FloatArray = kelvin * (1 - (kelvin + self.supercooling) * inverse)
         return value
 
 
