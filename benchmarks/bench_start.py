@@ -85,7 +85,8 @@ def main() -> None:
         row["ratio"] = row["seconds"] / unit
         kept = "yes" if row["ratio"] <= row["wanted"] else "no"
         print(
-            f"{row['command']:34s}{row['start']:6s}{row['seconds']:8.2f} s{row['ratio']:8.1f} x   wanted {row['wanted']:6.1f} x  {kept}"
+            f"{row['command']:34s}{row['start']:6s}{row['seconds']:8.2f} s{row['ratio']:8.1f} x, "
+            f"wanted {row['wanted']:.1f} x: {kept}"
         )
     if asked.json:
         asked.json.write_text(json.dumps({"import_numpy": unit, "rows": rows}, indent=1) + "\n", encoding="utf-8")

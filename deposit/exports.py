@@ -9,6 +9,7 @@
 ==================  ==========================================================================================
 """
 
+import io
 import json
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray, positive
 from spinline.base.errors import InputError
+from spinline.base.files import streaming, write_bytes, write_text
 from spinline.deposit.stack import Stack
 
 __all__ = ["write_csv", "write_ply", "write_raw", "write_tiff", "write_vtp"]
@@ -45,7 +47,7 @@ def write_vtp(path: str | Path, stack: Stack) -> None:
         f"<PointData Scalars=\"radius\">{entry(0)}{entry(1)}</PointData>\n<Points>{entry(2, 3)}</Points>\n"
         f'<Lines>{entry(3)}{entry(4)}</Lines>\n</Piece></PolyData>\n<AppendedData encoding="raw">\n_'
     )  # fmt: skip
-    with open(path, "wb") as file:
+    with streaming(path, force=True) as file:
         file.write(head.encode("ascii"))
         for array in arrays:
             file.write(np.uint64(array.nbytes).astype("<u8").tobytes())
@@ -56,13 +58,11 @@ def write_vtp(path: str | Path, stack: Stack) -> None:
 def write_ply(path: str | Path, stack: Stack) -> None:
     """Centre lines of a stack as ASCII PLY: vertices (x, y, z, radius, fibre) and edges."""
     points, edges, fibre = _points(stack), _edges(stack), _fibres(stack)
-    with open(path, "w", encoding="ascii", newline="\n") as file:
-        file.write("ply\nformat ascii 1.0\ncomment lengths in m\n")
-        file.write(f"element vertex {len(points)}\n")
-        file.write("".join(f"property float {name}\n" for name in ("x", "y", "z", "radius")))
-        file.write(
-            f"property int fibre\nelement edge {len(edges)}\nproperty int vertex1\nproperty int vertex2\nend_header\n"
-        )
+    head = "ply\nformat ascii 1.0\ncomment lengths in m\n" + f"element vertex {len(points)}\n"
+    head += "".join(f"property float {name}\n" for name in ("x", "y", "z", "radius"))
+    head += f"property int fibre\nelement edge {len(edges)}\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+    with streaming(path, force=True) as file:
+        file.write(head.encode("ascii"))
         table = np.column_stack([points, stack.passages.radius, fibre])
         np.savetxt(file, table, fmt=["%.9g"] * 4 + ["%d"])
         np.savetxt(file, edges, fmt="%d")
@@ -71,9 +71,15 @@ def write_ply(path: str | Path, stack: Stack) -> None:
 def write_csv(path: str | Path, stack: Stack) -> None:
     """Centre lines of a stack as a table with units in its header."""
     table = np.column_stack([_points(stack), stack.passages.radius, _fibres(stack)])
-    np.savetxt(
-        path, table, fmt=["%.9g"] * 4 + ["%d"], delimiter=",", header="x (m),y (m),z (m),radius (m),fibre", comments=""
-    )
+    with streaming(path, force=True) as file:
+        np.savetxt(
+            file,
+            table,
+            fmt=["%.9g"] * 4 + ["%d"],
+            delimiter=",",
+            header="x (m),y (m),z (m),radius (m),fibre",
+            comments="",
+        )
 
 
 def write_tiff(path: str | Path, solid: BoolArray, voxel: float) -> None:
@@ -83,20 +89,22 @@ def write_tiff(path: str | Path, solid: BoolArray, voxel: float) -> None:
     size = positive("voxel", voxel, "m")
     planes = np.ascontiguousarray(np.transpose(_voxels(solid), (2, 1, 0)))
     per_cm = 0.01 / size
+    file = io.BytesIO()
     tifffile.imwrite(
-        path, (~planes).astype(np.uint8), photometric="minisblack", resolution=(per_cm, per_cm),
+        file, (~planes).astype(np.uint8), photometric="minisblack", resolution=(per_cm, per_cm),
         resolutionunit="CENTIMETER", metadata={"spacing": size * 1e6, "unit": "um", "axes": "ZYX"},
     )  # fmt: skip
+    write_bytes(path, file.getbuffer(), force=True)
 
 
 def write_raw(path: str | Path, solid: BoolArray, voxel: float) -> None:
     """Voxels as bytes, x fastest, 1 in pores, and beside them a JSON file with shape and voxel."""
     box = _voxels(solid)
     target = Path(path)
-    target.write_bytes(np.transpose(~box, (2, 1, 0)).astype(np.uint8).tobytes())
+    write_bytes(target, np.transpose(~box, (2, 1, 0)).astype(np.uint8).tobytes(), force=True)
     about = {"shape": list(box.shape), "order": "x fastest", "type": "uint8", "fibre": 0, "pore": 1,
              "voxel_m": positive("voxel", voxel, "m")}  # fmt: skip
-    target.with_suffix(".json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+    write_text(target.with_suffix(".json"), json.dumps(about, indent=1) + "\n", force=True)
 
 
 def _points(stack: Stack) -> FloatArray:

@@ -148,7 +148,7 @@ def test_coupling_is_reported_with_its_viscosity() -> None:
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (["solution.molar_mass=5 kDa"], "no network"),
+        (["solution.molar_mass=5 kDa"], "no entangled network"),
         (["solution.relaxation_time=1 ms", "effects.relaxation=false"], "relaxation is left out: De"),
         (["ambient.relative_humidity=0.4"], "evaporation is left out: leaving it out errs by about 0.00"),
         (["solution.mass_fraction=0.3", "jet.length=2 mm"], "compact"),

@@ -6,6 +6,7 @@ import zipfile
 from pathlib import Path, PurePosixPath
 
 from spinline.base.errors import InputError
+from spinline.base.files import write_bytes
 from spinline.jetprofile.jetspin import read_jetspin
 from spinline.jetprofile.lagrangian import LagrangianJet
 
@@ -64,7 +65,7 @@ def _unpacked(path: Path, folder: Path) -> Path:
             for entry in entries:
                 if stat.S_ISLNK(entry.external_attr >> 16):
                     raise InputError(str(path), "holds a symbolic link", value=entry.filename, remedy="zip the files")
-                (folder / PurePosixPath(entry.filename).name).write_bytes(archive.read(entry))
+                write_bytes(folder / PurePosixPath(entry.filename).name, archive.read(entry))
     except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, EOFError) as error:
         raise InputError(str(path), f"is a zip that cannot be read ({error})", remedy="zip the run again") from None
     return folder

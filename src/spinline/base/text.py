@@ -11,6 +11,7 @@ from spinline.base.naming import kind_of, reason_of
 
 __all__ = ["LONGEST_TEXT", "decoded", "parsed_toml", "read_text", "read_toml_text"]
 
+_DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 
@@ -141,12 +142,26 @@ def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
     import tomllib
 
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
+        if _depth(data) <= _DEEPEST:
+            return data
+        reason = f"nested deeper than {_DEEPEST} tables"
     except RecursionError:
         reason = "nested too deeply"
     except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
         reason = str(error)
     raise InputError(name, f"is not a TOML {noun} ({reason})", remedy="see `spinline scenes --copy`")
+
+
+def _depth(data: Any) -> int:
+    """How deep tables and arrays are nested, without recursion."""
+    deepest, todo = 0, [(data, 1)]
+    while todo:
+        one, depth = todo.pop()
+        deepest = max(deepest, depth)
+        if isinstance(one, dict | list) and depth <= _DEEPEST:
+            todo += [(inner, depth + 1) for inner in (one.values() if isinstance(one, dict) else one)]
+    return deepest
 
 
 def _note_named(data: Any, folder: Path) -> None:

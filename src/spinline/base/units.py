@@ -67,6 +67,7 @@ QUANTITIES = {
         Quantity("volume", "m^3", "1 pL"),
         Quantity("electric field", "V/m", "0.6 kV/cm", "an"),
         Quantity("potential", "V", "9 kV"),
+        Quantity("current", "A", "200 nA"),
         Quantity("charge density", "C/m^3", "44000 statC/cm3"),
         Quantity("conductivity", "S/m", "0.01 S/m"),
         Quantity("mass fraction", "", "5 wt%"),

@@ -5,7 +5,6 @@ numbers in their names, each with as many frames as it holds. Nothing is loaded 
 """
 
 import re
-import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -95,7 +94,7 @@ class Stack:
                 block = np.concatenate([self.reader.read(i, i + 1) for i in which])
         except InputError:
             raise
-        except (OSError, ValueError, zipfile.BadZipFile, EOFError, RuntimeError, MemoryError) as error:
+        except Exception as error:  # what a library makes of damaged bytes
             reason = _first_line(error)
             raise InputError(
                 self.key, f"frames {start} to {stop} cannot be read ({reason})", value=self.name,
@@ -153,7 +152,7 @@ def open_stack(
         reader = _open(source, key, folder)
     except InputError:
         raise
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, RuntimeError, TypeError, IndexError) as error:
+    except Exception as error:  # what a library makes of damaged bytes
         reason = "damaged" if isinstance(error, IndexError) else _first_line(error)
         raise InputError(key, f"cannot be read ({reason})", value=source) from None
     if reader.dtype.kind not in "uif":

@@ -50,7 +50,7 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     strands = solution.strands_per_chain(rest.segments)
     if strands < 2:
         remarks.append(
-            f"no network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of {rest.segments:.3g} "
+            f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of {rest.segments:.3g} "
             "Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
         )
     jet = context.jet

@@ -59,11 +59,24 @@ def words(result: "xr.Dataset | NamedArrays") -> list[str]:
         sentences.append(f"At the crossover {_state(result, here)}.")
     end = int(np.flatnonzero(known)[-1])
     sentences += _dried(result, end)
-    where = "At the free end" if _slips(result.attrs["model"]) else "At the end"
+    free = _slips(result.attrs["model"]) and result.attrs.get("network_end", "free") == "free"
+    where = "At the free end" if free else "At the end"
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
     sentences += _frozen(result)
+    sentences += _across(result)
     sentences += _fibre(result)
     sentences += _uncertain(result)
+    return sentences
+
+
+def _across(result: "xr.Dataset | NamedArrays") -> list[str]:
+    """What lies beyond the end, and whether there is time to contract."""
+    sentences = []
+    if "far_end_effect" in result:
+        effect = float(result["far_end_effect"])
+        sentences.append(f"What lies beyond the end of the jet changes the network by {effect:.2g} at most.")
+    if result.attrs.get("lateral_contraction"):
+        sentences.append(f"Contraction across the jet: {result.attrs['lateral_contraction']}.")
     return sentences
 
 

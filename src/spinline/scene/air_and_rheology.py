@@ -21,6 +21,7 @@ from spinline.scene.quantities import (
     Section,
     Supercooling,
     Temperature,
+    Time,
     Velocity,
 )
 
@@ -69,6 +70,9 @@ class RheologySection(Section):
     intrinsic_viscosity: IntrinsicViscosity | None = None
     martin_constant: NumberOrZero | None = None
     constitutive: str = "auto"
+    rouse_time: Time | None = None
+    constraint_release: Annotated[float, Field(ge=0, le=1)] = 1.0
+    entanglement_release: Annotated[float, Field(ge=0, le=1000)] = 0.3
     convention: Literal["mass", "yarin2001"] = "mass"
     activity: Literal["flory-huggins", "raoult", "unit"] = "flory-huggins"
     chi: Annotated[float, Field(ge=-5, le=5)] | None = None
@@ -150,3 +154,4 @@ class EffectsSection(Section):
     relaxation: Switch = "auto"
     radial: Switch = "auto"
     heat: Switch = "auto"
+    disentanglement: Switch = False

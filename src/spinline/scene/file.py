@@ -44,6 +44,7 @@ from spinline.scene.quantities import (
     Viscosity,
     VolumeFraction,
 )
+from spinline.scene.spun import SpunJet
 
 __all__ = ["LONGEST", "Scene", "bundled_scenes", "given_file", "json_schema", "load_scene", "scene_from_dict"]
 
@@ -189,7 +190,7 @@ class LagrangianJetFile(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
+    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet, Field(discriminator="profile")
 ]
 JET_SECTIONS: dict[str, type[Section]] = {
     "power-law": PowerLawJet,
@@ -197,6 +198,7 @@ JET_SECTIONS: dict[str, type[Section]] = {
     "table": TableJet,
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
+    "spun": SpunJet,
 }
 
 
@@ -480,6 +482,14 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "accuracy": AccuracySection,
     }
     section = key.rpartition(".")[0]
+    if root is not Scene and section in root.model_fields:  # another sheet: its own sections
+        kinds = [root.model_fields[section].annotation, *get_args(root.model_fields[section].annotation)]
+        return [
+            name
+            for kind in kinds
+            if isinstance(kind, type) and issubclass(kind, BaseModel)
+            for name in kind.model_fields
+        ]
     if section == "jet":
         section = f"jet {data['jet']['profile']}"
     return list(models.get(section, root).model_fields)

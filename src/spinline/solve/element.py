@@ -48,6 +48,8 @@ class Followed:
         Samples at the places of the profile.
     known : ndarray of bool
         Places of the profile where anything is known.
+    entanglements_left : ndarray or float
+        nu at the samples.
     attributes : dict
     remarks : list of str
     """
@@ -60,12 +62,14 @@ class Followed:
     dried: Dried | None
     at: IntArray
     known: BoolArray
+    entanglements_left: FloatArray | float = 1.0
     attributes: dict[str, str] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
     def passage(self, stretch: float) -> float:
         """First place where w passes a value, m; NaN where it never does."""
-        return first_passage(self.along.position, np.log(self.along.stretch), float(np.log(stretch)))
+        level = np.log(self.along.stretch) + 0.5 * np.log(self.entanglements_left)  # the contour has grown as nu^(-1/2)
+        return first_passage(self.along.position, level, float(np.log(stretch)))
 
 
 def follow(
@@ -125,6 +129,7 @@ def follow(
         attributes["constitutive_model"] = relaxed.words
         w = relaxed.stretch if slipping is None else w  # of a network that slips strands have relaxed already
         fields |= relaxed.fields
+        remarks += relaxed.remarks
     along = Along(x, history.time, history.radius, w, history.stretch)
     frozen = None
     if dried is not None:
@@ -147,6 +152,7 @@ def follow(
         dried=dried,
         at=at,
         known=known,
+        entanglements_left=fields.get("entanglements_left", 1.0),
         attributes=attributes,
         remarks=remarks,
     )

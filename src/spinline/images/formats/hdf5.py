@@ -46,6 +46,11 @@ class _Datasets:
                 key, "has datasets of different frames", value=source, allowed=", ".join(map(str, shapes)),
                 remedy="name one of them",
             )  # fmt: skip
+        for dataset in datasets:
+            if getattr(dataset, "external", None):  # raw bytes of any file on this machine
+                raise InputError(
+                    key, "keeps its data in a foreign file", value=source, remedy="store them in the HDF5 file"
+                )
         self.datasets, self.bounds = datasets, np.cumsum([0, *(shape[0] for shape in shapes)])
         self.picked = picked
         self.packing = [_packing(d) for d in datasets]

@@ -1,5 +1,6 @@
 """Arrays of an .npz file by name, each read in order without unpacking the whole."""
 
+import math
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,8 @@ from spinline.base.errors import InputError
 from spinline.images.formats.base import Account, Array, FrameReader, frames_shape
 
 __all__ = ["FORMAT"]
+
+_MOST_PACKED = 1100  # deflate makes no more of a byte
 
 
 class _Member:
@@ -30,6 +33,16 @@ class _Member:
         self.member = f"{wanted}.npy"
         self.account = Account(f"{path.name}:{wanted}")
         shape, fortran, self.dtype = self._rewind()
+        with zipfile.ZipFile(path) as archive:
+            entry = archive.getinfo(self.member)
+        size = math.prod(shape) * self.dtype.itemsize
+        if size > entry.file_size or entry.file_size > _MOST_PACKED * entry.compress_size + 4096:
+            raise InputError(
+                key,
+                f"declares {size} bytes, more than {path.name} can hold",
+                value=wanted,
+                remedy="copy the file again",
+            )
         self.shape = frames_shape(shape, key, path.name)
         self.whole: Array | None = None
         if fortran and len(shape) > 1:

@@ -1,0 +1,326 @@
+"""The whole attack: damaged files, kills at random moments, random scenes. Its numbers stand in ``attack.json``.
+
+    python benchmarks/attack.py damage 2000 | kills 200 | scenes 5000  [--seed S]
+
+Each part writes its own entry of ``benchmarks/attack.json``. Tests run a sample of the same (``tests/test_attack.py``).
+"""
+
+import argparse
+import json
+import os
+import random
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
+os.environ["SPINLINE_QUIET"] = "1"
+
+from file_damage import GOOD, attack, make_victims  # noqa: E402
+from random_scenes import scene  # noqa: E402
+
+LONGEST = 30.0  # s for one scene
+PATIENCE = 5.0
+
+
+def damage(count: int, seed: int) -> dict[str, Any]:
+    """Damaged files of every kind."""
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        victims = make_victims(folder, HERE.parent / "tests" / "data")
+        each = -(-count // len(victims))
+        (folder / "copies").mkdir()
+        found, worst = {}, []
+        for victim in victims:
+            verdicts, bad = attack(victim, folder / "copies", range(seed, seed + each))
+            found[victim.name] = dict(sorted(verdicts.items()))
+            worst += bad
+            print(victim.name, found[victim.name], bad[:2], flush=True)
+    total = Counter({key: sum(v.get(key, 0) for v in found.values()) for key in {k for v in found.values() for k in v}})
+    return {"files": each * len(victims), "verdicts": dict(sorted(total.items())), "by_kind": found, "bad": worst}
+
+
+# --- kills -------------------------------------------------------------------------------------------------------------
+
+
+def main_in(folder: Path, arguments: list[str], delay: float | None) -> tuple[int, float]:
+    """The command line in a child of this process; killed after `delay`. Status (or minus the signal) and seconds."""
+    start = time.monotonic()
+    child = os.fork()
+    if child == 0:
+        os.chdir(folder)
+        for stream in (1, 2):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
+        status = 70
+        try:
+            status = job(arguments)
+        except SystemExit as end:
+            status = int(end.code or 0)
+        finally:
+            os._exit(status)
+    if delay is not None:
+        while time.monotonic() - start < delay:
+            if os.waitpid(child, os.WNOHANG)[0]:
+                return 0, time.monotonic() - start
+            time.sleep(0.0005)
+        os.kill(child, signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    return (-os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)), time.monotonic() - start
+
+
+def job(arguments: list[str]) -> int:
+    """A command, or a chain with its checkpoint."""
+    if arguments[0] != "chain":
+        from spinline.cli.commands import main
+
+        sys.argv = ["spinline", *arguments]
+        main()
+        return 0
+    import numpy as np
+
+    from spinline import network
+    from spinline.base.files import write_bytes
+
+    jet = network.Chain.of_hyperbolic if hasattr(network.Chain, "of_hyperbolic") else None
+    assert jet is None
+    from spinline.jetprofile import PowerLaw
+
+    flow = network.ChainFlow.from_jet(PowerLaw(radius=1e-4, flow_rate=1e-9, k=1.0, beta=0.5), length=1e-3)
+    chain = network.Chain(flow, coupling=1e3, step=0.05, volume_fraction=0.05)
+    result = network.run_chain(chain, 6.0, checkpoint="c.npz", checkpoint_seconds=0.0)
+    write_bytes("done.bin", np.ascontiguousarray(result.state.positions).tobytes(), force=True)
+    return 0
+
+
+def prepared(folder: Path) -> dict[str, list[str]]:
+    """Inputs in a folder, and the commands that use them."""
+    import numpy as np
+
+    from spinline.scene.file import bundled_scenes
+
+    (folder / "sweep.toml").write_text(
+        'scene = "peo5-water"\nchunk = 60\nset = { network.model = "affine" }\n[vary]\njet.k = { uniform = [0.5, 2.0] }\n'
+        '[design]\nkind = "latin-hypercube"\nsamples = 600\n',
+        encoding="utf-8",
+    )
+    rng = np.random.default_rng(1)
+    x = 0.67e-6 * (np.arange(90) - 44.5)
+    inside = 2 * np.sqrt(np.clip(1 - (x / 22e-6) ** 2, 0, None)) * 22e-6
+    beam = 4000.0
+    counts = rng.poisson(beam * np.exp(-530.0 * inside), (4, 24, 90)).astype(np.uint16)
+    np.savez(folder / "frames.npz", counts=counts, flat=rng.poisson(beam, (4, 24, 90)), dark=np.zeros((1, 24, 90)))
+    (folder / "images.toml").write_text(
+        'counts = "frames.npz"\nflat = "frames.npz"\ndark = "frames.npz"\ngain = 1.0\npixel_size = "0.67 um"\n'
+        'energy = "10 keV"\nshells = 1\nframes = "each"\n'
+        '[solution]\npolymer = "PEO"\nsolvent = "water"\nmass_fraction = 0.05\n',
+        encoding="utf-8",
+    )
+    shutil.copyfile(bundled_scenes()["peo5-water"], folder / "scene.toml")
+    return {
+        "run": ["run", "scene.toml", "-o", "out.nc", "--force"],
+        "sweep": ["sweep", "sweep.toml", "-o", "out.zarr", "--workers", "1"],
+        "reduce": ["reduce", "images.toml", "-o", "out.nc", "--no-figure", "--noisy", "--force", "--workers", "1"],
+        "fit": ["fit", "peo5-simulated", "-o", "out.nc", "--no-figure", "--force"],
+    }
+
+
+def content(folder: Path) -> dict[str, Any]:
+    """Everything that is in a folder, results as numbers."""
+    from file_damage import read_netcdf, read_store
+
+    found: dict[str, Any] = {}
+    for path in sorted(folder.iterdir()):
+        if path.suffix == ".nc":
+            found[path.name] = {key: value for key, value in read_netcdf(path).items() if "date" not in key}
+        elif path.suffix == ".zarr":
+            found[path.name] = read_store(path)
+        else:
+            found[path.name] = path.read_bytes() if path.is_file() else "folder"
+    return found
+
+
+def content_by_child(folder: Path) -> dict[str, Any]:
+    """`content`, read in a child: zarr starts threads, and no process with threads should be forked."""
+    import pickle
+
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            data = pickle.dumps(content(folder))
+        except Exception as error:
+            data = pickle.dumps({"unreadable": repr(error)})
+        with os.fdopen(writing, "wb") as out:
+            out.write(data)
+        os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as file:
+        data = file.read()
+    os.waitpid(child, 0)
+    return pickle.loads(data)  # type: ignore[no-any-return]
+
+
+def kills(count: int, seed: int) -> dict[str, Any]:
+    """Kills at random moments, and the same command again."""
+    import h5netcdf  # noqa: F401
+    import xarray  # noqa: F401
+    from file_damage import same
+
+    import spinline.fit.output
+    import spinline.images.reduce
+    import spinline.report.figures
+    import spinline.solve.spine
+    import spinline.study.sweep  # noqa: F401
+
+    rng = random.Random(seed)
+    report: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as scratch:
+        source = Path(scratch) / "source"
+        source.mkdir()
+        commands = prepared(source)
+        for name, arguments in commands.items():
+            whole = Path(scratch) / name
+            shutil.copytree(source, whole)
+            main_in(whole, arguments, None)  # caches
+            shutil.rmtree(whole)
+            shutil.copytree(source, whole)
+            status, seconds = main_in(whole, arguments, None)
+            if status:
+                raise SystemExit(f"{name} ended with {status}")
+            expected = content_by_child(whole)
+            tally: Counter[str] = Counter()
+            bad = []
+            for i in range(-(-count // len(commands))):
+                folder = Path(scratch) / f"{name}-{i}"
+                shutil.copytree(source, folder)
+                delay = rng.uniform(0.0, 1.05 * seconds)
+                killed, _ = main_in(folder, arguments, delay)
+                tally["killed" if killed == -signal.SIGKILL else "ended before"] += 1
+                after = content_by_child(folder) if name == "run" else {}
+                if "unreadable" in after:
+                    bad.append(f"{name} {i} at {delay:.3f} s: {after['unreadable']}")
+                tally["left beside"] += sum(path.name.startswith(".spinline-") for path in folder.iterdir())
+                again, _ = main_in(folder, arguments, None)
+                found = content_by_child(folder)
+                if again:
+                    bad.append(f"{name} {i} at {delay:.3f} s: the second start ended with {again}")
+                elif not same(found, expected):
+                    odd = sorted(set(found) ^ set(expected)) or [
+                        k for k in found if not same(found[k], expected.get(k))
+                    ]
+                    bad.append(f"{name} {i} at {delay:.3f} s: other than undisturbed in {odd}")
+                shutil.rmtree(folder)
+            report[name] = {"seconds": round(seconds, 3), **tally, "bad": bad}
+            print(name, report[name], flush=True)
+    return report
+
+
+# --- scenes ------------------------------------------------------------------------------------------------------------
+
+_RANGES = {
+    "relative_extension": (0.0, 1.0), "radial_contraction": (0.0, 1.0), "orientation": (-0.5, 1.0),
+    "mean_polymer_fraction": (0.0, 1.0), "core_polymer_fraction": (0.0, 1.0), "radius": (0.0, 1e3),
+    "network_radius": (0.0, 1e3), "velocity_ratio": (0.0, 1e300), "stretch_ratio": (0.0, 1e300),
+    "surface_polymer_fraction": (0.0, 1.0), "axis_polymer_fraction": (0.0, 1.0), "volume_fraction": (0.0, 1.0),
+}  # fmt: skip
+
+
+def judged(tables: dict[str, Any]) -> str:
+    """What becomes of a scene, in a word and its reason."""
+    import numpy as np
+
+    from spinline.base.errors import InputError
+    from spinline.scene.file import scene_from_dict
+    from spinline.solve.spine import solved
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            warnings.simplefilter("error", RuntimeWarning)
+            result = solved(scene_from_dict(tables))
+    except InputError as error:
+        return f"refused {error.field}: {error.problem}"
+    except Exception as error:
+        return f"traceback {type(error).__name__} {str(error)[:200]}"
+    said = str(result.attrs["warnings"])
+    for name, variable in result.variables.items():
+        values = np.asarray(variable.values)
+        if values.dtype.kind != "f":
+            continue
+        if np.isinf(values).any():
+            return f"infinite {name}"
+        if np.isnan(values).any() and variable.attrs.get("missing", "not known") == "not known":
+            return f"unexplained {name}"
+        low, high = _RANGES.get(name, (-np.inf, np.inf))
+        beyond = float(np.max(np.nan_to_num(np.fmax(low - values, values - high), nan=0.0), initial=0.0))
+        if beyond > 1e-9 and f"sampled: {name} lies" not in said:
+            return f"beyond {name} {beyond:.3g}"
+    return "solved"
+
+
+def scenes(count: int, seed: int) -> dict[str, Any]:
+    """Random scenes, each in its time."""
+    tally: Counter[str] = Counter()
+    reasons: Counter[str] = Counter()
+    bad, seconds = [], []
+    for i in range(seed, seed + count):
+        start = time.monotonic()
+        signal.signal(signal.SIGALRM, _late)
+        signal.alarm(int(LONGEST))
+        try:
+            verdict = judged(scene(i))
+        except Late:
+            verdict = "late"
+        finally:
+            signal.alarm(0)
+        seconds.append(time.monotonic() - start)
+        if seconds[-1] > PATIENCE:
+            print(f"{i}: {seconds[-1]:.1f} s {verdict} {scene(i)}"[:1500], flush=True)
+        word, _, reason = verdict.partition(" ")
+        tally[word] += 1
+        if word == "refused":
+            reasons[reason.partition(" (")[0][:100]] += 1
+        elif word != "solved":
+            bad.append(f"{i}: {verdict}")
+            print(bad[-1], flush=True)
+    ordered = sorted(seconds)
+    share = sum(s <= PATIENCE for s in seconds) / count
+    return {
+        "seed": seed, "scenes": count, "verdicts": dict(tally), "within_5_s": share, "median_s": round(ordered[count // 2], 4),
+        "longest_s": round(ordered[-1], 2), "commonest_refusals": dict(reasons.most_common(25)), "bad": bad,
+    }  # fmt: skip
+
+
+class Late(BaseException):
+    """A scene took longer than `LONGEST`."""
+
+
+def _late(*_: object) -> None:
+    raise Late
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("part", choices=("damage", "kills", "scenes"))
+    arguments.add_argument("count", type=int)
+    arguments.add_argument("--seed", type=int, default=0)
+    arguments.add_argument("--json", type=Path, default=HERE / "attack.json")
+    asked = arguments.parse_args()
+    found = {"damage": damage, "kills": kills, "scenes": scenes}[asked.part](asked.count, asked.seed)
+    kept = json.loads(asked.json.read_text(encoding="utf-8")) if asked.json.exists() else {}
+    kept[asked.part] = found
+    asked.json.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    print(json.dumps({key: value for key, value in found.items() if key != "bad"}, indent=1)[:3000])
+    if asked.part == "damage" and not set(found["verdicts"]) <= GOOD:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()
