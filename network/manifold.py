@@ -269,7 +269,9 @@ def checked_profile(velocity_ratio: Profile) -> Profile:
         raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
 
     def profile(s: FloatArray) -> FloatArray:
-        v = real("velocity_ratio", velocity_ratio(s), above=0.0, remedy="the jet must move forward everywhere")
+        v = np.asarray(velocity_ratio(s))
+        if v.dtype != np.float64 or not (v.min(initial=1.0) > 0 and v.max(initial=1.0) < np.inf):  # else as it should be
+            v = real("velocity_ratio", v, above=0.0, remedy="the jet must move forward everywhere")
         if v.shape not in ((), s.shape):
             raise InputError("velocity_ratio", "must return one value for each place", value=f"{v.shape} for {s.shape}")
         return np.broadcast_to(v, s.shape)
@@ -334,9 +336,11 @@ class _March:
         """Legendre coefficients of T over a signed step from a, and the error over the tolerance; None if Newton fails."""
         v = self.profile(np.maximum(a + step * self.nodes[1:], 0.0))
         weights = step * self.integral
-        tension = np.full(_STAGES, start)
-        for guess in (tension, self.law.tension(np.minimum(v, 0.999 * self.law.full_stretch))):
-            found = self._newton(guess.copy(), start, v, weights)
+        guesses = [np.full(_STAGES, start), self.law.tension(np.minimum(v, 0.999 * self.law.full_stretch))]
+        if abs(float(guesses[1][0]) - start) < 0.1 * start:  # beyond the layer at the end the network follows the jet
+            guesses.reverse()
+        for guess in guesses:
+            found = self._newton(guess, start, v, weights)
             if found is not None:
                 break
         else:
