@@ -38,6 +38,7 @@ class March:
     def __init__(self, box: Box, begin: float, stations: FloatArray, breaks: FloatArray, rtol: float) -> None:
         self.box, self.begin, self.stations, self.rtol = box, begin, np.unique(stations), rtol
         self.breaks = np.unique(np.concatenate(([0.0], breaks, [begin])))
+        self.cells = max(_CELLS, 6 * self.breaks.size)
         self.keep = np.unique(np.concatenate((self.breaks, self.stations)))
         mesh = self._first_mesh()
         self.guess = Solved(mesh, start_of(box, mesh))
@@ -65,7 +66,7 @@ class March:
         """
         now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
         for _ in range(_ROUNDS):
-            now = self._solved(remeshed(now.nodes, self._curves(now), _CELLS, self.breaks), now, end)
+            now = self._solved(remeshed(now.nodes, self._curves(now), self.cells, self.breaks), now, end)
         now = self._solved(thinned(now.nodes, self.keep), now, end)
         while True:
             finer = self._solved(halved(now.nodes), now, end)
@@ -118,7 +119,7 @@ class March:
         else:
             now = Solved(now.nodes, state)
         for _ in range(2 * _ROUNDS):
-            nodes = remeshed(now.nodes, self._curves(now), 2 * _CELLS, self.breaks)
+            nodes = remeshed(now.nodes, self._curves(now), 2 * self.cells, self.breaks)
             state = self.box.solve(nodes, now.on(nodes), end)
             if state is not None:
                 return Solved(nodes, state)
@@ -143,7 +144,7 @@ class March:
             if now is None or (shares == 1).all():
                 return now
             ahead = np.minimum(shares * ([factor, 1.0] if shares[0] < 1 else [1.0, factor]), 1.0)
-            mesh = remeshed(now.nodes, self._curves(now), _CELLS, self.breaks)
+            mesh = remeshed(now.nodes, self._curves(now), self.cells, self.breaks)
             state = self._trial(ahead).solve(mesh, now.on(mesh), end, plain=True)
             if state is None:
                 factor = factor**0.5

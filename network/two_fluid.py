@@ -47,7 +47,7 @@ from spinline.base.errors import InputError
 from spinline.network import far_end
 from spinline.network._objects import instance
 from spinline.network._two_fluid_box import Box, start_of
-from spinline.network._two_fluid_march import March
+from spinline.network._two_fluid_march import March, Solved
 from spinline.network.far_end import End
 from spinline.network.manifold import checked_profile
 from spinline.network.tension import Tension
@@ -243,7 +243,7 @@ def two_fluid_network(
     pulled = float("nan") if np.isnan(root) else float(chosen.tension(root))
     thin = eps < _THINNEST * begin  # the layer of a free end is passed over
     if held == "take-up" or thin:
-        first, second = (free if np.isnan(pulled) else pulled), free
+        first, second = float(chosen.tension(_LOCKED * chosen.full_stretch)) if np.isnan(pulled) else pulled, free
     else:
         first, second = free, pulled
     main = march.solve(first)
@@ -253,9 +253,8 @@ def two_fluid_network(
     if np.isnan(pulled):  # nothing steady beyond: the jet may pull the network to its contour, everywhere
         effect = chosen.full_stretch / found.stretch(at) - 1
     else:
-        try:
-            other = march.solve(second, main)
-        except InputError:  # the far end is all that could be found to matter: not known how much
+        other = _second(march, main, second, 0.5 * (root if first == pulled else 1.0), chosen)
+        if other is None:  # not known
             return replace(found, far_end_effect=float("inf"), moves_most=far)
         beside = replace(found, nodes=other.nodes, state=other.state)
         effect = np.maximum(
@@ -278,6 +277,16 @@ def _along(field: str, value: float | Profile, *, endless: bool = False, end: fl
         return of_place
     one = np.inf if endless and isinstance(value, float) and value == np.inf else positive(field, value)
     return lambda s: np.full(s.shape, one)
+
+
+def _second(march: March, main: Solved, tension: float, stretch: float, law: Tension) -> Solved | None:
+    """The second march; where the layer of its end is not resolved, from strands half as stretched as those of the first."""
+    for end in (tension, float(law.tension(stretch))):
+        try:
+            return march.solve(end, main)
+        except InputError:
+            continue
+    return None
 
 
 def _reach(box: Box, length: float, eps: float) -> float:

@@ -328,8 +328,8 @@ def vitrification_fraction(
     kelvin = positive("temperature", temperature, "K")
     if not low < kelvin < glass:
         raise InputError(
-            "temperature", f"leaves dry {known.name} no glass, or its solvent one", value=kelvin,
-            allowed=f"({low:g}, {glass:g}) K",
+            "temperature", f"makes dry {known.name} a melt, or its solvent a glass: no fraction between turns to glass",
+            value=kelvin, allowed=f"({low:g}, {glass:g}) K",
         )  # fmt: skip
     mass = (1 - low / kelvin) / (1 - low / glass)
     volume = mass / known.density

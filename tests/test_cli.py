@@ -66,7 +66,7 @@ def test_check(spinline) -> None:
     assert spinline("check", "peo5-water").out.endswith("nothing odd\n")
     odd = spinline("check", "pcl9-dcm")
     assert odd.code == 0
-    assert "odd: k = " in odd.out
+    assert "remark: k = " in odd.out
     assert spinline("check", "peo5-water", "--set", "jet.beta=3").code == 2
 
 

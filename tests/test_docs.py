@@ -11,6 +11,7 @@ import pytest
 
 import spinline
 from spinline.images import bundled_images
+from spinline.recipe.recipe_file import bundled_recipes
 from spinline.scene import bundled_scenes, json_schema
 
 ROOT = Path(__file__).parents[1]
@@ -20,7 +21,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 COMMANDS = {
     "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "sweep", "window", "compare",
-    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image",
+    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image", "fibre",
 }  # fmt: skip
 
 
@@ -58,7 +59,7 @@ def test_scenes_in_the_documents_are_bundled():
         )
     }
     assert {"peo5-water", "pvp-jetspin"} <= named
-    assert named <= set(bundled_scenes()) | set(bundled_images())
+    assert named <= set(bundled_scenes()) | set(bundled_images()) | set(bundled_recipes())
 
 
 def test_commands_in_the_documents_exist():

@@ -138,7 +138,7 @@ def test_vitrification_by_fox() -> None:
     assert 0.7 < phi < 1
     near = rheology.vitrification_fraction("PS", 129.0, 372.999, 944.0)
     assert near == pytest.approx(1.0, abs=1e-4)
-    with pytest.raises(InputError, match="leaves dry PEO no glass"):
+    with pytest.raises(InputError, match="makes dry PEO a melt"):
         rheology.vitrification_fraction("PEO", 136.0, 298.15, 997.0)
     with pytest.raises(InputError, match="glass_transition of mine"):
         rheology.vitrification_fraction(Polymer("mine", 1000.0), 136.0, 298.15, 997.0)
@@ -320,7 +320,7 @@ def test_vitrification_of_a_solution() -> None:
     two = Solution.build("PS", {"DMF": 0.5, "THF": 0.5}, mass_fraction=0.2, temperature=298.15).vitrification_fraction()
     one = Solution.build("PS", "THF", mass_fraction=0.2, temperature=298.15).vitrification_fraction()
     assert min(one, expected) < two < max(one, expected)
-    with pytest.raises(InputError, match="leaves dry PEO no glass"):
+    with pytest.raises(InputError, match="makes dry PEO a melt"):
         Solution.build("PEO", "water", mass_fraction=0.05).vitrification_fraction()
 
 

@@ -148,7 +148,7 @@ def test_coupling_is_reported_with_its_viscosity() -> None:
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (["solution.molar_mass=5 kDa"], "no network"),
+        (["solution.molar_mass=5 kDa"], "no entangled network"),
         (["solution.relaxation_time=1 ms", "effects.relaxation=false"], "relaxation is left out: De"),
         (["ambient.relative_humidity=0.4"], "evaporation is left out: leaving it out errs by about 0.00"),
         (["solution.mass_fraction=0.3", "jet.length=2 mm"], "compact"),
@@ -287,7 +287,7 @@ def test_report_opens_offline_and_answers_first() -> None:
 
 def test_scalars_are_numbers() -> None:
     values = scalars(sl.run(load_scene("peo5-water")))
-    assert len(values) == 20
+    assert len(values) == 21
     assert all(isinstance(value, float) for value in values.values())
 
 

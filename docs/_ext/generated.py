@@ -2,8 +2,10 @@
 
 # ruff: noqa: D102
 
+import json
 import os
 import re
+from pathlib import Path
 
 import click
 import typer.main
@@ -31,6 +33,13 @@ PACKAGES = [
     "spinline.jetprofile.jetspin",
     "spinline.jetprofile.readers",
     "spinline.rheology",
+    "spinline.recipe",
+    "spinline.recipe.predict",
+    "spinline.recipe.believe",
+    "spinline.recipe.model",
+    "spinline.recipe.regime",
+    "spinline.recipe.table",
+    "spinline.recipe.library",
     "spinline.xray",
     "spinline.scene",
     "spinline.solve",
@@ -116,6 +125,24 @@ class SceneKeys(Generated):
                 kind = "section, below"
             rows.append((f"`{key}`", kind, default, "" if default.startswith("`") else _example(field)))
         return self.parse(_table(("key", "what it holds", "default", "example"), rows))
+
+
+class SpindbTable(Generated):
+    """What `benchmarks/spindb.py` found, from its committed result."""
+
+    def run(self):
+        found = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb.json").read_text(encoding="utf-8"))
+        rows = [
+            (f"rung `{name}`", f"{r['factor']:.2f}", f"{100 * r['coverage_68']:.0f} / {100 * r['coverage_95']:.0f} %")
+            for name, r in found["rungs"].items()
+        ]
+        one = found["one measured"]
+        inside = f"{100 * one['coverage_68']:.0f} / {100 * one['coverage_95']:.0f} %"
+        rows.append(("rung `race`, one fibre of the paper measured", f"{one['factor']:.2f}", inside))
+        rows += [
+            (f"{name}, leaving one paper out", f"{f:.2f}", "") for name, f in found["leaving one paper out"].items()
+        ]
+        return self.parse(_table(("prediction", "factor", "68 / 95 % intervals hold"), rows))
 
 
 class CommandHelp(SphinxDirective):
@@ -290,6 +317,7 @@ def check_complete(_app, env):
 def setup(app):
     """Register the directives."""
     app.add_directive("scene-keys", SceneKeys)
+    app.add_directive("spindb-table", SpindbTable)
     app.add_directive("command-help", CommandHelp)
     app.add_directive("result-variables", Variables)
     app.add_directive("reduction-variables", ReductionVariables)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from spinline.images import reduction_dataset as reduction
     from spinline.images.preview import preview_images
     from spinline.images.reduce import reduce_images
+    from spinline.recipe.recipe_file import fibre
     from spinline.report import figures
     from spinline.scene.file import Scene, load_scene
     from spinline.scene.images_file import Images, load_images
@@ -39,6 +40,7 @@ _NAMES = {
     "SpinlineWarning": "base.errors",
     "compare": "study.compare:",
     "exposure": "images.exposure:",
+    "fibre": "recipe.recipe_file",
     "figures": "report.figures:",
     "images": "images:",
     "jetprofile": "jetprofile:",
@@ -72,6 +74,7 @@ __all__ = [
     "__version__",
     "compare",
     "exposure",
+    "fibre",
     "figures",
     "images",
     "jetprofile",

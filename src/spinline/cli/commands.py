@@ -21,11 +21,13 @@ from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
 from spinline.cli.deposit import register as register_deposit
+from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say
+from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
@@ -169,13 +171,24 @@ def crossover(
 def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = None, set_: SetOption = None) -> None:
     """What is wrong or odd with a scene, before anything runs."""
     loaded = load(scene, model, rtol, set_)
+    from spinline.plan.effects.lateral import lateral_words
     from spinline.solve.spine import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
+    if loaded.jet.profile == "spun":  # what it is given is checked; it is not spun for that
+        from spinline.setup.spun import spun_remarks
+
+        for remark in spun_remarks(loaded.jet, solution):
+            say(f"odd: {remark}")
+        say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
+        return
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
-        say(f"odd: {remark}")
+        say(f"remark: {remark}")
+    lateral = lateral_words(loaded, solution, jet)
+    if lateral:
+        say(f"note: {lateral}")
     phi = solution.volume_fraction
     say(
         f"{loaded.name}: can run; phi = {phi:.6g}, r0 = {jet.initial_radius:.6g} m"
@@ -195,10 +208,11 @@ def scenes(
     import tomllib
 
     from spinline.base.files import copy_file, copy_tree, writable
+    from spinline.recipe.recipe_file import bundled_recipes
     from spinline.scene.file import bundled_scenes
     from spinline.scene.images_file import bundled_images
 
-    known = bundled_scenes() | bundled_images()
+    known = bundled_scenes() | bundled_images() | bundled_recipes()
     if copy is None:
         for name, file in known.items():
             say(f"{name:24s}{tomllib.loads(file.read_text(encoding='utf-8'))['title']}")
@@ -304,7 +318,16 @@ def import_jet(
     say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
 
 
-for register in (register_sweep, register_fit, register_simulate, register_images, register_deposit):
+REGISTERED = (
+    register_fibre,
+    register_sweep,
+    register_fit,
+    register_simulate,
+    register_spin,
+    register_images,
+    register_deposit,
+)
+for register in REGISTERED:
     register(app)
 
 

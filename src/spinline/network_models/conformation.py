@@ -134,6 +134,10 @@ class RelaxingStrands(Rung):
     def relax(self, context: "Context", history: History) -> Relaxed:
         """Stretch w along a material element, Weissenberg and Deborah numbers, stress where the viscosity is known."""
         material = context.material
+        if context.effects["disentanglement"]:
+            return _disentangled(context, history)
+        if history.stiffening is not None:
+            material = material.stiffened(history.stiffening)
         model = constitutive_model(context.scene, material, context.rest.full_stretch)
         state = stretch_strands(
             material, model, history.time, history.stretch, history.fraction, history.radius, history.strain_rate
@@ -160,6 +164,54 @@ class RelaxingStrands(Rung):
     def finest(self, context: "Context") -> Setting | None:
         """Many samples."""
         return Setting("", {"points": 6401})
+
+
+def _disentangled(context: "Context", history: History) -> Relaxed:
+    """Rolie-Poly strands between the entanglements that are left."""
+    from spinline.network.disentanglement import disentangle
+    from spinline.rheology.conformation import tensile_force
+
+    material, strands = context.material, context.strands
+    theta = material.relaxation_time(history.fraction)
+    time, stretch, slow = history.time, history.stretch, theta
+    late = time[0] > 0
+    if late:
+        start = float(material.relaxation_time(np.asarray([material.solution.volume_fraction]))[0])
+        time, stretch = np.concatenate(([0.0], time)), np.concatenate(([1.0], stretch))
+        slow = np.concatenate(([start], slow))
+    state = disentangle(
+        time, stretch, slow, strands.rouse_time(slow), segments=context.rest.segments, release=strands.release,
+        entanglement_release=strands.entanglement_release, strain_rate=None if late else history.strain_rate, rtol=1e-8,
+    )  # fmt: skip
+    cut = slice(1, None) if late else slice(None)
+    left = state.entanglements_left[cut]
+    found = {"entanglements_left": left}
+    if history.strain_rate is not None:
+        found |= {
+            "weissenberg_number": theta * history.strain_rate,
+            "deborah_number": float(context.solution.relaxation_time or 0.0) * history.strain_rate,
+        }
+    if material.solution.viscosity is not None or material.laws.law == "martin":
+        modulus = material.viscosity(history.fraction) / theta
+        every = np.concatenate((modulus[:1], modulus)) if late else modulus
+        stress, radial = (part[cut] for part in state.stress(every))
+        found |= {
+            "stress": stress,
+            "radial_stress": radial,
+            "tensile_force": tensile_force(stress, radial, history.radius),
+        }
+    words = (
+        f"Rolie-Poly, Z = {strands.entanglements:.3g}, tau_R = {float(np.ravel(strands.rouse_time(slow))[0]):.3g} s, "
+        f"beta = {strands.release:g}, beta_c = {strands.entanglement_release:g}"
+    )
+    gone = np.flatnonzero(left * strands.entanglements < 1)
+    remarks: tuple[str, ...] = ()
+    if gone.size:
+        at = 1e3 * float(history.position[gone[0]])
+        remarks = (
+            f"the network is lost at {at:.4g} mm: chains of Z = {strands.entanglements:.3g} entanglements have none left",
+        )
+    return Relaxed(state.stretch[cut], found, words, remarks)
 
 
 RUNG = RelaxingStrands()

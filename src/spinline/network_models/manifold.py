@@ -2,12 +2,16 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from spinline.base.errors import InputError
 from spinline.network_models.rung import Setting
 from spinline.network_models.slipping import SlippingRung, force_law_of
 from spinline.network_models.steady import Networks, course_of
 
 if TYPE_CHECKING:
     from spinline.network.manifold import Manifold
+    from spinline.network.two_fluid import TwoFluid
     from spinline.setup.context import Context
 
 __all__ = ["RUNG", "SteadyNetwork"]
@@ -29,7 +33,7 @@ class SteadyNetwork(SlippingRung):
         """Steady network of a scene at its finite coupling; of a bead jet, one a moment."""
         if context.straight:
             return _steady(context)
-        return Networks([_steady(frame) for frame in context.frames])
+        return Networks([_along_beads(frame) for frame in context.frames])
 
     def settings(self, context: "Context", quick: bool) -> list[Setting]:
         """By the scene's force law."""
@@ -58,6 +62,30 @@ def _steady(context: "Context") -> "Manifold":
         stations=course.stations,
         known_to=course.known_to,
         rtol=min(1e-8, 1e-3 * context.scene.accuracy.rtol),
+    )
+
+
+def _along_beads(context: "Context") -> "TwoFluid":
+    """The same network where V has a kink at every element: by the box scheme, with strands that do not relax."""
+    from spinline.network.tension import Tension
+    from spinline.network.two_fluid import two_fluid_network
+
+    n, course = context.scene.network, course_of(context)
+    if n.inertia.value:
+        raise InputError("network.inertia", "is not held along bead jets", value=n.inertia.value, allowed="0",
+                         remedy="leave it out")  # fmt: skip
+    return two_fluid_network(
+        course.profile,
+        course.length,
+        coupling=course.coupling,
+        relaxation_time=np.inf,
+        spring=n.spring.value,
+        law=Tension.of(n.force_law, context.rest.full_stretch),
+        end=n.end,
+        stations=course.stations,
+        breaks=course.breaks,
+        known_to=course.known_to,
+        rtol=min(1e-6, 1e-3 * context.scene.accuracy.rtol),
     )
 
 

@@ -57,11 +57,14 @@ class Relaxed:
         Further variables along the jet, by their names in a result.
     words : str
         The constitutive model.
+    remarks : tuple of str
+        What is odd about them.
     """
 
     stretch: FloatArray
     fields: dict[str, FloatArray]
     words: str
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -166,6 +166,8 @@ def _choice(scene: Scene, errors: dict[str, float], rtol: float) -> Rung:
     slips = MARGIN * elastic > rtol
     relaxes = MARGIN * relaxing > rtol and scene.effects.relaxation is not False
     slipping, relaxed = cheapest(["elastic coupling"]) or simple, cheapest(["relaxation"]) or simple
+    if scene.effects.disentanglement is True:
+        return relaxed
     if (slips or (_names_a_law(scene) and not np.isnan(elastic))) and (relaxes or scene.effects.relaxation is True):
         return cheapest(["elastic coupling", "relaxation"]) or slipping
     if scene.effects.relaxation is True:

@@ -28,8 +28,9 @@ from spinline.setup.material import Material, build_material, diffusion_law, gla
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.rheology.diffusion_laws import DiffusionLaw
+    from spinline.setup.heat import HeatedAir
 
-__all__ = ["Context", "Rest"]
+__all__ = ["Context", "Rest", "Strands"]
 
 _T = TypeVar("_T")
 
@@ -40,6 +41,23 @@ class Rest(NamedTuple):
     size: float
     segments: float
     full_stretch: float
+
+
+class Strands(NamedTuple):
+    """What `disentanglement` takes of the chains: Z, tau_R where it is given, beta and beta_c."""
+
+    entanglements: float
+    rouse: float | None
+    release: float
+    entanglement_release: float
+
+    def rouse_time(self, disengagement_time: Any) -> Any:
+        """tau_R in s for a tau_d."""
+        from spinline.network.disentanglement import rouse_time
+
+        if self.rouse is not None:
+            return np.full(np.shape(disengagement_time), self.rouse)
+        return rouse_time(disengagement_time, max(self.entanglements, 1.0))
 
 
 class Context:
@@ -174,6 +192,21 @@ class Context:
         return Feed(r0, velocity)
 
     @property
+    def strands(self) -> Strands:
+        """Entanglements of the chains.
+
+        Raises
+        ------
+        InputError
+            Where the molar mass, or that between entanglements, is not known.
+        """
+        laws = self.scene.rheology
+        chains = self.solution.entanglement(self.scene.network.solvent_quality)
+        rouse, release, loss = (None, 1.0, 0.3) if laws is None else (
+            laws.rouse_time, laws.constraint_release, laws.entanglement_release)  # fmt: skip
+        return Strands(chains.entanglements, None if rouse is None else rouse.value, release, loss)
+
+    @property
     def air(self) -> Air:
         """Air and solvents.
 
@@ -183,6 +216,22 @@ class Context:
             For what evaporation needs and the scene does not give.
         """
         return self._once(self._shared, "air", lambda: build_air(self.scene, self.solution))
+
+    @property
+    def heated_air(self) -> "HeatedAir":
+        """Air and solvents with their heats.
+
+        Raises
+        ------
+        InputError
+            For what a jet that cools needs and the scene does not give.
+        """
+        return self._once(self._shared, "heated air", self._heated_air)
+
+    def _heated_air(self) -> "HeatedAir":
+        from spinline.setup.heat import build_heated_air
+
+        return build_heated_air(self.scene, self.solution)
 
     @property
     def material(self) -> Material:
@@ -208,6 +257,23 @@ class Context:
     def bead_flow_rate(self) -> float:
         """Flow rate that the motion of a bead jet implies, m3/s; NaN where there is none."""
         return self._bead_ages[1]
+
+    @property
+    def lateral_place(self) -> float:
+        """Where the time to contract is taken along a straight jet, m: the crossover, or the end."""
+        at = float(self.line.position_of(self.rest.full_stretch))
+        return min(at, self.length) if at == at else self.length
+
+    @property
+    def lateral_time(self) -> float:
+        """F there; NaN where alpha_v is not known."""
+        from spinline.network.lateral import lateral_time
+
+        alpha, jet = self.coupling.alpha, self.line
+        if np.isnan(alpha):
+            return float("nan")
+        pace = jet.initial_velocity / jet.initial_radius
+        return float(lateral_time(jet.residence_time(self.lateral_place), alpha, pace, self.scene.network.spring.value))
 
     def grid(self, points: int, share: float = 1.0) -> FloatArray:
         """Places along a straight jet, fine at its start, its kinks among them, over a share of its length."""

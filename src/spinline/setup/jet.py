@@ -16,6 +16,7 @@ from spinline.scene.file import (
     LagrangianJetFile,
     PowerLawJet,
     Scene,
+    SpunJet,
     TableJet,
     add_jet_section,
 )
@@ -112,6 +113,12 @@ def _jetspin(section: JetspinJet, scene: Scene, solution: Solution) -> "Lagrangi
     return _moment(section, LagrangianJet.from_dataset(_jet_dataset(section, _path(section, scene))))
 
 
+def _spun(section: SpunJet, scene: Scene, solution: Solution) -> "LagrangianJet":
+    from spinline.setup.spun import build_spun
+
+    return build_spun(section, scene, solution)
+
+
 def _moment(section: LagrangianJetFile | JetspinJet, beads: "LagrangianJet") -> "LagrangianJet":
     """All moments of a bead jet, or the one that is asked for."""
     if section.time == "all":
@@ -143,4 +150,5 @@ _BUILDERS: dict[type[Section], Builder] = {
     TableJet: _table,
     JetspinJet: _jetspin,
     LagrangianJetFile: _lagrangian,
+    SpunJet: _spun,
 }

@@ -70,6 +70,7 @@ def attributes_of(
         **{f"{key}_reason": why for key, why in effects.why.items()},
         **_solution(context),
         "initial_radius": context.jet.initial_radius,
+        "lateral_contraction": next((effect.words for effect in plan.effects if effect.name == "lateral time"), ""),
         "warnings": "\n".join(remarks),
         "references": (
             "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31)-(40) of the review in the docs"

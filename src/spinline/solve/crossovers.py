@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
+from spinline.jetprofile.power_law import PowerLaw
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
 from spinline.network_models.rung import Network
 from spinline.network_models.steady import Networks
@@ -19,7 +20,19 @@ if TYPE_CHECKING:
     from spinline.jetprofile.many import StraightJets
     from spinline.jetprofile.straight import StraightJet
 
-__all__ = ["Crossover", "crossover", "crossover_scalars", "passage", "passages", "slipping_passages", "targets"]
+__all__ = [
+    "Crossover",
+    "crossover",
+    "crossover_scalars",
+    "odd_places",
+    "passage",
+    "passages",
+    "slipping_passages",
+    "targets",
+]
+
+
+_ASYMPTOTE = 3.0  # onsets from which a power law counts as one
 
 
 @dataclass(frozen=True)
@@ -113,12 +126,45 @@ def slipping_passages(context: Context, network: Network, target: float) -> list
 
 def _slipping_passage(context: Context, network: Network, target: float) -> Crossover:
     nan, jet = float("nan"), context.jet
+    if context.scene.network.force_law != "linear" and target >= context.rest.full_stretch:
+        words = "strands of this force law come to their contour and do not pass it: see crossover_extension"
+        return Crossover(nan, nan, nan, nan, nan, words)
     s = network.first_passage(target)
     if np.isnan(s):
         return Crossover(nan, nan, nan, nan, nan)
     place = min(jet.start + s * jet.initial_radius, jet.end)
     radius = float(jet.radius(place))
     return Crossover(float(jet.velocity_ratio(place)), place, radius, radius / jet.initial_radius, place)
+
+
+def odd_places(context: Context, found: dict[str, list[Crossover]]) -> list[str]:
+    """Crossovers that a profile cannot be asked for: within a radius of the nozzle, before its first sample, at its onset."""
+    if not context.straight:
+        return []
+    jet, remarks = context.line, []
+    r0, first = jet.initial_radius, float(jet.velocity_ratio(jet.start))
+    for name, places in found.items():
+        words, place = name.replace("_", " by "), places[0]
+        if np.isnan(place.position):
+            if first > place.velocity_ratio > 1:
+                remarks.append(
+                    f"{words} lies before the profile: its first sample, at {1e3 * jet.start:.4g} mm, is past it "
+                    f"(V = {first:.4g} against {place.velocity_ratio:.4g})"
+                )
+            continue
+        along = (place.position - jet.start) / r0
+        onset = max(jet.kinks(), default=0.0) if isinstance(jet, PowerLaw) else 0.0
+        if 0 < along < 1:
+            remarks.append(
+                f"{words} is {along:.2g} radii from the nozzle ({1e3 * place.position:.3g} mm): there the jet is a meniscus "
+                "and no profile of it holds"
+            )
+        elif 0 < along < _ASYMPTOTE * onset:
+            remarks.append(
+                f"{words} is {along / onset:.2g} times as far as the onset of the power law ({1e3 * onset * r0:.3g} mm): the "
+                "law is an asymptote and holds farther downstream"
+            )
+    return remarks
 
 
 def crossover_scalars(found: dict[str, list[Crossover]], *, single: bool) -> dict[str, float | FloatArray]:

@@ -4,6 +4,7 @@ Data goes one way. A `Context` holds what a scene needs; `plan` chooses the rung
 names everything as the design does.
 """
 
+import logging
 import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,7 +23,7 @@ from spinline.setup.build import build_solution
 from spinline.setup.context import Context
 from spinline.setup.jet import build_jet
 from spinline.solve.attributes import attributes_of, elsewhere
-from spinline.solve.crossovers import Crossover, crossover
+from spinline.solve.crossovers import Crossover, crossover, odd_places
 from spinline.solve.missing import explain
 from spinline.solve.stages import solve_stages
 
@@ -44,6 +45,8 @@ __all__ = [
     "solved",
     "taken",
 ]
+
+_LOG = logging.getLogger("spinline")
 
 
 def run(scene: Scene) -> "xr.Dataset":
@@ -170,8 +173,12 @@ def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True)
     """
     context, plan = chosen(Context(scene, jet=jet), planned=attributes)
     remarks = remarks_of(context, plan)
+    if plan is not None:
+        _LOG.info("%s: %s", scene.name, plan.reason)
     answer = solve_stages(context, network=_network(context, plan))
+    _LOG.debug("%s: solved by %s, %d remarks", scene.name, context.scene.network.model, len(remarks))
     remarks += answer.remarks
+    remarks += odd_places(context, answer.found)
     for name, places in answer.found.items():
         if len(places) == 1 and np.isnan(places[0].position):
             remarks.append(f"{name.replace('_', ' by ')} is not reached: {elsewhere(places[0])}")

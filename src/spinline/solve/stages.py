@@ -114,7 +114,10 @@ def solve_stages(
     if moments is not None:
         fields |= moments.across(fields["radial_contraction"])
         scalars |= moments.scalars
-    scalars |= rung.scalars(context, network)
+    if not bare:
+        scalars |= rung.scalars(context, network)
+        if context.straight and np.isfinite(context.lateral_time):
+            scalars["lateral_time"] = context.lateral_time
     scalars |= crossover_scalars(found, single=context.jet.time is None)
     forces = fields["strand_force"]
     if np.nanmax(forces, initial=0.0) > BOND_STRENGTH:

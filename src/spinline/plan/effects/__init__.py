@@ -6,10 +6,13 @@ and its key in ``[effects]`` of the scene file.
 
 from spinline.plan.effects import (
     bending,
+    disentanglement,
     elastic_coupling,
     evaporation,
     extensibility,
+    heat,
     inertia,
+    lateral,
     radial,
     relaxation,
     saturation,
@@ -22,10 +25,13 @@ EFFECTS: tuple[Effect, ...] = (
     elastic_coupling.EFFECT,
     inertia.EFFECT,
     relaxation.EFFECT,
+    disentanglement.EFFECT,
     evaporation.EFFECT,
+    heat.EFFECT,
     radial.EFFECT,
     extensibility.EFFECT,
     saturation.EFFECT,
+    lateral.EFFECT,
     bending.EFFECT,
 )
 SWITCHED: tuple[Effect, ...] = tuple(effect for effect in EFFECTS if effect.switch)

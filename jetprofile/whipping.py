@@ -1,0 +1,251 @@
+"""How thin a bending jet becomes: charge against surface tension, stretching against drying, until it is solid or lands.
+
+A bending jet is a thread with the line charge ``lambda = q pi A`` (q = I/Q, A its cross-section over pi as if nothing had
+dried, so that ``A l`` is constant), which its own repulsion lengthens against surface tension and viscosity::
+
+    eta_E d(ln l)/dt = lambda^2 Lg/(4 pi eps0 pi W) - gamma/W^(1/2)        W: cross-section over pi as it is
+                     = q^2 A^2 Lg/(4 eps0 W) - gamma/W^(1/2)               Lg = ln chi - 3/2
+    dW/dt|drying     = -k_ev                                               W = A (s + phi_0), s the solvent left
+
+With s as the clock, ``ds/dt = -k_ev/A``, one equation is left, `thinning`. Its limits:
+
+* no drying: **terminal**, ``A^(3/2) = a^3 = 4 eps0 gamma/(q^2 Lg)`` (`terminal_radius`; Fridrikh et al. 2003, where it is
+  called a diameter; this derivation gives a radius);
+* no surface tension, ``eta_E ~ phi^p``: **race**, ``1/A^2 = 1/A_0^2 + q^2 Lg/(2 eps0 k_ev eta_E0) (1 - phi_0^p)/p``,
+  exactly (`race_radius`); ``a^4 = 2 p eps0 eta_E0 k_ev/(q^2 Lg)`` for a thick start;
+* neither in time: **flight**, the jet lands wet with what it has.
+
+Whatever ends the thinning first decides; the fibre's dry radius is ``(phi_0 A)^(1/2)``. The logarithm, chi = 100 by default,
+is that of the bending's wavelength over the radius. Valid for slender jets past the onset of bending; the straight part
+before it only sets A_0, which a race forgets.
+
+References
+----------
+Fridrikh, Yu, Brenner, Rutledge, Phys. Rev. Lett. 90, 144502 (2003) (the terminal law, in Gaussian units). The race is
+derived here.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spinline.base.checks import FloatArray, positive, real
+from spinline.base.constants import EPS0
+from spinline.base.errors import InputError
+
+__all__ = ["Thinning", "log_term", "race_radius", "terminal_radius", "thinning"]
+
+
+def log_term(chi: float = 100.0) -> float:
+    """``Lg = ln chi - 3/2``: chi is the wavelength of the bending over the jet's radius, > e^1.5."""
+    return float(np.log(real("chi", chi, above=4.4817, below=1e12))) - 1.5
+
+
+def terminal_radius(charge_density: ArrayLike, surface_tension: ArrayLike, chi: float = 100.0) -> FloatArray:
+    """Radius at which a jet's own charge no longer lengthens it.
+
+    Parameters
+    ----------
+    charge_density : array_like
+        q = I/Q, C/m3, > 0.
+    surface_tension : array_like
+        N/m, > 0.
+    chi : float
+        Wavelength over radius.
+
+    Returns
+    -------
+    ndarray
+        a of the undried jet, m; a fibre's dry radius is ``a phi_0^(1/2)``.
+
+    Examples
+    --------
+    >>> round(float(terminal_radius(100.0, 0.03)) * 1e9, 1)
+    3248.1
+    """
+    q = real("charge_density", charge_density, above=0.0, unit="C/m3")
+    gamma = real("surface_tension", surface_tension, above=0.0, unit="N/m")
+    value: FloatArray = np.cbrt(4 * EPS0 * gamma / log_term(chi)) * np.cbrt(1 / q) ** 2
+    return value
+
+
+def race_radius(
+    charge_density: ArrayLike,
+    extensional_viscosity: ArrayLike,
+    evaporation: ArrayLike,
+    volume_fraction: ArrayLike,
+    power: float = 4.67,
+    start: ArrayLike = np.inf,
+    chi: float = 100.0,
+) -> FloatArray:
+    """Radius at which a jet without surface tension has dried while it was stretched, exactly.
+
+    Parameters
+    ----------
+    charge_density : array_like
+        q = I/Q, C/m3, > 0.
+    extensional_viscosity : array_like
+        eta_E at the solution's own fraction, Pa s, > 0; it grows as ``phi^power``.
+    evaporation : array_like
+        k_ev, m2/s, > 0: cross-section over pi that the air takes in a second.
+    volume_fraction : array_like
+        phi_0, in (0, 1).
+    power : float
+        In (0, 20].
+    start : array_like
+        Radius at which bending sets in, m; infinite by default.
+    chi : float
+        Wavelength over radius.
+
+    Returns
+    -------
+    ndarray
+        a of the undried jet, m.
+    """
+    q = real("charge_density", charge_density, above=0.0, unit="C/m3")
+    eta = real("extensional_viscosity", extensional_viscosity, above=0.0, unit="Pa s")
+    k = real("evaporation", evaporation, above=0.0, unit="m2/s")
+    phi = real("volume_fraction", volume_fraction, above=0.0, below=1.0)
+    p = positive("power", power, "1")
+    begin = np.asarray(start, dtype=np.float64)
+    drive = q * q * log_term(chi) / (2 * EPS0 * k * eta) * (-np.expm1(p * np.log(phi)) / p)
+    value: FloatArray = (begin**-4.0 + drive) ** -0.25
+    return value
+
+
+@dataclass(frozen=True, eq=False)
+class Thinning:
+    """How jets ended: arrays of the inputs' broadcast shape.
+
+    Attributes
+    ----------
+    radius : ndarray
+        a of the undried jet, m.
+    volume_fraction : ndarray
+        Polymer where it ended: the solid fraction, or less where it landed wet.
+    time : ndarray
+        From the onset of bending, s.
+    strain_rate : ndarray
+        Rate of stretching where most of the stretch was made (its mean over the logarithm of the length), 1/s.
+    wet : ndarray of bool
+        Landed before it was solid.
+    """
+
+    radius: FloatArray
+    volume_fraction: FloatArray
+    time: FloatArray
+    strain_rate: FloatArray
+    wet: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+
+def thinning(
+    charge_density: ArrayLike,
+    surface_tension: ArrayLike,
+    extensional_viscosity: ArrayLike,
+    evaporation: ArrayLike,
+    volume_fraction: ArrayLike,
+    flight_time: ArrayLike,
+    start: ArrayLike,
+    *,
+    power: ArrayLike = 4.67,
+    solid_fraction: ArrayLike = 1.0,
+    chi: float = 100.0,
+    steps: int = 96,
+) -> Thinning:
+    """Stretching, drying and surface tension together, until the jet is solid or lands.
+
+    Parameters
+    ----------
+    charge_density, surface_tension, extensional_viscosity, evaporation, volume_fraction : array_like
+        As for `race_radius` and `terminal_radius`.
+    flight_time : array_like
+        Time from the onset of bending to the collector, s, > 0.
+    start : array_like
+        Radius at the onset, m, > 0.
+    power : array_like
+        eta_E grows as ``phi^power``.
+    solid_fraction : array_like
+        Fraction at which the jet is solid, in (phi_0, 1].
+    chi : float
+        Wavelength over radius.
+    steps : int
+        Of the march in the solvent left.
+
+    Returns
+    -------
+    Thinning
+
+    Notes
+    -----
+    March of ``x = 1/A^2`` over even steps of ``ln phi``: exact without surface tension, whatever the steps; first order in it
+    (0.1 % of the radius with 96 steps where both matter), some microseconds a jet in arrays of thousands.
+    """
+    given = {
+        "charge_density": (charge_density, "C/m3"),
+        "surface_tension": (surface_tension, "N/m"),
+        "extensional_viscosity": (extensional_viscosity, "Pa s"),
+        "evaporation": (evaporation, "m2/s"),
+        "volume_fraction": (volume_fraction, "1"),
+        "flight_time": (flight_time, "s"),
+        "start": (start, "m"),
+    }
+    arrays = [real(name, value, above=0.0, unit=unit) for name, (value, unit) in given.items()]
+    p = real("power", power, above=0.0, most=20.0)
+    solid = real("solid_fraction", solid_fraction, above=0.0, most=1.0)
+    if steps < 4:
+        raise InputError("steps", "is too few", value=steps, allowed=">= 4")
+    q, gamma, eta, k, phi0, flight, begin, p, solid = np.broadcast_arrays(*arrays, p, solid)
+    if (phi0 >= solid).any():
+        allowed = f"below the solid fraction, {float(solid.min()):g}"
+        raise InputError("volume_fraction", "is that of a solid already", value=float(phi0.max()), allowed=allowed)
+    electric, span = q * q * log_term(chi) / (4 * EPS0), np.log(solid / phi0)
+    x, time, left = begin**-4.0, np.zeros(q.shape), np.ones(q.shape)  # x = 1/A^2; left = s + phi_0
+    strain, weighted, landed = np.zeros(q.shape), np.zeros(q.shape), np.zeros(q.shape, dtype=bool)
+    for low, high in pairwise(_stations(steps)):
+        u0, u1 = np.exp(-span * low), np.exp(-span * high)
+        width = u0 * -np.expm1(-span * (high - low))
+        gained = _gained(x, u0, u1, width, electric, gamma, 2 / (k * eta), p)
+        spent = (
+            2 * width / (k * (np.sqrt(x + gained) + np.sqrt(x)))
+        )  # exact where x is linear over the step, and so is:
+        pace = k * np.maximum(flight - time, 0.0) / (2 * width)
+        part = np.where(landed, 0.0, np.minimum(pace * (2 * np.sqrt(x) + pace * gained), 1.0))
+        longer = 0.5 * np.log1p(part * gained / x)
+        took = np.where(landed, 0.0, np.minimum(spent, flight - time))
+        weighted += np.divide(longer**2, took, out=np.zeros(q.shape), where=took > 0)
+        strain += longer
+        x, time = x + part * gained, time + took
+        left = np.where(landed, left, u0 - part * width)
+        landed = landed | (part < 1.0)
+    rate = np.divide(weighted, strain, out=np.zeros(q.shape), where=strain > 0)
+    return Thinning(x**-0.25, phi0 / left, time, rate, landed)
+
+
+def _stations(steps: int) -> FloatArray:
+    """Where the march stops, 0 to 1: even, and before the first of them by decades, for jets that land at once."""
+    even = np.arange(1, steps + 1) / steps
+    return np.concatenate(([0.0], np.geomspace(1e-18, even[0], steps)[:-1], even))
+
+
+def _gained(
+    x: FloatArray,
+    u0: FloatArray,
+    u1: FloatArray,
+    width: FloatArray,
+    electric: FloatArray,
+    gamma: FloatArray,
+    mobility: FloatArray,
+    p: FloatArray,
+) -> FloatArray:
+    """Growth of ``x = 1/A^2`` over a step: the electric part exact, surface tension implicit, never past terminal."""
+    free = mobility * electric * u0**p * -np.expm1(p * np.log1p(-width / u0)) / p
+    terminal = (electric / (gamma * np.sqrt(0.5 * (u0 + u1)))) ** (4.0 / 3.0)
+    share = np.minimum(free / terminal, 1e12)
+    y = y0 = np.minimum(x / terminal, 1.0)
+    for _ in range(12):  # Newton on y = y0 + share (1 - y^(3/4)): monotone, so kept between y0 and 1
+        root = np.maximum(y, 1e-300) ** 0.75
+        y = np.clip(y - (y - y0 - share * (1 - root)) / (1 + 0.75 * share * root / np.maximum(y, 1e-300)), y0, 1.0)
+    value: FloatArray = np.maximum(y - y0, 0.0) * terminal
+    return np.where(share < 1e-9, free * (1 - y0**0.75), value)

@@ -1,0 +1,123 @@
+"""The command that answers the first question: this recipe, which fibre?"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spinline.base.errors import InputError
+from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.progress import progress_of
+from spinline.cli.speech import say
+
+if TYPE_CHECKING:
+    from spinline.recipe.predict import Fibre
+
+__all__ = ["register"]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the command line."""
+    app.command("fibre", short_help="Which fibre a recipe gives, with its interval.")(fibre)
+
+
+def fibre(
+    recipe: Annotated[
+        str | None, typer.Argument(metavar="RECIPE", help="Recipe file, or the name of a bundled one.")
+    ] = None,
+    table: Annotated[Path | None, typer.Option(help="CSV table of experiments instead, one row each.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Table with the predictions, CSV.")] = None,
+    rung: Annotated[str, typer.Option(help='"race", or "terminal": charge against surface tension alone.')] = "race",
+    json: JsonOption = False,
+    force: ForceOption = False,
+    set_: SetOption = None,
+) -> None:
+    """Diameter, orientation and regime of the fibre that a recipe gives, with intervals and what they are made of."""
+    if (recipe is None) == (table is None):
+        raise InputError(
+            "RECIPE", "is needed, or --table; not both", remedy="`spinline scenes` lists the bundled recipes"
+        )
+    if table is not None:
+        _table(table, out, rung, json, force)
+        return
+    if out is not None:
+        raise InputError("--out", "is of --table", value=str(out), remedy="leave it out, or take --json")
+    assert recipe is not None
+    from spinline.recipe import recipe_file
+
+    sheet = recipe_file.load_recipe(recipe, set_ or [])
+    found = recipe_file.fibre(sheet, rung=rung)
+    if json:
+        import json as json_
+
+        say(json_.dumps(as_json(found), ensure_ascii=False))
+        return
+    say(sheet.title or sheet.name)
+    for line in lines(found):
+        say(f"  {line}")
+
+
+def _table(table: Path, out: Path | None, rung: str, json: bool, force: bool) -> None:
+    from spinline.base.files import note_input, writable, write_text
+    from spinline.recipe.table import predict_table, read_experiments, written
+
+    note_input(table)
+    target = out or table.with_name(f"{table.stem}-fibres.csv")
+    writable(target, force=force)
+    rows = read_experiments(table)
+    with progress_of("experiments") as progress:
+        found = predict_table(rows, rung=rung, progress=progress)
+    write_text(target, written(found), force=force)
+    missed = sum(row["predicted_nm"] == "" for row in found)
+    if json:
+        import json as json_
+
+        say(json_.dumps({"rows": len(found), "not_predicted": missed, "out": str(target)}))
+        return
+    say(
+        f"{len(found)} experiments"
+        + (f", {missed} not predicted (the reason stands in their regime)" if missed else "")
+    )
+    say(f"wrote {target}")
+
+
+def as_json(found: "Fibre") -> dict[str, Any]:
+    """The answer by its fixed names, SI."""
+    from dataclasses import asdict
+
+    plain: dict[str, Any] = {
+        key: (dict(value) if hasattr(value, "items") else value) for key, value in asdict(found).items()
+    }
+    return plain
+
+
+def lines(found: "Fibre") -> list[str]:
+    """The answer in sentences."""
+    from spinline.recipe.model import UNKNOWNS
+    from spinline.recipe.regime import REGIMES
+
+    def nm(size: float) -> str:
+        return f"{1e9 * size:.3g}"
+
+    (low, high), (lower, higher) = found.fibre_diameter_68, found.fibre_diameter_95
+    said = [
+        f"Fibre diameter {nm(found.fibre_diameter)} nm; 68 %: {nm(low)} to {nm(high)}, 95 %: {nm(lower)} to {nm(higher)} nm.",
+        f"Regime: {found.regime} ({REGIMES[found.regime]}), {100 * found.regimes[found.regime]:.0f} %. "
+        f"Decided by {found.decides}.",
+        f"Strands in the solid fibre: {'mostly relaxed, ' if found.orientation < 0.05 else ''}orientation O = "
+        f"{found.orientation:.2g} ({found.orientation_68[0]:.2g} to {found.orientation_68[1]:.2g}), an order of magnitude; "
+        "drawing by a drum is not in it.",
+    ]
+    parts = [f"{UNKNOWNS[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
+    if parts:
+        said.append("The interval is made of: " + ", ".join(parts) + ".")
+    said.append(
+        f"On the way: current {1e9 * found.current:.3g} nA, viscosity {found.viscosity:.2g} Pa s; by the "
+        + ", ".join(f"{name} law alone {nm(size)} nm" for name, size in found.trade.items())
+        + "."
+    )
+    said += [f"Not given, so taken: {key}: {words}." for key, words in found.borrowed.items()]
+    said += [f"Warning: {remark}." for remark in found.remarks]
+    if found.variance_shares:
+        said.append("One measured fibre of this rig ([measured] fibre_diameter) narrows all of it.")
+    return said

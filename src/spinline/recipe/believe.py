@@ -1,0 +1,195 @@
+"""What is believed of a recipe: medians and spreads, from what is given and, where nothing is, from the library."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from spinline.base.errors import InputError
+from spinline.recipe import library
+from spinline.recipe.constants import GLOBAL
+from spinline.recipe.model import Believed
+from spinline.rheology.evaporant import Evaporant
+from spinline.rheology.intrinsic import intrinsic_viscosity
+from spinline.rheology.materials import POLYMERS, polymer
+from spinline.rheology.solvents import (
+    SOLVENTS,
+    mixture_density,
+    mixture_surface_tension,
+    mixture_viscosity,
+    solvent_density,
+)
+from spinline.rheology.thermal import saturation_pressure
+from spinline.rheology.vapour import molar_mass, vapour_diffusivity
+from spinline.rheology.wet_bulb import wet_bulb
+
+__all__ = ["Recipe", "believe", "evaporation_rate"]
+
+_GAS = 8.31446261815324
+_OVERLAPS = 10.0  # c_e [eta], semidilute entangled; 5 to 20
+_ANY_DENSITY = 1250.0  # kg/m3
+_ENTANGLED_SD = 0.6  # of ln c_e at a known molar mass
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A recipe in SI; NaN (or "") where a lab notebook does not say.
+
+    Attributes
+    ----------
+    polymer : str
+        Name in the library.
+    solvent : mapping
+        Mass fractions by name.
+    mass_fraction : float
+        Of polymer in the solution.
+    voltage, gap, flow_rate : float
+        V, m, m3/s.
+    needle_radius : float
+        Inner radius, m.
+    molar_mass, viscosity, conductivity, surface_tension, current : float
+        kg/mol, Pa s, S/m, N/m, A.
+    temperature, relative_humidity : float
+        K, 0 to 1.
+    spread : mapping
+        Standard deviation of the logarithm of what was given with ``+/-``.
+    usual_fraction : float
+        Mass fraction about which this laboratory spins: of several recipes their geometric mean.
+    ratio_known : bool
+        False where only the names of a mixture's solvents are known.
+    """
+
+    polymer: str
+    solvent: Mapping[str, float]
+    voltage: float
+    gap: float
+    flow_rate: float
+    mass_fraction: float = float("nan")
+    needle_radius: float = float("nan")
+    molar_mass: float = float("nan")
+    viscosity: float = float("nan")
+    conductivity: float = float("nan")
+    surface_tension: float = float("nan")
+    current: float = float("nan")
+    temperature: float = float("nan")
+    relative_humidity: float = float("nan")
+    spread: Mapping[str, float] | None = None
+    usual_fraction: float = float("nan")
+    ratio_known: bool = True
+
+
+def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
+    """Medians and spreads of a recipe, and what was borrowed, in words by the recipe's own names."""
+    borrowed: dict[str, str] = {}
+    sd = {"laboratory": GLOBAL["paper_sd"], "repeat": GLOBAL["row_sd"], "extensional_viscosity": 0.6, "evaporation": 0.3,
+          "flight_time": 0.5, "onset_radius": 0.5, "surface_tension": 0.1, "relaxation_time": 1.2}  # fmt: skip
+    kelvin = recipe.temperature if recipe.temperature == recipe.temperature else 296.15
+    wet = recipe.relative_humidity if recipe.relative_humidity == recipe.relative_humidity else 0.45
+    if recipe.relative_humidity != recipe.relative_humidity:
+        borrowed["ambient.relative_humidity"] = "45 %, usual"
+        sd["evaporation"] = float(np.hypot(sd["evaporation"], 0.3 if "water" in recipe.solvent else 0.05))
+    rho, mu = mixture_density(recipe.solvent, kelvin), mixture_viscosity(recipe.solvent, kelvin)
+    if not recipe.ratio_known:
+        borrowed["solution.solvent"] = "equal parts: the ratio is not known"
+        sd["evaporation"] = float(np.hypot(sd["evaporation"], 0.6))
+    coil, w = _entangled(recipe, sd, borrowed)
+    gamma = recipe.surface_tension
+    if gamma != gamma:
+        gamma = mixture_surface_tension(recipe.solvent, min(max(kelvin, 288.15), 308.15))  # -0.1 mN/m a kelvin beyond
+        borrowed["solution.surface_tension"] = f"{1e3 * gamma:.3g} mN/m, of the solvent"
+    conductivity = recipe.conductivity
+    if conductivity == conductivity:
+        sd["conductivity"] = 0.1
+    else:
+        prior = library.conductivity(recipe.solvent)
+        conductivity, sd["conductivity"] = prior.median, prior.sd
+        borrowed["solution.conductivity"] = f"{prior.median:.2g} S/m, within a factor of {np.exp(2 * prior.sd):.2g}"
+    sd["current"] = 0.1 if recipe.current == recipe.current else 0.8
+    if recipe.current == recipe.current:
+        sd["conductivity"] = 0.0
+    else:
+        borrowed["jet.current"] = "predicted, within a factor of 5"
+    sd["viscosity"] = 0.1 if recipe.viscosity == recipe.viscosity else 0.5
+    r0 = recipe.needle_radius
+    if r0 != r0:
+        r0 = 0.2e-3
+        borrowed["jet.radius"] = "0.2 mm, usual"
+    sd |= {key: value for key, value in (recipe.spread or {}).items() if value > 0}
+    solid = polymer(recipe.polymer).density if recipe.polymer in POLYMERS else _ANY_DENSITY
+    phi = (w / solid) / (w / solid + (1 - w) / rho)
+    return (
+        Believed(
+            coil=coil, solvent_viscosity=mu, surface_tension=gamma, conductivity=conductivity,
+            evaporation=evaporation_rate(recipe.solvent, kelvin, wet), flight_time=recipe.gap / GLOBAL["flight_speed"],
+            onset_radius=0.1 * r0, voltage=recipe.voltage, flow_rate=recipe.flow_rate, volume_fraction=phi,
+            solid_fraction=max(GLOBAL["solid_fraction"], 0.5 * (1 + phi)), viscosity=recipe.viscosity,
+            current=recipe.current, sd=sd,
+        ),
+        borrowed,
+    )  # fmt: skip
+
+
+def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -> tuple[float, float]:
+    """c/c_e and the mass fraction: the chain's own c_e, and what people spin at, weighed by what each is worth."""
+    prior = library.molar_mass(recipe.polymer)
+    known = recipe.molar_mass == recipe.molar_mass
+    chain = recipe.molar_mass if known else prior.median
+    log_ce, own = _entanglement(recipe, chain)
+    own = float(np.hypot(own, 0.0 if known else 0.7 * prior.sd))
+    if not known:
+        borrowed["solution.molar_mass"] = f"{prior.median:g} kg/mol, {prior.source}"
+    w = recipe.mass_fraction
+    usual = recipe.usual_fraction if recipe.usual_fraction == recipe.usual_fraction else w
+    if w != w:
+        w = usual if usual == usual else float(min(GLOBAL["spun_at"] * np.exp(log_ce), 0.4))
+        sd["entanglement_concentration"] = float(np.hypot(GLOBAL["spun_at_sd"], 0.3))
+        borrowed["solution.concentration"] = f"{100 * w:.3g} wt%, where such chains are usually spun"
+        return GLOBAL["spun_at"], w
+    # where people spin: ln(usual/c_e) about ln 2.5
+    precision = (own**-2, GLOBAL["spun_at_sd"] ** -2)
+    said = np.log(usual) - np.log(GLOBAL["spun_at"])
+    log_ce = (precision[0] * log_ce + precision[1] * said) / sum(precision)
+    sd["entanglement_concentration"] = float(sum(precision) ** -0.5)
+    return float(w / np.exp(log_ce)), w
+
+
+def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
+    """Ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation."""
+    if recipe.polymer not in POLYMERS:
+        return float(np.log(0.06)), 0.8
+    main = max(recipe.solvent, key=lambda name: recipe.solvent[name])
+    found = intrinsic_viscosity(polymer(recipe.polymer), main, chain)
+    density = mixture_density(recipe.solvent, 296.15)
+    return float(np.log(_OVERLAPS / found.value / density)), float(np.hypot(_ENTANGLED_SD, 0.5 * np.log(found.factor)))
+
+
+def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_humidity: float) -> float:
+    """k_ev, m2/s: cross-section over pi that dries in a second, at the wet bulb; a mixture loses all of its solvents."""
+    volumes = {name: share / solvent_density(name, temperature) for name, share in solvent.items() if share > 0}
+    total = sum(volumes.values())
+    return 1.0 / sum(
+        v / total / _rate(name, round(temperature, 1), round(relative_humidity, 2)) for name, v in volumes.items()
+    )
+
+
+@lru_cache(maxsize=4096)
+def _rate(name: str, kelvin: float, humidity: float) -> float:
+    ambient = min(humidity, 0.97) if name == "water" else 0.0
+    pressure = float(saturation_pressure(name, kelvin))
+    content = pressure * molar_mass(name) / (_GAS * kelvin)
+    free = (
+        vapour_diffusivity(name, kelvin) * GLOBAL["sherwood"] * content * (1 - ambient) / solvent_density(name, kelvin)
+    )
+    cooled = wet_bulb(Evaporant.build(name, kelvin, ambient_pressure=ambient * pressure), kelvin).rate_factor
+    return float(free * cooled)
+
+
+def known_solvents(names: list[str]) -> dict[str, float]:
+    """Equal parts of some solvents."""
+    missing = [name for name in names if name not in SOLVENTS]
+    if missing:
+        raise InputError(
+            "solution.solvent", "is not in the library", value=missing[0], allowed=", ".join(sorted(SOLVENTS))
+        )
+    return dict.fromkeys(names, 1.0 / len(names))

@@ -1,0 +1,212 @@
+"""The recipe file: what a lab notebook holds, in TOML. What is missing gets what is usual; unknown keys are refused."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from spinline.base.errors import InputError
+from spinline.base.units import Measured
+from spinline.recipe.believe import Recipe
+from spinline.recipe.predict import Fibre, Measurement, predict
+from spinline.recipe.table import GAUGES
+from spinline.rheology.materials import POLYMERS
+from spinline.rheology.names import known_as
+from spinline.rheology.solvents import SOLVENTS
+from spinline.scene.file import checked, read_toml
+from spinline.scene.quantities import (
+    Conductivity,
+    FlowRate,
+    Fraction,
+    Label,
+    Length,
+    MassFraction,
+    MolarMass,
+    Read,
+    Section,
+    Sheet,
+    Temperature,
+    Viscosity,
+)
+
+__all__ = ["RecipeSheet", "bundled_recipes", "fibre", "load_recipe"]
+
+Potential = Annotated[Measured, Read("potential", 1.0, 1e6)]
+Tension = Annotated[Measured, Read("surface tension", 1e-4, 1.0)]
+Current = Annotated[Measured, Read("current", 1e-15, 1.0)]
+
+
+class SolutionOfRecipe(Section):
+    """``[solution]`` of a recipe."""
+
+    polymer: str
+    solvent: str | dict[str, float]
+    concentration: MassFraction | None = None
+    molar_mass: MolarMass | None = None
+    viscosity: Viscosity | None = None
+    conductivity: Conductivity | None = None
+    surface_tension: Tension | None = None
+    temperature: Temperature | None = None
+
+
+class JetOfRecipe(Section):
+    """``[jet]`` of a recipe: the needle's settings."""
+
+    voltage: Potential
+    gap: Length
+    flow_rate: FlowRate
+    radius: Length | None = None
+    gauge: Annotated[int, Field(ge=14, le=30)] | None = None
+    current: Current | None = None
+
+
+class AmbientOfRecipe(Section):
+    """``[ambient]`` of a recipe."""
+
+    temperature: Temperature | None = None
+    relative_humidity: Fraction | None = None
+
+
+class CollectorOfRecipe(Section):
+    """``[collector]`` of a recipe; kept for the mat."""
+
+    kind: Literal["plate", "drum", "belt"] = "plate"
+    speed: Annotated[Measured, Read("velocity", 0.0, 1e3, closed=True)] | None = None
+
+
+class MeasuredOfRecipe(Section):
+    """``[measured]``, or ``[[measured]]``: a fibre of the same rig, and the settings that were other ones then."""
+
+    fibre_diameter: Length
+    voltage: Potential | None = None
+    gap: Length | None = None
+    flow_rate: FlowRate | None = None
+    concentration: MassFraction | None = None
+    relative_humidity: Fraction | None = None
+
+
+class RecipeSheet(Sheet):
+    """A whole recipe."""
+
+    title: Label = ""
+    solution: SolutionOfRecipe
+    jet: JetOfRecipe
+    ambient: AmbientOfRecipe = AmbientOfRecipe()
+    collector: CollectorOfRecipe = CollectorOfRecipe()
+    measured: MeasuredOfRecipe | list[MeasuredOfRecipe] | None = None
+
+    def recipe(self) -> Recipe:
+        """In SI, names as the library has them."""
+        s, j, air = self.solution, self.jet, self.ambient
+        radius = _value(j.radius)
+        if j.gauge is not None:
+            if j.radius is not None:
+                raise InputError("jet.gauge", "is given beside jet.radius", value=j.gauge, remedy="leave one out")
+            if j.gauge not in GAUGES:
+                raise InputError("jet.gauge", "is not known", value=j.gauge, allowed=", ".join(map(str, GAUGES)))
+            radius = GAUGES[j.gauge]
+        kelvin = _value(air.temperature)
+        given = {
+            "viscosity": s.viscosity,
+            "conductivity": s.conductivity,
+            "surface_tension": s.surface_tension,
+            "current": j.current,
+        }
+        return Recipe(
+            polymer=_named(s.polymer, POLYMERS, "solution.polymer"), solvent=_solvent(s.solvent),
+            voltage=j.voltage.value, gap=j.gap.value, flow_rate=j.flow_rate.value, mass_fraction=_value(s.concentration),
+            needle_radius=radius, molar_mass=_value(s.molar_mass), viscosity=_value(s.viscosity),
+            conductivity=_value(s.conductivity), surface_tension=_value(s.surface_tension), current=_value(j.current),
+            temperature=kelvin if kelvin == kelvin else _value(s.temperature), relative_humidity=_value(air.relative_humidity),
+            spread={name: m.std / m.value for name, m in given.items() if m is not None and m.std > 0 and m.value > 0},
+        )  # fmt: skip
+
+    def measurements(self) -> list[Measurement]:
+        """What was measured on this rig."""
+        from dataclasses import replace
+
+        recipe = self.recipe()
+        many = self.measured if isinstance(self.measured, list) else [self.measured] if self.measured else []
+        found = []
+        for one in many:
+            names = {"voltage": one.voltage, "gap": one.gap, "flow_rate": one.flow_rate, "mass_fraction": one.concentration,
+                     "relative_humidity": one.relative_humidity}  # fmt: skip
+            changes: dict[str, Any] = {name: value.value for name, value in names.items() if value is not None}
+            size = one.fibre_diameter
+            found.append(Measurement(replace(recipe, **changes), size.value, max(size.std / size.value, 0.02)))
+        return found
+
+
+def _value(measured: Measured | None) -> float:
+    return math.nan if measured is None else measured.value
+
+
+def _named(name: str, table: Any, field: str) -> str:
+    known = known_as(name, table)
+    if known is None:
+        raise InputError(field, "is not in the library", value=name, allowed=", ".join(sorted(table)))
+    return known
+
+
+def _solvent(given: str | dict[str, float]) -> dict[str, float]:
+    shares = {given: 1.0} if isinstance(given, str) else given
+    found: dict[str, float] = {}
+    for name, share in shares.items():
+        if not (math.isfinite(share) and share > 0):
+            raise InputError(f"solution.solvent.{name}", "is not a share", value=share, allowed="> 0, by mass")
+        known = _named(name, SOLVENTS, "solution.solvent")
+        found[known] = found.get(known, 0.0) + float(share)
+    total = sum(found.values())
+    if not found or (abs(total - 1) > 0.02 and abs(total - 100) > 2):
+        raise InputError(
+            "solution.solvent", "has shares that do not add up to 1", value=shares, remedy="mass fractions"
+        )
+    return {name: share / total for name, share in found.items()}
+
+
+def bundled_recipes() -> dict[str, Path]:
+    """Names of the bundled recipes and their files."""
+    from importlib import resources
+
+    folder = Path(str(resources.files("spinline") / "data" / "recipes"))
+    return {file.stem: file for file in sorted(folder.glob("*.toml"))}
+
+
+def load_recipe(source: str | Path, overrides: tuple[str, ...] | list[str] = ()) -> RecipeSheet:
+    """Read a recipe file, or a bundled recipe by its name.
+
+    Raises
+    ------
+    InputError
+        For an unreadable file, TOML that does not parse, or any key or value that cannot be right.
+    """
+    data, text, path = read_toml(source, bundled_recipes(), overrides, noun="recipe")
+    return checked(RecipeSheet, data, text, path.resolve().parent, path.stem)
+
+
+def fibre(recipe: "str | Path | RecipeSheet | Recipe", *, rung: str = "race", shares: bool = True) -> Fibre:
+    """The fibre of a recipe.
+
+    Parameters
+    ----------
+    recipe : path, str, RecipeSheet or Recipe
+        A recipe file, a bundled recipe's name, or a recipe.
+    rung : {"race", "terminal"}
+    shares : bool
+        With variance shares.
+
+    Returns
+    -------
+    Fibre
+
+    Examples
+    --------
+    >>> found = fibre("pan-dmf", shares=False)
+    >>> 1e-7 < found.fibre_diameter < 6e-7
+    True
+    """
+    if isinstance(recipe, Recipe):
+        return predict(recipe, rung=rung, shares=shares)
+    sheet = recipe if isinstance(recipe, RecipeSheet) else load_recipe(recipe)
+    return predict(sheet.recipe(), sheet.measurements(), rung=rung, shares=shares)

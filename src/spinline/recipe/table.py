@@ -1,0 +1,175 @@
+"""Recipes from a table of experiments, one row an experiment, as the published collections have them."""
+
+import csv
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from spinline.base.errors import InputError
+from spinline.base.text import read_text
+from spinline.recipe.believe import Recipe, known_solvents
+from spinline.rheology.materials import POLYMERS
+from spinline.rheology.names import known_as
+from spinline.rheology.solvents import SOLVENTS
+
+__all__ = ["read_experiments", "recipes_of"]
+
+# what the published tables write for what the library has; the last two by their context
+_ALSO = {
+    "DISTILLED_WATER": "water",
+    "DEIONIZED_WATER": "water",
+    "AC": "acetone",
+    "DSM": "DCM",
+    "PDLLA": "PLA",
+    "PLLA": "PLA",
+}
+_NEEDED = ("polymer", "solvent", "voltage_kV", "flow_rate_mL_per_h", "distance_cm")
+# inner radius of a needle by its gauge, m (ISO 9626, regular wall)
+GAUGES = {
+    14: 0.80e-3, 15: 0.69e-3, 16: 0.60e-3, 17: 0.54e-3, 18: 0.42e-3, 19: 0.34e-3, 20: 0.30e-3, 21: 0.26e-3, 22: 0.21e-3,
+    23: 0.17e-3, 24: 0.155e-3, 25: 0.13e-3, 26: 0.13e-3, 27: 0.105e-3, 28: 0.09e-3, 30: 0.08e-3,
+}  # fmt: skip
+
+
+def read_experiments(path: str | Path) -> list[dict[str, str]]:
+    """Rows of a CSV file of experiments, as text by column.
+
+    Raises
+    ------
+    InputError
+        If it is no such table, or a column that every prediction needs is missing.
+    """
+    text, _ = read_text(path)
+    reader = csv.DictReader(text.splitlines())
+    missing = [name for name in _NEEDED if name not in (reader.fieldnames or ())]
+    if missing:
+        raise InputError(
+            str(path), f"has no column {missing[0]}", value=list(reader.fieldnames or ()), allowed=", ".join(_NEEDED),
+            remedy="a CSV table with commas, one row an experiment",
+        )  # fmt: skip
+    return [{key: (value or "").strip() for key, value in row.items() if key is not None} for row in reader]
+
+
+def recipes_of(rows: Sequence[Mapping[str, str]]) -> list[Recipe | str]:
+    """A recipe for each row, or why there is none. Rows of one paper, polymer and solvent are one laboratory's."""
+    found = [_recipe(row) for row in rows]
+    about: dict[tuple[str, ...], list[float]] = {}
+    keys = [tuple(row.get(name, "") for name in ("paper", "polymer", "solvent")) for row in rows]
+    for key, recipe in zip(keys, found, strict=True):
+        if isinstance(recipe, Recipe) and recipe.mass_fraction == recipe.mass_fraction:
+            about.setdefault(key, []).append(math.log(recipe.mass_fraction))
+    means = {key: math.exp(sum(values) / len(values)) for key, values in about.items()}
+    return [
+        recipe if isinstance(recipe, str) else replace(recipe, usual_fraction=means.get(key, math.nan))
+        for key, recipe in zip(keys, found, strict=True)
+    ]
+
+
+def _recipe(row: Mapping[str, str]) -> Recipe | str:
+    try:
+        names = _names(row)
+        number = {key: _number(row, key) for key in row if key.endswith(_UNITS)}
+        lacking = [key for key in _NEEDED[2:] if not number[key] > 0]
+        if lacking:
+            return f"{lacking[0]} is missing or not above zero"
+        percent = number.get("concentration_wt_percent", math.nan)
+        if percent == percent and not 0.05 < percent < 95:
+            return f"concentration_wt_percent = {percent:g} is out of range (0.05, 95)"
+        gauge = number.get("needle_gauge", math.nan)  # below 14 they are mistyped: no needle of 2 mm spins 20 wt%
+        celsius = number.get("temperature_degC", math.nan)
+        wet = number.get("relative_humidity_percent", math.nan)
+        for key, value, low, high in (("temperature_degC", celsius, 0, 70), ("relative_humidity_percent", wet, 0, 100)):
+            if value == value and not low <= value <= high:
+                return f"{key} = {value:g} is out of range [{low}, {high}]"
+        return Recipe(
+            polymer=_polymer(row["polymer"]), solvent=known_solvents(names), ratio_known=len(names) == 1,
+            voltage=1e3 * number["voltage_kV"], gap=1e-2 * number["distance_cm"],
+            flow_rate=number["flow_rate_mL_per_h"] * 1e-6 / 3600, mass_fraction=percent / 100,
+            needle_radius=GAUGES.get(round(gauge), math.nan) if gauge == gauge else math.nan,
+            temperature=celsius + 273.15, relative_humidity=wet / 100,
+        )  # fmt: skip
+    except InputError as error:
+        return str(error)
+
+
+_UNITS = ("_kV", "_mL_per_h", "_cm", "_percent", "_degC", "needle_gauge", "drum_rpm")
+
+
+def _number(row: Mapping[str, str], key: str) -> float:
+    text = row.get(key, "")
+    if not text:
+        return math.nan
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(key, "is not a number", value=text) from None
+    if not math.isfinite(value):
+        raise InputError(key, "is not finite", value=text)
+    return value
+
+
+def _names(row: Mapping[str, str]) -> list[str]:
+    parts = row.get("solvent_parts") or row["solvent"]
+    names = [part.strip() for part in parts.replace("/", ";").replace(":", ";").split(";") if part.strip()]
+    if len(names) == 1 and "-" in names[0] and known_as(names[0], SOLVENTS) is None:
+        names = names[0].split("-")
+    found = []
+    for name in names:
+        known = known_as(_ALSO.get(name.upper(), name), SOLVENTS)
+        if known is None:
+            raise InputError("solvent", "is not in the library", value=name, allowed=", ".join(sorted(SOLVENTS)))
+        found.append(known)
+    if not found:
+        raise InputError("solvent", "is missing", remedy="name it")
+    return list(dict.fromkeys(found))
+
+
+def _polymer(name: str) -> str:
+    """Name in the library; what is not there keeps its name, and gets the widest priors."""
+    return known_as(_ALSO.get(name.upper(), name), POLYMERS) or name
+
+
+def written(rows: Iterable[Mapping[str, Any]]) -> str:
+    """CSV text of rows."""
+    import io
+
+    rows = list(rows)
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, fieldnames=list(rows[0]) if rows else [], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue()
+
+
+def predict_table(
+    rows: Sequence[Mapping[str, str]], *, rung: str = "race", progress: Any = None
+) -> list[dict[str, str | float]]:
+    """Every row with ``predicted_nm, low68_nm, high68_nm, low95_nm, high95_nm, regime, rung`` added.
+
+    A row that cannot be predicted has them empty, and the reason as its regime.
+    """
+    from spinline.recipe.predict import predict
+
+    out: list[dict[str, str | float]] = []
+    recipes = recipes_of(rows)
+    for i, (row, recipe) in enumerate(zip(rows, recipes, strict=True)):
+        answer: dict[str, str | float] = dict.fromkeys(
+            ("predicted_nm", "low68_nm", "high68_nm", "low95_nm", "high95_nm"), ""
+        )
+        if isinstance(recipe, str):
+            answer |= {"regime": f"not predicted: {recipe}", "rung": rung}
+        else:
+            try:
+                found = predict(recipe, rung=rung, shares=False)
+            except InputError as error:
+                answer |= {"regime": f"not predicted: {error}", "rung": rung}
+            else:
+                sizes = (found.fibre_diameter, *found.fibre_diameter_68, *found.fibre_diameter_95)
+                answer = dict(zip(answer, (float(f"{1e9 * size:.5g}") for size in sizes), strict=True))
+                answer |= {"regime": found.regime, "rung": found.rung}
+        out.append({**row, **answer})
+        if progress is not None:
+            progress(i + 1, len(rows))
+    return out
