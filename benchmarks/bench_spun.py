@@ -2,7 +2,8 @@
 
     python benchmarks/bench_spun.py [PART ...] [-o benchmarks/bench_spun.json]
 
-Parts: orders, published, sums, whipping. Each is written to the JSON file by itself; times are processor time, to be read as ratios within one run.
+Parts: orders, published, sums, whipping. Each is written to the JSON file by itself; times are processor time, to be
+read as ratios within one run.
 """
 
 import itertools
@@ -44,10 +45,8 @@ def orders():
         at = np.array([0.1, 0.25, 0.4, 0.6, 0.8, 0.9]) * (1.6e-2)
         found = []
         for g in (4e-4, 2e-4, 1e-4, 5e-5):
-            kind = "hybrid" if charge else "none"
-            s = rotating(
-                pvp(g, charge=charge, repulsion=kind, tolerance=1e-7), 2000.0, load_ramp=2e-3 if charge else 0.0
-            )
+            kind = {"repulsion": "hybrid", "charge": charge} if charge else {"repulsion": "none"}
+            s = rotating(pvp(g, tolerance=1e-7, **kind), 2000.0, load_ramp=2e-3 if charge else 0.0)
             found.append(material(spun(s, 8e-3), at))
         apart = [np.linalg.norm(a - b, axis=1) for a, b in itertools.pairwise(found)]
         out[f"bent jet, {charge:g} statC/cm3" if charge else "bent jet, field but no repulsion"] = {
