@@ -68,6 +68,7 @@ QUANTITIES = {
         Quantity("electric field", "V/m", "0.6 kV/cm", "an"),
         Quantity("potential", "V", "9 kV"),
         Quantity("current", "A", "200 nA"),
+        Quantity("acceleration", "m/s^2", "9.81 m/s2", "an"),
         Quantity("charge density", "C/m^3", "44000 statC/cm3"),
         Quantity("conductivity", "S/m", "0.01 S/m"),
         Quantity("mass fraction", "", "5 wt%"),

@@ -19,6 +19,7 @@ from spinline.base.units import Measured
 from spinline.rheology.constitutive import ConstitutiveLaw
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
 from spinline.scene.mat_sections import CollectorSection, MatSection
+from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
     Concentration,
     Conductivity,
@@ -191,11 +192,13 @@ class LagrangianJetFile(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet, Field(discriminator="profile")
+    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet,
+    Field(discriminator="profile"),
 ]
 JET_SECTIONS: dict[str, type[Section]] = {
     "power-law": PowerLawJet,
     "hyperbolic": HyperbolicJet,
+    "needle": NeedleJet,
     "table": TableJet,
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
