@@ -138,3 +138,50 @@ def test_laws_out_of_range_are_null_in_json(spinline, scene):
     assert ran.code == 0, ran.err
     assert json.loads(ran.out)["permeability"]["kozeny-carman"] is None
     assert "outside the range" in ran.err
+
+
+def test_a_jet_that_laid_its_own_fibre(spinline, tmp_path):
+    """A file with the dimension `deposit`: both ends of each element, in the collector's frame."""
+    n = 50
+    turn = np.linspace(0, 20, n + 1)
+    y, z = 1e-3 * np.cos(turn), 1e-3 * np.sin(turn)
+    flight = np.full(n, 5e-4)
+    volume = np.pi * (1e-6) ** 2 * flight
+    names = {"time": np.arange(1.0, n + 1), "y0": y[:-1], "z0": z[:-1], "y1": y[1:], "z1": z[1:], "radius": np.full(n, 1e-6),
+             "volume": volume, "polymer_volume": 0.2 * volume, "flight_length": flight}  # fmt: skip
+    xr.Dataset({f"deposit_{k}": ("deposit", v) for k, v in names.items()}).to_netcdf(
+        tmp_path / "jet.nc", engine="h5netcdf"
+    )
+    made = spinline("deposit", "jet.nc", "-o", "f.h5", "--json")
+    assert made.code == 0, made.err
+    assert made.json["volume"] == pytest.approx(volume.sum(), rel=1e-12)
+    assert made.json["polymer_volume"] == pytest.approx(0.2 * volume.sum(), rel=1e-12)
+    refused = spinline("deposit", "jet.nc", "-o", "g.h5", "--speed", "1 m/s")
+    assert refused.code == 2
+    assert "collector of its own" in refused.err
+
+
+def test_a_scene_with_a_bead_jet_names_its_collector(spinline, tmp_path):
+    """The bundled JETSPIN scene with [collector] and [mat]: its run's landings on a belt; what is missing is named."""
+    import spinline as sl
+
+    bundled = Path(sl.__file__).parent / "data" / "scenes"
+    shutil.copytree(bundled / "pvp3d", tmp_path / "pvp3d")
+    shutil.copy(Path(__file__).parent / "data" / "jetspin" / "pvp3d" / "bead.dat", tmp_path / "pvp3d")
+    text = (bundled / "pvp-jetspin.toml").read_text(encoding="utf-8")
+    (tmp_path / "bare.toml").write_text(text, encoding="utf-8")
+    bare = spinline("deposit", "bare.toml")
+    assert bare.code == 2
+    assert "collector" in bare.err
+    more = '\n[collector]\nkind = "belt"\ndistance = "16 cm"\nspeed = "2 m/s"\n[mat]\nslope = 0.3\n'
+    (tmp_path / "belt.toml").write_text(text + more, encoding="utf-8")
+    made = spinline("deposit", "belt.toml", "-o", "f.h5", "--json")
+    assert made.code == 0, made.err
+    assert made.json["segments"] > 50
+    from spinline.deposit import FibreFile
+
+    with FibreFile("f.h5") as file:
+        assert file.attributes["collector_kind"] == "belt"
+        assert json.loads(file.attributes["mat"])["slope"] == 0.3
+    analytic = spinline("deposit", "belt.toml", "--set", "jet.profile=hyperbolic")
+    assert analytic.code == 2

@@ -24,6 +24,7 @@ from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
+from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say
@@ -326,6 +327,7 @@ REGISTERED = (
     register_spin,
     register_images,
     register_deposit,
+    register_jet,
 )
 for register in REGISTERED:
     register(app)

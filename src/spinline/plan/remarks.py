@@ -9,6 +9,7 @@ from spinline.plan.choice import Plan, plan_of, resolved
 from spinline.plan.switches import choose_effects
 from spinline.rheology.solution import Solution
 from spinline.scene.file import PowerLawJet, Scene
+from spinline.setup.build import estimate_of
 from spinline.setup.context import Context
 
 if TYPE_CHECKING:
@@ -49,8 +50,13 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     strands = solution.strands_per_chain(rest.segments)
     if strands < 2:
         remarks.append(
-            f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of {rest.segments:.3g} "
-            "Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
+            f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of "
+            f"{rest.segments:.3g} Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
+        )
+    if n.solvent_quality == "good" and n.closure_used == "force":
+        remarks.append(
+            "the Pincus regime of a good solvent is not modelled: between k_B T/xi_0 and k_B T/b strands stretch as the "
+            f"force to the 2/3, and the walk overstates their extension by up to {rest.full_stretch ** (1 / 3):.2g}"
         )
     jet = context.jet
     if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and isinstance(jet, PowerLaw):
@@ -64,6 +70,13 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
         if "slip" in plan.numbers.missing and context.straight:
             remarks.append(f"elastic slip is not estimated: {context.coupling.words}")
         remarks += plan.remarks
+    for key, unit in (("viscosity", "Pa s"), ("relaxation_time", "s")):
+        if getattr(scene.solution, key) == "estimate":
+            about = estimate_of(solution, key)
+            low, high = about.band
+            remarks.append(
+                f"{key.replace('_', ' ')} {about.value:.3g} {unit} (95 %: {low:.2g} to {high:.2g}): {about.words}"
+            )
     if scene.ambient is not None and not effects.evaporation:
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")
     return remarks

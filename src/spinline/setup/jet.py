@@ -16,11 +16,12 @@ from spinline.scene.file import (
     LagrangianJetFile,
     PowerLawJet,
     Scene,
-    SpunJet,
     TableJet,
     add_jet_section,
 )
+from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import Section
+from spinline.scene.spun import SpunJet
 from spinline.setup.values import given
 
 if TYPE_CHECKING:
@@ -93,6 +94,12 @@ def _hyperbolic(section: HyperbolicJet, scene: Scene, solution: Solution) -> "St
     return Hyperbolic(radius=section.radius.value, flow_rate=section.flow_rate.value, p=section.p.value)
 
 
+def _needle(section: NeedleJet, scene: Scene, solution: Solution) -> "StraightJet":
+    from spinline.setup.needle import needle_jet
+
+    return needle_jet(section, scene, solution)
+
+
 def _table(section: TableJet, scene: Scene, solution: Solution) -> "StraightJet":
     from spinline.jetprofile.table import Table
 
@@ -147,6 +154,7 @@ def _jet_dataset(section: JetspinJet, path: Path) -> "xr.Dataset":
 _BUILDERS: dict[type[Section], Builder] = {
     PowerLawJet: _power_law,
     HyperbolicJet: _hyperbolic,
+    NeedleJet: _needle,
     TableJet: _table,
     JetspinJet: _jetspin,
     LagrangianJetFile: _lagrangian,
