@@ -49,8 +49,8 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     strands = solution.strands_per_chain(rest.segments)
     if strands < 2:
         remarks.append(
-            f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of {rest.segments:.3g} "
-            "Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
+            f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of "
+            f"{rest.segments:.3g} Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
         )
     jet = context.jet
     if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and isinstance(jet, PowerLaw):
