@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from spinline.deposit.fibres import FibreFile, FibreWriter
     from spinline.deposit.footprint import Footprint, footprint_of
     from spinline.deposit.frames import BeadFrame, landings_from_frames, landings_from_table
-    from spinline.deposit.landing import LandingRecord, lay
+    from spinline.deposit.landing import LandingRecord, laid_by, lay
     from spinline.deposit.mat import MatOptions, analyse_mat
     from spinline.deposit.measured import MeasuredDiameters, read_diameters
     from spinline.deposit.orientation import hermans, image_orientation, order_of
@@ -89,6 +89,7 @@ _NAMES = {
     "image_orientation": "orientation",
     "landings_from_frames": "frames",
     "landings_from_table": "frames",
+    "laid_by": "landing",
     "lay": "landing",
     "lay_stack": "stack",
     "lognormal": "diameters",
@@ -148,6 +149,7 @@ __all__ = [
     "footprint_of",
     "hermans",
     "image_orientation",
+    "laid_by",
     "landings_from_frames",
     "landings_from_table",
     "lay",

@@ -20,7 +20,7 @@ from spinline.deposit.segments import Segments
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LandingRecord", "lay"]
+__all__ = ["LandingRecord", "laid_by", "lay"]
 
 IntArray = NDArray[np.int64]
 _FLOATS = ("touch_time", "x", "y", "z", "vx", "vy", "vz", "volume", "polymer_fraction", "flight_length", "charge")
@@ -204,6 +204,35 @@ def lay(record: LandingRecord, collector: Collector) -> Segments:
         jet=record.jet[order].astype(np.int32),
         fibre=record.fibre[order].astype(np.int32),
     )
+
+
+def laid_by(dataset: "xr.Dataset") -> Segments:
+    """Fibres of a jet that laid them itself (dimension `deposit`, as the Lagrangian solver keeps them).
+
+    Both ends of each element are there, in its collector's frame.
+
+    Raises
+    ------
+    InputError
+        Where something is missing, or nothing has landed.
+    """
+    needed = ("time", "y0", "z0", "y1", "z1", "radius", "volume", "polymer_volume", "flight_length")
+    missing = [name for name in needed if f"deposit_{name}" not in dataset]
+    if missing:
+        raise InputError(
+            "jet file", f"has no deposit_{', deposit_'.join(missing)}", remedy="run the jet to a collector"
+        )
+    get = {name: np.asarray(dataset[f"deposit_{name}"].values, dtype=np.float64) for name in needed}
+    if not get["time"].size:
+        raise InputError("jet file", "holds no landed element", remedy="run the jet until it reaches its collector")
+    volume = real("deposit_volume", get["volume"], above=0.0, unit="m3")
+    jet = np.asarray(dataset["deposit_jet"].values if "deposit_jet" in dataset else np.zeros(volume.size)).astype(
+        np.int32
+    )
+    return Segments(
+        get["y0"], get["z0"], get["y1"] - get["y0"], get["z1"] - get["z0"], get["time"], get["radius"],
+        np.minimum(get["polymer_volume"] / volume, 1.0), get["flight_length"], jet, jet,
+    )  # fmt: skip
 
 
 def _rows(name: str, value: ArrayLike, n: int) -> FloatArray:

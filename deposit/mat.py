@@ -23,7 +23,7 @@ import numpy as np
 from spinline.base.checks import BoolArray, FloatArray, number, positive
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.deposit.areal_density import DensityMap
-from spinline.deposit.passages import Window
+from spinline.deposit.passages import Window, share_inside
 from spinline.deposit.permeability import LAWS, permeability_of, pressure_drop
 from spinline.deposit.pores import bubble_point, pore_size
 from spinline.deposit.segments import Segments
@@ -215,7 +215,8 @@ def _cut(fibres: "Segments | Source", windows: list[Window], slope: float) -> li
                     & (high_y > w.y - pad) & (low_y < w.y + w.height + pad))  # fmt: skip
             if keep.any():
                 parts[k].append(s.take(keep))
-    return [(w, Segments.join(p)) for w, p in zip(windows, parts, strict=True) if p]
+    joined = [(w, Segments.join(p)) for w, p in zip(windows, parts, strict=True) if p]
+    return [(w, part) for w, part in joined if (share_inside(part, w) > 0).any()]
 
 
 def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: MatOptions) -> "xr.Dataset":

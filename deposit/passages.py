@@ -14,7 +14,7 @@ from spinline.base.errors import InputError
 from spinline.base.kernels import njit
 from spinline.deposit.segments import Segments
 
-__all__ = ["Passages", "Window", "passages"]
+__all__ = ["Passages", "Window", "passages", "share_inside"]
 
 _MOST = 400_000_000  # samples: 16 GB would be needed
 
@@ -103,11 +103,13 @@ def passages(segments: Segments, window: Window, step: float, *, margin: float =
     ds = positive("step", step, "m")
     radius = segments.dry_radius if dry else segments.radius
     if not window.periodic:
-        inside_volume = float(np.sum(np.pi * radius**2 * segments.chord * _share_inside(segments, window)))
+        inside_volume = float(np.sum(np.pi * radius**2 * segments.chord * share_inside(segments, window)))
         reach = float(radius.max(initial=0.0)) + number("margin", margin, least=0.0, unit="m")
         wide = Window(window.width + 2 * reach, window.height + 2 * reach, window.x - reach, window.y - reach)
         segments, keep = _clipped(segments, wide)
         radius = radius[keep]
+        if not inside_volume > 0:
+            segments, radius = segments.take(slice(0, 0)), radius[:0]
     chord = segments.chord
     real_ones = chord > 0
     segments, radius, chord = segments.take(real_ones), radius[real_ones], chord[real_ones]
@@ -172,7 +174,7 @@ def _clipped(s: Segments, window: Window) -> tuple[Segments, BoolArray]:
     ), keep  # fmt: skip
 
 
-def _share_inside(s: Segments, window: Window) -> FloatArray:
+def share_inside(s: Segments, window: Window) -> FloatArray:
     """Part of each chord that is inside the window."""
     enter, leave = _inside(s, window)
     return np.maximum(leave - enter, 0.0)

@@ -9,6 +9,7 @@ name               what it is, and when to take it
 `LagrangianJet`    beads of any simulator, bent or not
 `bead_flow_rate`   flow rate of a bead jet from its own motion; `element_age` with it
 `read_jetspin`     the output of a JETSPIN run
+`spun`             jets of our own, bead by bead, flow rate and current given
 `fit_power_law`    k and beta of a measured profile, and where a power law holds
 `estimate_k`       k of a viscous jet from the process conditions, for beta = 1
 `ehd`              the electrified jet from a needle's voltage, gap, conductivity (`StraightEhdJet`)
@@ -23,7 +24,7 @@ if __name__ != "spinline.jetprofile":
     raise ImportError("import spinline.jetprofile, not jetprofile")
 
 if TYPE_CHECKING:
-    from spinline.jetprofile import ehd
+    from spinline.jetprofile import ehd, spun
     from spinline.jetprofile.bead_age import bead_flow_rate, element_age
     from spinline.jetprofile.ehd import NeedleSettings, NoSteadyJet, StraightEhdJet
     from spinline.jetprofile.fit import PowerLawFit, fit_power_law
@@ -55,6 +56,7 @@ _NAMES = {
     "fit_power_law": "fit",
     "iter_jetspin": "jetspin",
     "read_jetspin": "jetspin",
+    "spun": "spun:",
     "write_jet": "jetspin",
 }
 
@@ -76,6 +78,7 @@ __all__ = [
     "fit_power_law",
     "iter_jetspin",
     "read_jetspin",
+    "spun",
     "write_jet",
 ]
 

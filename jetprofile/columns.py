@@ -111,4 +111,5 @@ def _scaled(values: FloatArray, kind: str, unit: str, field: str) -> FloatArray:
 
 
 def _unit_example(kind: str) -> str:
-    return {"length": "mm", "velocity": "m/s", "time": "s", "volume": "m3", "number": "", "pressure": "Pa"}[kind]
+    units = {"length": "mm", "velocity": "m/s", "time": "s", "volume": "m3", "number": "", "pressure": "Pa"}
+    return (units | {"electric field": "kV/m"})[kind]

@@ -90,6 +90,18 @@ class StraightJet(ABC):
         """Further variables along the jet, by their names in a result; none."""
         return {}
 
+    def numbers(self) -> dict[str, float]:
+        """Scalars of a result that only this jet has, by name; none."""
+        return {}
+
+    def words(self) -> dict[str, str]:
+        """Attributes of a result that only this jet has; none."""
+        return {}
+
+    def remarks(self) -> list[str]:
+        """What is odd about this jet, in sentences; nothing."""
+        return []
+
     def kinks(self) -> tuple[float, ...]:
         """Places where the profile is not smooth, in initial radii from `start`."""
         return ()

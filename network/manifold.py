@@ -251,7 +251,8 @@ def steady_network(
         return marched(free)
     root = far_end.root_of(profile, begin, eps, chosen, inertia=mass)
     pulled = float("nan") if np.isnan(root) else float(chosen.tension(root))
-    first, second = (free, pulled) if held != "take-up" or np.isnan(pulled) else (pulled, free)
+    taken = float(chosen.tension(_LOCKED * chosen.full_stretch)) if np.isnan(pulled) else pulled  # as far as strands go
+    first, second = (free, pulled) if held != "take-up" else (taken, free)
     main = marched(first)
     here = main.stretch(at)
     # nothing steady beyond: the jet may pull the network to its contour, everywhere

@@ -243,7 +243,7 @@ def two_fluid_network(
     pulled = float("nan") if np.isnan(root) else float(chosen.tension(root))
     thin = eps < _THINNEST * begin  # the layer of a free end is passed over
     if held == "take-up" or thin:
-        first, second = (free if np.isnan(pulled) else pulled), free
+        first, second = float(chosen.tension(_LOCKED * chosen.full_stretch)) if np.isnan(pulled) else pulled, free
     else:
         first, second = free, pulled
     main = march.solve(first)

@@ -72,13 +72,19 @@ class Crystals:
         InputError
             Where chi is so large that the solvent would raise the melting point beyond all bounds.
         """
+        inverse = self.inverse_melting_point(volume_fraction, solvent_volume, chi)
+        return 1 / real("1/T_m", inverse, above=0.0, unit="1/K", remedy="check chi and the heat of fusion")
+
+    def inverse_melting_point(
+        self, volume_fraction: ArrayLike, solvent_volume: ArrayLike, chi: ArrayLike
+    ) -> FloatArray:
+        """``1/T_m`` in 1/K: 0 or less where the solvent is so poor that crystals melt at no temperature."""
         phi = real("volume_fraction", volume_fraction, least=0.0, most=1.0)
         v, x = real("solvent_volume", solvent_volume, above=0.0, unit="m3/mol"), real("chi", chi, least=-5.0, most=5.0)
         solvent = 1 - phi
-        inverse = 1 / self.melting_temperature + _GAS * self.unit_volume / (self.melting_enthalpy * v) * solvent * (
-            1 - x * solvent
-        )
-        return 1 / real("1/T_m", inverse, above=0.0, unit="1/K", remedy="check chi and the heat of fusion")
+        slope = _GAS * self.unit_volume / (self.melting_enthalpy * v)
+        value: FloatArray = 1 / self.melting_temperature + slope * solvent * (1 - x * solvent)
+        return value
 
     def crystallisation_fraction(self, temperature: float, solvent_volume: float, chi: float) -> float:
         """Least polymer fraction whose crystals do not melt at a temperature: NaN where even the dry polymer's do.

@@ -35,6 +35,7 @@ _UPTAKE: Mapping[str, tuple[float, str]] = {
     "PS": (0.0005, "uptake of 0.05 %, Polymer Data Handbook (1999)"),
     "PET": (0.008, "uptake of 0.8 %, Polymer Data Handbook (1999)"),
     "PLA": (0.010, "uptake of about 1 %, within a half"),
+    "PCL": (0.004, "uptake of about 0.4 %, within a factor of 2"),
     "PVDF": (0.0004, "uptake of 0.04 %, data sheets"),
 }
 # water with a solvent, by water's volume: Altena and Smolders' g(u) at u = 1/2

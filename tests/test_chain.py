@@ -471,3 +471,29 @@ def test_a_jet_that_stretches_by_twelve_decades_fits_a_table():
     np.testing.assert_allclose(flow.velocity_ratio(s), 1e12 ** (s / 9), rtol=1e-7)
     exact = -np.expm1(-np.log(1e12) * s / 9) * 9 / np.log(1e12)
     np.testing.assert_allclose(flow.residence_time(s), exact, rtol=1e-9, atol=1e-15)
+
+
+# --- stick and slip
+
+
+def test_a_period_between_entries():
+    """Linear springs: the average is the snapshot; a front of locking: the range is reported, and no snapshot is outside it."""
+    flow = net.Flow.from_jet(JET, 16.0)
+    s = np.linspace(2.0, 14.0, 80)
+    loose = net.Chain(flow=flow, spacing=0.02, coupling=100)
+    settled = net.run_chain(loose, 8.0, rtol=1e-5)
+    cycle = net.chain.chain_cycle(loose, settled.state, s, rtol=1e-5)
+    assert cycle.swing < 1e-4
+    np.testing.assert_allclose(cycle.mean, settled.stretch_at(s), rtol=1e-4)
+    stiff = net.Chain(flow=flow, spacing=0.2, coupling=1e5, law="langevin", contour=6.0)
+    state = net.run_chain(stiff, 12.0, rtol=1e-3).state
+    cycle = net.chain.chain_cycle(stiff, state, s, moments=8, rtol=1e-3)
+    assert len(cycle.profiles) == 8
+    assert (cycle.low <= cycle.mean * (1 + 1e-12)).all()
+    assert (cycle.mean <= cycle.high * (1 + 1e-12)).all()
+    assert cycle.swing >= 0
+    with pytest.raises(InputError, match="moments"):
+        net.chain.chain_cycle(loose, settled.state, s, moments=1)
+    fixed = net.Chain(flow=flow, spacing=0.1, coupling=10.0, entry=False)
+    with pytest.raises(InputError, match="no entries"):
+        net.chain.chain_cycle(fixed, net.start_from(fixed, np.linspace(8, 1, 36)), s)

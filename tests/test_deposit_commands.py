@@ -138,3 +138,24 @@ def test_laws_out_of_range_are_null_in_json(spinline, scene):
     assert ran.code == 0, ran.err
     assert json.loads(ran.out)["permeability"]["kozeny-carman"] is None
     assert "outside the range" in ran.err
+
+
+def test_a_jet_that_laid_its_own_fibre(spinline, tmp_path):
+    """A file with the dimension `deposit`: both ends of each element, in the collector's frame."""
+    n = 50
+    turn = np.linspace(0, 20, n + 1)
+    y, z = 1e-3 * np.cos(turn), 1e-3 * np.sin(turn)
+    flight = np.full(n, 5e-4)
+    volume = np.pi * (1e-6) ** 2 * flight
+    names = {"time": np.arange(1.0, n + 1), "y0": y[:-1], "z0": z[:-1], "y1": y[1:], "z1": z[1:], "radius": np.full(n, 1e-6),
+             "volume": volume, "polymer_volume": 0.2 * volume, "flight_length": flight}  # fmt: skip
+    xr.Dataset({f"deposit_{k}": ("deposit", v) for k, v in names.items()}).to_netcdf(
+        tmp_path / "jet.nc", engine="h5netcdf"
+    )
+    made = spinline("deposit", "jet.nc", "-o", "f.h5", "--json")
+    assert made.code == 0, made.err
+    assert made.json["volume"] == pytest.approx(volume.sum(), rel=1e-12)
+    assert made.json["polymer_volume"] == pytest.approx(0.2 * volume.sum(), rel=1e-12)
+    refused = spinline("deposit", "jet.nc", "-o", "g.h5", "--speed", "1 m/s")
+    assert refused.code == 2
+    assert "collector of its own" in refused.err

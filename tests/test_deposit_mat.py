@@ -154,8 +154,11 @@ def test_open_window_cuts_what_crosses_it():
     assert bare.mean_thickness < inner.mean_thickness  # fibres also hang from what lies outside
     inside = dep.density_map(s, np.array([70.0, 130.0]), np.array([70.0, 130.0])).content[0, 0]
     assert inner.passages.fibre_volume == pytest.approx(inside, rel=1e-12)
-    with pytest.raises(InputError, match="no fibre"):
-        dep.lay_stack(s, dep.Window(10, 10, 5000, 5000))
+    for place in (5000, 150):  # far away; beside the only fibre, within the margin
+        with pytest.raises(InputError, match="no fibre"):
+            dep.lay_stack(
+                dep.Segments.from_paths([[[100.0, 100.0], [140.0, 100.0]]], 1.0), dep.Window(10, 10, place, 90)
+            )
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 COMMANDS = {
     "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "sweep", "window", "compare",
-    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image", "fibre",
+    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image", "fibre", "deposit", "mat",
 }  # fmt: skip
 
 

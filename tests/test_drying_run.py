@@ -17,6 +17,8 @@ from spinline.setup.build import build_jet, build_solution
 from spinline.solve.results import VARIABLES
 from spinline.study.difference import difference, largest
 
+# one temperature, a theta solvent, no crystals: heat, library interactions and solids are in test_heat_run.py
+ISOTHERMAL = ("effects.heat=false", "rheology.chi=0.5", "rheology.crystallisation=none")
 HUMID = "ambient.relative_humidity=0.4"
 WET = (HUMID, "effects.evaporation=true")
 LONG = "jet.length=10 mm"
@@ -30,7 +32,7 @@ def quiet(name: str, *overrides: str) -> xr.Dataset:
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", SpinlineWarning)
         warnings.filterwarnings("ignore", module="chemicals")
-        return sl.run(sl.load_scene(name, overrides))
+        return sl.run(sl.load_scene(name, (*ISOTHERMAL, *overrides)))
 
 
 # --- evaporation -----------------------------------------------------------------------------------------------------
@@ -530,10 +532,10 @@ def test_check_finds_what_is_missing_before_it_runs(spinline) -> None:
 
 
 def test_numbers_that_decide() -> None:
-    scene = sl.load_scene("peo5-water", ["solution.relaxation_time=10 ms", HUMID, "rheology.diffusivity=1e-9 m2/s"])
+    scene = sl.load_scene("peo5-water", [*ISOTHERMAL, "solution.relaxation_time=10 ms", HUMID, "rheology.diffusivity=1e-9 m2/s"])
     solution = build_solution(scene)
     numbers = effect_numbers(scene, solution, build_jet(scene, solution))
-    assert numbers.missing == {}
+    assert numbers.missing == {"heat": "set so"}
     result = quiet("peo5-water", *ACROSS, "rheology.diffusivity=1e-9 m2/s", "solution.relaxation_time=10 ms")
     assert numbers.evaporated_fraction == pytest.approx(float(result["evaporated_fraction"][-1]), rel=0.01)
     assert numbers.drying_peclet == pytest.approx(float(result["drying_peclet"].max()), rel=0.01)
@@ -551,7 +553,7 @@ def test_numbers_that_decide() -> None:
     assert 1e-12 < numbers.inertia < 1e-7
     bare = sl.load_scene("peo5-water")
     less = effect_numbers(bare, build_solution(bare), build_jet(bare, build_solution(bare)))
-    assert set(less.missing) == {"relaxation", "evaporation", "radial"}
+    assert set(less.missing) == {"relaxation", "evaporation", "radial", "heat"}
     assert np.isnan(less.deborah)
     assert less.errors["slip"] == pytest.approx(quiet("peo5-water").attrs["coupling_error"])
 

@@ -1,5 +1,6 @@
 """Inference: exact cases, what is open, what is refused, and whether the intervals cover."""
 
+import dataclasses
 import importlib.util
 import json
 import sys
@@ -232,6 +233,34 @@ def test_intervals_cover_relaxing_and_drying_jets(design):
     z = np.array([row["z"] for row in rows])
     assert (np.abs(z) < 4.5).all()
     assert (z**2).sum() < stats.chi2.ppf(1 - 1e-5, z.size)
+
+
+@pytest.mark.parametrize("design", ["stretch", "fene-p", "manifold"])
+def test_a_fit_by_any_rung_recovers_its_own_parameters(design):
+    """The first of the campaign's experiments; and data without noise give the truth back."""
+    module = coverage_module()
+    row = module.experiment(design, 0)
+    assert (np.abs(row["z"]) < 4.5).all()
+    asked = module.problem(design)
+    truth = {name: prior.value for name, prior in asked.free.items()}
+    shown = asked.model.measured(asked.data, truth)
+    clean = dataclasses.replace(
+        asked, data=tuple(dataclasses.replace(part, value=y) for part, y in zip(asked.data, shown, strict=True))
+    )
+    found = quiet(clean)
+    assert found.problem.model.model == {"stretch": "affine", "fene-p": "conformation", "manifold": "manifold"}[design]
+    for name, value in truth.items():
+        assert found.values[name] == pytest.approx(value, rel=2e-5, abs=1e-9), name
+
+
+def test_the_campaign_of_the_rungs_covers_what_it_says():
+    """Counts within what a binomial allows once in 1e4; benchmarks/coverage_fit.py makes the experiments again."""
+    for one in json.loads((ROOT / "benchmarks" / "coverage_rungs.json").read_text(encoding="utf-8")):
+        n = one["experiments"]
+        for name, found in one["parameters"].items():
+            for key, level in (("coverage68", 0.68), ("coverage95", 0.95)):
+                law = stats.binom(n, level)
+                assert law.ppf(1e-4) <= round(n * found[key]), (one["design"], name, key)
 
 
 def test_the_campaign_met_its_target():

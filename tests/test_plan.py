@@ -140,7 +140,7 @@ def test_a_change_of_rung_is_in_the_result():
     names = [effect["name"] for effect in plan["effects_used"] + plan["effects_left_out"]]
     assert sorted(names) == sorted(
         ["elastic coupling", "inertia", "relaxation", "evaporation", "radial gradients", "finite extensibility",
-         "saturation", "lateral time", "disentanglement", "bending"]
+         "saturation", "lateral time", "disentanglement", "bending", "evaporative cooling"]
     )  # fmt: skip
     scene, solution, jet = parts(name="pcl9-dcm")
     assert resolved(scene, plan_scene(scene, solution, jet)).network.model == "manifold"

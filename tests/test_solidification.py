@@ -88,6 +88,10 @@ def test_peo_crystallises_from_water_where_flory_says() -> None:
         - 1 / mpmath.mpf(298.15), 0.23,
     )  # fmt: skip
     assert phi == pytest.approx(float(1 - exact), rel=1e-12)
+    # a solvent so poor that crystals melt in it at no temperature
+    assert float(peo.inverse_melting_point(0.05, 18.07e-6, 5.0)) < 0
+    with pytest.raises(InputError, match="1/T_m"):
+        peo.melting_point(0.05, 18.07e-6, 5.0)
     # PVA dissolves in hot water alone: cold, its solutions are undercooled at every fraction
     assert crystals("PVA").crystallisation_fraction(298.15, 18.07e-6, 0.49) == 0.0
 

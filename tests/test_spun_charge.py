@@ -50,7 +50,7 @@ def _kernel_forces(s, n, y):
     p, k = parameters(s)
     w, f = np.zeros((c.WORK, n + 4)), np.zeros((n + 4, 3))
     assert geometry(n, y, p, k, w)
-    _forces(1.0, n, y, p, k, tables_of(s), w, f)
+    _forces(1.0, n, np.zeros(n + 4, dtype=np.int64), y, p, k, tables_of(s), w, f)
     return f[: n + 1]
 
 

@@ -41,6 +41,8 @@ PACKAGES = [
     "spinline.recipe.table",
     "spinline.recipe.library",
     "spinline.xray",
+    "spinline.deposit",
+    "spinline.jetprofile.blown",
     "spinline.scene",
     "spinline.solve",
     "spinline.solve.results",

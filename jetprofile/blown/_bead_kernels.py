@@ -173,9 +173,9 @@ def elastic_step(n: int, q: FloatArray, e: FloatArray, landed: int, p: FloatArra
         wave = math.sqrt(g * (e[j, 1] + 2 * e[j, 2]) / p[0])
         a = math.sqrt(e[j, 0] / (math.pi * length))
         drag = 3 * p[5] * 200.0 / (p[0] * math.pi * a)  # of the air across, at a slip of 200 m/s
-        least = min(
-            least, 1 / ((wave + 1e-12) / length + abs(rate) + 6 * p[3] / (p[0] * length**2) + 0.3 * drag + 1e-30)
-        )
+        dry = 30 * p[12] * (400 * a / p[6]) ** (1 / 3) * length / e[j, 0]
+        rates_ = (wave + 1e-12) / length + abs(rate) + 6 * p[3] / (p[0] * length**2) + 0.3 * drag + dry
+        least = min(least, 1 / (rates_ + 1e-30))
     return least
 
 
@@ -214,6 +214,7 @@ def advance(
         if filled >= rows.shape[0] - 2:
             return n, t, landed, filled, 0
         dt = min(start[8] * elastic_step(n, q, e, landed, p), end - t)
+        dt = min(dt, 0.25 * start[6] / p[11])  # the start feeds no more than a quarter of an element
         if dt < 1e-15 * max(end, 1e-3):
             dt = end - t
         rates(n, t, q, e, dq, de, flight, landed, p, air, gust, inlet, counts)

@@ -312,6 +312,9 @@ def _drive(
             if full or n < 2:
                 raise InputError("mesh", f"asks for more than {_ROOM} beads at {t:.4g} s", value=run.element,
                                  remedy="take longer elements, a nearer collector or a shorter time")  # fmt: skip
+            if float(np.linalg.norm(q[n - 1, :3] - q[n - 2, :3])) > 2 * place[7]:
+                raise InputError("mesh", f"is too coarse for the stretching at the start, at {t:.4g} s", value=run.element,
+                                 remedy="take shorter elements, or begin farther down")  # fmt: skip
             if not np.isfinite(q[:n]).all():
                 raise InputError(
                     "cfl", f"lets the run diverge at {t:.4g} s", value=run.cfl, remedy="take a smaller one"

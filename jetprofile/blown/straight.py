@@ -471,7 +471,7 @@ class _Problem:
             pieces.append(run)
             y = run.y[:, -1]
             if run.status != 0:
-                return pieces, "critical" if len((run.t_events or [[]])[0]) else "slack"
+                return pieces, "critical" if run.t_events and len(run.t_events[0]) else "slack"
         return pieces, ""
 
     def nothing(self, verdict: Verdict, message: str) -> StraightBlownJet:

@@ -265,7 +265,7 @@ class TableField:
         """Read columns ``z [unit]`` and ``field [unit]`` from a CSV file."""
         from spinline.jetprofile.columns import read_columns
 
-        columns = read_columns(path, {"z": "length", "field": "electric_field"}, required=("z", "field"))
+        columns = read_columns(path, {"z": "length", "field": "electric field"}, required=("z", "field"))
         return cls(columns["z"], columns["field"])
 
     def axial(self, z: ArrayLike) -> FloatArray:

@@ -111,20 +111,38 @@ class _Search:
 
     def ascend(self, charge: bool, predicted: bool, upwind: bool) -> Discrete | None:
         """The top of the path of rising pull, by the order-4 equations or, those lost, by the upwind ones."""
-        found, folded = self.climb(charge, predicted, 1.0, upwind)
+        found = self.climb(charge, predicted, 1.0, upwind)
         de = self.settings.deborah
-        if found is None and folded and self.settings.polymer and de > _SLACK:
+        if found is None and self.settings.polymer and de > _SLACK:
             slack = _SLACK / de
-            loose, _ = self.climb(charge, predicted, slack, upwind)
+            loose = self.climb(charge, predicted, slack, upwind)
             if loose is not None:
-                path = follow(lambda t: self.problem(charge=charge, predicted=predicted, slack=slack ** (1 - t)), loose)
-                found = path.solution if path.arrived else None
-                self.folded = self.folded and not path.arrived
-                self.time_share = np.nan if path.arrived else float(slack ** (1 - path.fold))
+                found = self.lengthen(loose, charge, predicted, slack)
         return found
 
-    def climb(self, charge: bool, predicted: bool, slack: float, only: bool) -> tuple[Discrete | None, bool]:
-        """Raise the pull; the solution and whether the path folded."""
+    def lengthen(self, loose: Discrete, charge: bool, predicted: bool, slack: float) -> Discrete | None:
+        """From a short relaxation time to its own at the full pull; a fold on the way is a limit of the relaxation time."""
+        for upwind in (False, True):
+
+            def at(t: float, upwind: bool = upwind) -> Problem:
+                problem = self.problem(charge=charge, predicted=predicted, slack=slack ** (1 - t))
+                return replace(problem, upwind=upwind)
+
+            s = remesh(loose.s, loose.y, _UPWIND if upwind else _COARSE)
+            start = newton(at(0.0), s, interpolate(loose.s, loose.y, s))
+            if not start.converged:
+                continue
+            path = follow(at, start)
+            if path.arrived:
+                self.folded = False
+                return self.sharpened(path.solution, charge, predicted, 1.0) if upwind else path.solution
+            if not np.isnan(path.fold):
+                self.folded, self.time_share = True, float(slack ** (1 - path.fold))
+                return None
+        return None
+
+    def climb(self, charge: bool, predicted: bool, slack: float, only: bool) -> Discrete | None:
+        """Raise the pull; the solution, None where the path folds or is lost."""
         for nodes, upwind in ((_COARSE, False), (_UPWIND, True))[only:]:
             options: Any = {"charge": charge, "predicted": predicted, "slack": slack}
             path, least = raise_pull(self.settings, work=self.work, nodes=nodes, upwind=upwind, **options)
@@ -133,12 +151,11 @@ class _Search:
                 self.pull, self.last = reached, path.solution
                 self.last_problem = self.settings.problem(pull=reached, **options)
             if path.arrived:
-                found = self.sharpened(path.solution, charge, predicted, slack) if upwind else path.solution
-                return found, False
+                return self.sharpened(path.solution, charge, predicted, slack) if upwind else path.solution
             if not np.isnan(path.fold):
                 self.folded = True
-                return None, True
-        return None, False
+                return None
+        return None
 
     def sharpened(self, rough: Discrete, charge: bool, predicted: bool, slack: float) -> Discrete | None:
         """An order-4 solution from an upwind one, on a mesh fine enough for it."""

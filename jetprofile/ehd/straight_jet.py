@@ -202,6 +202,34 @@ class StraightEhdJet(StraightJet):
             "conduction_share": self.conduction_share(z),
         }  # fmt: skip
 
+    def numbers(self) -> dict[str, float]:
+        """Current (A) and onset of bending with its spread (m)."""
+        onset = self.bending
+        return {
+            "current": self.current, "bending_onset": onset.position, "bending_onset_early": onset.earliest,
+            "bending_onset_late": onset.latest,
+        }  # fmt: skip
+
+    def words(self) -> dict[str, str]:
+        """Model, verdicts and errors in words."""
+        error = ", ".join(f"{name} {value:.2g}" for name, value in self.error.items())
+        return {"jet_model": self.model, "verdicts": "\n".join(map(str, self.verdicts)), "jet_error": error}
+
+    def remarks(self) -> list[str]:
+        """The verdicts that go against a steady straight jet, and an end beyond the onset of bending."""
+        found = [f"jet: {one}" for one in self.verdicts if not one.good]
+        if self.bending.position < self.end * (1 - 1e-9):
+            found.append(
+                f"jet: bending sets in at {self.bending.position:.4g} m ({self.bending.earliest:.3g} to "
+                f"{self.bending.latest:.3g} m): beyond, the jet is not straight"
+            )
+        if abs(self.needle_potential) > 0.1 * self.settings.voltage:
+            found.append(
+                f"jet: with this current the jet starts {self.needle_potential:.4g} V from the needle's potential: a measured "
+                "current that the settings do not give"
+            )
+        return found
+
     @cached_property
     def bending(self) -> BendingOnset:
         """Where bending sets in, with its spread; NaN where not before L."""

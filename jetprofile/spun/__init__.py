@@ -20,7 +20,7 @@ from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
     from spinline.jetprofile.spun.chain import Chain, start_cylinder
-    from spinline.jetprofile.spun.dataset import to_dataset
+    from spinline.jetprofile.spun.dataset import landings, to_dataset
     from spinline.jetprofile.spun.laws import JetLaw
     from spinline.jetprofile.spun.run import SpunRun
     from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads, SpunSettings
@@ -41,6 +41,7 @@ _NAMES = {
     "SteadyJet": "steady",
     "TwoBeadJet": "two_bead",
     "earnshaw_rate": "two_bead",
+    "landings": "dataset",
     "start_cylinder": "chain",
     "steady_jet": "steady",
     "to_dataset": "dataset",
@@ -61,6 +62,7 @@ __all__ = [
     "SteadyJet",
     "TwoBeadJet",
     "earnshaw_rate",
+    "landings",
     "start_cylinder",
     "steady_jet",
     "to_dataset",

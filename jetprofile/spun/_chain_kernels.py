@@ -144,7 +144,15 @@ def _inlet_tension(n: int, y: FloatArray, w: FloatArray) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _forces(
-    t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray, w: FloatArray, f: FloatArray
+    t: float,
+    n: int,
+    held: IntArray,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+    w: FloatArray,
+    f: FloatArray,
 ) -> None:
     """Sum of all forces on the nodes but the solvent's (which the implicit stage adds)."""
     for i in range(n + 1):
@@ -155,6 +163,8 @@ def _forces(
     repulsion(n, y, p, k, w, f)
     for i in range(n):
         pull = w[TENSION, i]
+        if held[i] == 1 and (pull < 0.0 or w[RATE, i] <= 0.0):
+            pull = 0.0
         for c in range(3):
             f[i, c] -= pull * w[TX + c, i]
             f[i + 1, c] += pull * w[TX + c, i]
@@ -210,7 +220,10 @@ def explicit_rates(
     nozzle(t, n, speed, y, p)
     if not geometry(n, y, p, k, w):
         return False
-    _forces(t, n, y, p, k, tables, w, f)
+    for i in range(n):
+        if held[i] == 1 and w[RATE, i] < 0.0:  # a laid thread is pushed without resistance: it coils
+            w[RATE, i] = 0.0
+    _forces(t, n, held, y, p, k, tables, w, f)
     for i in range(n):
         mass = 0.5 * p[RHO] * (y[i, VOLUME] + (y[i - 1, VOLUME] if i > 0 else 0.0))
         for c in range(3):

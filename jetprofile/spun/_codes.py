@@ -79,9 +79,10 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
     DRUM_RADIUS,
     OUTFLOW,  # where a cut jet's elements leave the computation
     LOAD_RAMP,
+    LONGEST,  # length beyond which an element is split in two; 0: never
     COUPLING,  # 1/(4 pi eps0) times the ramp of the loads; set by the kernels
-) = range(69)
-PARAMETERS = 69
+) = range(70)
+PARAMETERS = 70
 
 # switches
 (
@@ -137,10 +138,12 @@ COULOMB = 8.9875517873681764e9
     D_VOLUME,
     D_LABEL_VOLUME,
     D_CHARGE,
-    D_SPEED,
+    D_VX,
+    D_VY,
+    D_VZ,
     D_LABEL,
-) = range(14)
-DEPOSITS = 14
+) = range(16)
+DEPOSITS = 16
 
 # what an integration stopped for
 DONE, FULL, BROKEN, STALLED, EMPTY = range(5)

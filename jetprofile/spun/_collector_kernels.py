@@ -16,6 +16,7 @@ from spinline.jetprofile.spun._codes import (
     DRUM_RADIUS,
     GAP,
     NO_COLLECTOR,
+    RADIUS,
     VX,
     IntArray,
     X,
@@ -84,7 +85,11 @@ def first_touch(
         if held[i] == 1:
             continue
         after = distance(new[i, X], new[i, Y], p, k)
-        if after > 0.0:
+        if after > max(1e-9 * p[GAP], 1e-3 * p[RADIUS]):
+            continue
+        if after > 0.0:  # as good as there
+            if who < 0:
+                who, when = i, h
             continue
         low, high = 0.0, 1.0
         for _ in range(60):

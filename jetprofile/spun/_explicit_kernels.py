@@ -15,6 +15,7 @@ from spinline.jetprofile.spun._codes import (
     DONE,
     FLOW,
     FULL,
+    LONGEST,
     MX,
     OUTFLOW,
     RADIUS,
@@ -27,6 +28,7 @@ from spinline.jetprofile.spun._codes import (
 from spinline.jetprofile.spun._collector_kernels import first_touch
 from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._nozzle_kernels import split
+from spinline.jetprofile.spun._refine_kernels import refine
 
 __all__ = ["march_explicit"]
 
@@ -116,6 +118,7 @@ def march_explicit(
             step = 0.5 * (stop - t)
         if fixed > 0.0 and step > 0.999 * (stop - t):
             step = stop - t
+        cut = False
         while True:
             good = _try(t, step, n, held, y, p, k, tables, w, f, d, trial, new)
             ratio = _error(n, step, y, new, d, tol, reach) if good else math.inf
@@ -125,7 +128,7 @@ def march_explicit(
                 who, when = first_touch(n, step, y, new, held, p, k)
                 if who < 0 or when > step * (1.0 - 1e-9):
                     break
-                step = max(when, 1e-9 * step)
+                step, cut = max(when, 1e-9 * step), True
                 continue
             clock[6] += 1
             step *= max(0.2, 0.9 * ratio**-0.2) if ratio < 1e300 else 0.2
@@ -138,7 +141,7 @@ def march_explicit(
         d[0, : n + 1] = d[6, : n + 1]
         if fixed <= 0.0:
             grow = step * min(5.0, 0.9 * max(ratio, 1e-10) ** -0.2)
-            h = grow if not reached else max(h, grow) if step >= 0.5 * h else h
+            h = max(h, grow) if reached or who >= 0 or cut else grow
         if who >= 0:
             touch(t, who, n, y, held, marks, p, k)
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), False)
@@ -149,6 +152,10 @@ def march_explicit(
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
             fresh = True
+        if p[LONGEST] > 0.0:
+            parts = refine(n, y, held, marks, p)
+            fresh = fresh or parts > n
+            n = parts
         if t >= entry:
             split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
             held[n + 1] = held[n] = 0

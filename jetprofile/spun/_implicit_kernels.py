@@ -30,6 +30,7 @@ from spinline.jetprofile.spun._codes import (
     GIVEN_CURRENT,
     LAW,
     LENGTH,
+    LONGEST,
     OUTFLOW,
     RADIUS,
     RATE,
@@ -50,6 +51,7 @@ from spinline.jetprofile.spun._collector_kernels import first_touch
 from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._law_kernels import stiffness
 from spinline.jetprofile.spun._nozzle_kernels import nozzle, split
+from spinline.jetprofile.spun._refine_kernels import refine
 
 __all__ = ["march_implicit"]
 
@@ -77,6 +79,8 @@ def _viscous(n: int, gh: float, y: FloatArray, held: IntArray, p: FloatArray, w:
     for i in range(n):
         mass = 0.5 * p[RHO] * (y[i, VOLUME] + (y[i - 1, VOLUME] if i > 0 else 0.0))
         here = gh * 3.0 * w[SOLVENT_HERE, i] * w[AREA, i] / w[LENGTH, i]
+        if held[i] == 1 and w[RATE, i] < 0.0:
+            here = 0.0
         if held[i] == 1:
             for a in range(3):
                 right[i, a] = y[i, VX + a]
@@ -271,6 +275,8 @@ def march_implicit(
             leave(t, n, y, held, marks, p)
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
+        if p[LONGEST] > 0.0:
+            n = refine(n, y, held, marks, p)
         if t >= entry:
             split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
             held[n + 1] = held[n] = 0

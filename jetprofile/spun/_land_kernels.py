@@ -12,9 +12,9 @@ from spinline.jetprofile.spun._codes import (
     D_FRONT,
     D_LABEL,
     D_LABEL_VOLUME,
-    D_SPEED,
     D_TIME,
     D_VOLUME,
+    D_VX,
     D_X0,
     D_X1,
     LABEL,
@@ -40,8 +40,10 @@ def _length(i: int, y: FloatArray) -> float:
 def touch(
     t: float, i: int, n: int, y: FloatArray, held: IntArray, marks: FloatArray, p: FloatArray, k: IntArray
 ) -> None:
-    """Clamp node i. `marks`: time, x, material y, z, speed of each touch; flight length of the element behind node i."""
-    marks[i, 4] = math.sqrt(y[i, VX] ** 2 + y[i, VX + 1] ** 2 + y[i, VX + 2] ** 2)
+    """Clamp node i. `marks`: time, x, material y, z of each touch; flight length of the element
+    behind node i (5); velocity (6 to 8).
+    """
+    marks[i, 6], marks[i, 7], marks[i, 8] = y[i, VX], y[i, VX + 1], y[i, VX + 2]
     place(i, y, p, k)
     held[i] = 1
     marks[i, 0], marks[i, 1], marks[i, 3] = t, y[i, X], y[i, Z]
@@ -61,7 +63,7 @@ def leave(t: float, n: int, y: FloatArray, held: IntArray, marks: FloatArray, p:
             if held[j] == 0:
                 held[j] = 1
                 marks[j, 0], marks[j, 1], marks[j, 2], marks[j, 3] = t, y[j, X], y[j, Y], y[j, Z]
-                marks[j, 4] = math.sqrt(y[j, VX] ** 2 + y[j, VX + 1] ** 2 + y[j, VX + 2] ** 2)
+                marks[j, 6], marks[j, 7], marks[j, 8] = y[j, VX], y[j, VX + 1], y[j, VX + 2]
         marks[i, 5] = _length(i, y)
         i += 1
 
@@ -88,7 +90,9 @@ def remove_landed(
             landed[count, D_X0 + c], landed[count, D_X1 + c] = marks[i, 1 + c], marks[i + 1, 1 + c]
         landed[count, D_FLIGHT], landed[count, D_VOLUME] = marks[i, 5], y[i, VOLUME]
         landed[count, D_LABEL_VOLUME], landed[count, D_CHARGE] = y[i, LABEL], y[i, CHARGE]
-        landed[count, D_SPEED], landed[count, D_LABEL] = marks[last, 4], origin
+        landed[count, D_LABEL] = origin
+        for c in range(3):
+            landed[count, D_VX + c] = marks[last, 6 + c]
         count += 1
         gone += 1
     if gone > 0:
@@ -98,7 +102,7 @@ def remove_landed(
             held[i] = held[i + gone]
             for c in range(COLUMNS):
                 y[i, c] = y[i + gone, c]
-            for c in range(6):
+            for c in range(9):
                 marks[i, c] = marks[i + gone, c]
         for i in range(n + 1 - gone, n + 1):
             held[i] = 0

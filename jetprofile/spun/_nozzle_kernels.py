@@ -30,7 +30,7 @@ from spinline.jetprofile.spun._codes import (
     Z,
 )
 
-__all__ = ["nozzle", "smooth", "split"]
+__all__ = ["lagrange", "nozzle", "smooth", "split"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -57,7 +57,7 @@ def nozzle(t: float, n: int, speed: float, y: FloatArray, p: FloatArray) -> None
 
 
 @njit(cache=True, error_model="numpy")
-def _lagrange(at: float, s0: float, s1: float, s2: float, s3: float) -> tuple[float, float, float, float]:
+def lagrange(at: float, s0: float, s1: float, s2: float, s3: float) -> tuple[float, float, float, float]:
     """Weights of a cubic through four labels."""
     return (
         (at - s1) * (at - s2) * (at - s3) / ((s0 - s1) * (s0 - s2) * (s0 - s3)),
@@ -97,7 +97,7 @@ def split(n: int, step: float, speed: float, y: FloatArray, p: FloatArray) -> No
 def _velocity(n: int, c: int, at: float, s1: float, s2: float, s3: float, y: FloatArray) -> float:
     """Velocity component c of the new node, from the nozzle (now node n + 1) and up to three nodes."""
     if n > 2:
-        a, b, d, e = _lagrange(at, 0.0, s1, s2, s3)
+        a, b, d, e = lagrange(at, 0.0, s1, s2, s3)
         value: float = a * y[n + 1, VX + c] + b * y[n - 1, VX + c] + d * y[n - 2, VX + c] + e * y[n - 3, VX + c]
         return value
     part = at / s1

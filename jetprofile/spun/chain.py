@@ -49,7 +49,7 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     p[[c.CONDUCTIVITY, c.POTENTIAL_IN]] = s.conductivity, s.potential
     p[c.CURRENT] = 0.0 if s.current is None else s.current
     p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS, c.OUTFLOW]] = s.collector.speed, s.collector.radius, s.outflow
-    p[c.COUPLING] = c.COULOMB
+    p[c.COUPLING], p[c.LONGEST] = c.COULOMB, grid.longest
     _air_and_drying(s, p, k)
     k[c.LAW] = law.code
     k[c.REPULSION] = {"none": c.NO_REPULSION, "local": c.LOCAL, "exact": c.EXACT, "hybrid": c.HYBRID}[grid.repulsion]
@@ -212,6 +212,6 @@ def start_cylinder(settings: SpunSettings, capacity: int = 512) -> Chain:
     clock[0] = area * step
     clock[2] = (1.5 * step - pieces[-1]) / inlet.speed
     return Chain(
-        settings, 0.0, n, state, np.zeros(rows, dtype=np.int64), np.zeros((rows, 6)), clock,
+        settings, 0.0, n, state, np.zeros(rows, dtype=np.int64), np.zeros((rows, 9)), clock,
         np.zeros((rows, c.DEPOSITS)), 0.01 * step / inlet.speed,
     )  # fmt: skip

@@ -14,7 +14,7 @@ from spinline.jetprofile.spun.run import SpunRun
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["to_dataset"]
+__all__ = ["landings", "to_dataset"]
 
 _BEAD = {
     "x": ("m", "position along the spinning axis, nozzle at 0"),
@@ -151,7 +151,7 @@ def _landings(run: SpunRun, r0: float) -> dict[str, FloatArray]:
         "deposit_radius": np.sqrt(volume / (math.pi * flight)), "deposit_stretch": flight * math.pi * r0**2 / label,
         "deposit_volume": volume, "deposit_polymer_volume": label * (drying.fraction if drying else 1.0),
         "deposit_charge": rows[:, c.D_CHARGE], "deposit_length": chord, "deposit_flight_length": flight,
-        "deposit_speed": rows[:, c.D_SPEED], "deposit_label": rows[:, c.D_LABEL],
+        "deposit_speed": np.linalg.norm(rows[:, c.D_VX : c.D_VZ + 1], axis=1), "deposit_label": rows[:, c.D_LABEL],
         "deposit_jet": np.zeros(len(rows), dtype=np.int64),
     }  # fmt: skip
 
@@ -167,3 +167,44 @@ def _balance(run: SpunRun) -> dict[str, float]:
     elif inlet.charge_density:
         out["current"] = inlet.charge_density * inlet.flow_rate
     return out
+
+
+def landings(run: SpunRun) -> "xr.Dataset":
+    """What has landed, as `spinline.deposit.LandingRecord.from_dataset` takes it: one row per node, laboratory frame.
+
+    The first row is the leading end of the first element; its velocity was not kept (NaN).
+    """
+    import xarray as xr
+
+    chain, s = run.chain, run.chain.settings
+    rows = chain.deposited
+    first = rows[:1]
+    time = np.concatenate((first[:, c.D_FRONT], rows[:, c.D_TIME]))
+    place = np.concatenate((first[:, c.D_X0 : c.D_Z0 + 1], rows[:, c.D_X1 : c.D_Z1 + 1]))
+    if s.collector.kind == "belt":
+        place[:, 1] += s.collector.speed * time
+    unknown = np.full(len(first), np.nan)
+    dry = s.drying.fraction if s.drying else 1.0
+    richer = rows[:, c.D_LABEL_VOLUME] / rows[:, c.D_VOLUME] if s.drying else np.ones(len(rows))
+    data = {
+        "touch_time": time, "x": place[:, 0], "y": place[:, 1], "z": place[:, 2],
+        "volume": np.concatenate((0 * unknown, rows[:, c.D_VOLUME])),
+        "polymer_fraction": np.concatenate((unknown, dry * richer)),
+        "flight_length": np.concatenate((unknown, rows[:, c.D_FLIGHT])),
+        "charge": np.concatenate((0 * unknown, rows[:, c.D_CHARGE])),
+    }  # fmt: skip
+    data["volume"][: len(first)] = data["charge"][: len(first)] = 0.0
+    for axis in range(3):
+        data["v" + "xyz"[axis]] = np.concatenate((unknown, rows[:, c.D_VX + axis]))
+    out: dict[str, Any] = {name: (("landing",), values) for name, values in data.items()}
+    out |= {name: (("landing",), np.zeros(len(time), dtype=np.int64)) for name in ("jet", "fibre")}
+    y, n = chain.state, chain.n
+    flying = float(y[:n, c.VOLUME].sum())
+    fed = float(y[:n, c.LABEL].sum() + rows[:, c.D_LABEL_VOLUME].sum())
+    about = {
+        "collector_kind": s.collector.kind, "collector_distance": s.loads.gap, "nozzle_radius": s.inlet.radius,
+        "liquid_density": s.density, "volume_fed": fed, "volume_in_flight": flying,
+        "volume_evaporated": fed - flying - float(rows[:, c.D_VOLUME].sum()),
+        "charge_in_flight": float(y[:n, c.CHARGE].sum()),
+    }  # fmt: skip
+    return xr.Dataset(out, attrs=about)

@@ -246,6 +246,10 @@ class Grid:
         Number of nodes above which the tree takes the sums.
     cfl : float
         Step of the implicit scheme over l/c.
+    fixed_step : float
+        Equal steps, s, for orders of convergence; 0: error control.
+    longest : float
+        Length beyond which an element is split in two, m; 0: never.
     """
 
     element_length: float
@@ -261,6 +265,7 @@ class Grid:
     tree: int = 1000
     cfl: float = 0.3
     fixed_step: float = 0.0
+    longest: float = 0.0
 
     def __post_init__(self) -> None:
         positive("element_length", self.element_length, "m")
@@ -276,6 +281,7 @@ class Grid:
         number("near", self.near, least=0)
         number("cfl", self.cfl, above=0.0, most=1.0)
         number("fixed_step", self.fixed_step, least=0.0)
+        number("longest", self.longest, least=0.0, unit="m")
         number("feed_length", self.feed_length, least=0.0, unit="m")
         number("feed_charge", self.feed_charge, unit="C/m")
 

@@ -96,7 +96,7 @@ def two_bead(
     end = float(t[-1]) or 1.0
     rtol = number("rtol", rtol, least=3e-14, most=1e-2)
     found = solve_ivp(rates, (0.0, end), begin, method="DOP853", t_eval=t, rtol=rtol, atol=1e-3 * rtol, events=meet)
-    if found.t.size < t.size:
+    if len(found.t) < t.size:
         raise InputError("velocity", "brings the beads together", value=velocity)
     y = found.y
     stress = y[2] if linear else (y[2] - y[3]) / 3.0

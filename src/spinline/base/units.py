@@ -51,7 +51,11 @@ QUANTITIES = {
         Quantity("rate", "1/s", "100 1/s"),
         Quantity("temperature", "K", "25 degC"),
         Quantity("density", "kg/m^3", "1.13 g/cm3"),
+        Quantity("concentration", "kg/m^3", "50 g/L"),
         Quantity("molar mass", "kg/mol", "600 kDa"),
+        Quantity("heat capacity", "J/(kg K)", "2.4 kJ/kg/K"),
+        Quantity("heat of vaporisation", "J/kg", "0.52 MJ/kg"),
+        Quantity("molar enthalpy", "J/mol", "8.66 kJ/mol"),
         Quantity("viscosity", "Pa*s", "2 Pa s"),
         Quantity("diffusivity", "m^2/s", "2.5e-5 m2/s"),
         Quantity("intrinsic viscosity", "m^3/kg", "0.3 m3/kg", "an"),
@@ -64,6 +68,7 @@ QUANTITIES = {
         Quantity("electric field", "V/m", "0.6 kV/cm", "an"),
         Quantity("potential", "V", "9 kV"),
         Quantity("current", "A", "200 nA"),
+        Quantity("acceleration", "m/s^2", "9.81 m/s2", "an"),
         Quantity("charge density", "C/m^3", "44000 statC/cm3"),
         Quantity("conductivity", "S/m", "0.01 S/m"),
         Quantity("mass fraction", "", "5 wt%"),
@@ -78,6 +83,7 @@ _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf(?:inity)?|nan)
 _TEXT = re.compile(
     rf"\s*(?P<value>{_NUMBER})\s*(?:(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER}))?\s*(?P<unit>.*?)\s*", re.IGNORECASE
 )
+_WEIGHT_BY_VOLUME = re.compile(r"%\s*\(?wt?/vo?l?\)?|\(?wt?/vo?l?\)?\s*%", re.IGNORECASE)  # "% w/v", "w/v %"
 _LONGEST = 200  # characters of a quantity
 _SPELLED = {"°C": "degC", "℃": "degC", "°F": "degF", "℉": "degF", "μ": "µ", "·": "*", "⋅": "*", "⁻": "-", "−": "-"} | {
     raised: str(i) for i, raised in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -138,6 +144,8 @@ def parse(text: Any, kind: str, field: str) -> Measured:
         raise InputError(field, "is not one number with a unit", value=text, remedy=_example(quantity))
     if not (0 <= std < np.inf):
         raise InputError(field, "has no usable uncertainty", value=text, remedy=_example(quantity))
+    if kind == "concentration" and _WEIGHT_BY_VOLUME.fullmatch(unit):
+        return Measured(10 * value, 10 * std, text)  # grams in 100 mL
     if not quantity.unit:
         scale = _fraction_scale(unit, kind, text, field)
         return Measured(value * scale, std * scale, text)

@@ -24,9 +24,11 @@ from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
+from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say
+from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
@@ -174,6 +176,13 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     from spinline.solve.spine import build_jet, build_solution, examine
 
     solution = build_solution(loaded)
+    if loaded.jet.profile == "spun":  # what it is given is checked; it is not spun for that
+        from spinline.setup.spun import spun_remarks
+
+        for remark in spun_remarks(loaded.jet, solution):
+            say(f"odd: {remark}")
+        say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
+        return
     jet = build_jet(loaded, solution)
     remarks = examine(loaded, solution, jet)
     for remark in remarks:
@@ -315,8 +324,10 @@ REGISTERED = (
     register_sweep,
     register_fit,
     register_simulate,
+    register_spin,
     register_images,
     register_deposit,
+    register_jet,
 )
 for register in REGISTERED:
     register(app)

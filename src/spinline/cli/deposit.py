@@ -53,9 +53,10 @@ def deposit(
     writable(target, force=force)
     if csv is not None:
         writable(csv, force=force)
-    from spinline.setup.mat import landings_of, lay_scene, options_of, options_text, rows_of
+    from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of
 
     attributes: dict[str, Any] = {"source": file.name}
+    numbers: dict[str, Any] = {}
     if file.suffix == ".toml":
         from spinline.scene.mat_sections import load_mat_scene
 
@@ -69,22 +70,28 @@ def deposit(
         if scene.collector.radius is not None:
             attributes["circumference"] = 2 * 3.141592653589793 * scene.collector.radius.value
         blocks = lay_scene(scene)
-        numbers: dict[str, Any] = {}
     else:
         if set_:
             raise InputError("--set", "changes keys of a scene, and this is a jet", value=set_[0])
         from spinline.deposit.landing import lay
 
-        record = landings_of(source)
+        segments = laid_file(source)
+        if segments is not None and (distance, speed, radius) != (None, None, None):
+            raise InputError(
+                "--speed", "is for beads; this jet laid its fibre on a collector of its own", remedy="take it out"
+            )
+        if segments is None:
+            record = landings_of(source)
+            surface = _collector(kind, distance, speed, radius, float(record.position[:, 0].max()))
+            segments = lay(record, surface)
+            attributes |= {"collector_kind": surface.kind, "collector_distance": surface.distance}
+            if surface.kind == "drum":
+                attributes["circumference"] = 2 * 3.141592653589793 * surface.radius  # type: ignore[union-attr]
+            numbers = {f"imbalance_{key}": value for key, value in record.imbalance().items()}
         if plan:
-            say(f"{record.touch_time.size} landings")
+            say(f"{len(segments)} segments")
             return
-        surface = _collector(kind, distance, speed, radius, float(record.position[:, 0].max()))
-        segments = lay(record, surface)
-        attributes |= {"collector_kind": surface.kind, "collector_distance": surface.distance}
-        if surface.kind == "drum":
-            attributes["circumference"] = 2 * 3.141592653589793 * surface.radius  # type: ignore[union-attr]
-        blocks, numbers = iter([segments]), {f"imbalance_{key}": value for key, value in record.imbalance().items()}
+        blocks = iter([segments])
     numbers |= _write(target, blocks, attributes, csv, force=force)
     if json:
         import json as js

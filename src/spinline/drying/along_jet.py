@@ -20,12 +20,15 @@ if TYPE_CHECKING:
     from spinline.rheology.diffusion_laws import DiffusionLaw
     from spinline.rheology.drying import RadialDrying
     from spinline.rheology.element_path import ElementPath
+    from spinline.setup.heat import HeatedAir
 
 __all__ = [
+    "FARTHEST",
     "Dried",
     "biot_number",
     "check_radial",
     "dry",
+    "dry_cooling",
     "element_path",
     "first_passage",
     "fourier_number",
@@ -33,7 +36,7 @@ __all__ = [
     "where_mean_reaches",
 ]
 
-_FARTHEST = 1e4  # lengths of the jet that a prediction looks beyond it
+FARTHEST = 1e4  # lengths of the jet that a prediction looks beyond it
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,12 @@ class Dried:
         What the correlations have to say.
     radial : RadialDrying or None
         The fraction across the jet.
+    temperature : ndarray or None
+        K, of a jet that cools.
+    liquid : ndarray or None, (liquid, n)
+        Volume of each liquid over the total volume at the start, flat across the jet.
+    cooling : ndarray or None
+        Vapour concentration of the first solvent at the jet's temperature over that at the nozzle's.
     """
 
     path: "ElementPath"
@@ -59,6 +68,9 @@ class Dried:
     sherwood: FloatArray
     notes: tuple[str, ...]
     radial: "RadialDrying | None"
+    temperature: FloatArray | None = None
+    liquid: FloatArray | None = None
+    cooling: FloatArray | None = None
 
     @property
     def position(self) -> FloatArray:
@@ -111,7 +123,8 @@ def dry(
     """
     phi = solution.volume_fraction
     flat = air.evaporate(path, phi)
-    dried = Dried(path, flat.remaining, flat.lost, flat.reynolds, flat.sherwood[0], flat.notes, None)
+    dried = Dried(path, flat.remaining, flat.lost, flat.reynolds, flat.sherwood[0], flat.notes, None, None,
+                  flat.solvent_volume)  # fmt: skip
     if diffusion is None:
         return dried
     check_radial(air)
@@ -123,6 +136,35 @@ def dry(
     )  # fmt: skip
     radial = _not_below_dryness(radial, path, phi)
     return replace(dried, remaining=radial.remaining, lost=radial.lost, radial=radial)
+
+
+def dry_cooling(
+    path: "ElementPath",
+    solution: Solution,
+    air: "HeatedAir",
+    diffusion: "DiffusionLaw | None" = None,
+    *,
+    cells: int = 100,
+    rtol: float = 1e-5,
+) -> Dried:
+    """`dry` of a jet that cools and takes up water; radial drying is that of its solvent alone."""
+    phi = solution.volume_fraction
+    flat = air.dry(path, phi)
+    dried = Dried(path, flat.remaining, flat.lost, flat.reynolds, flat.sherwood[0], flat.notes, None, flat.temperature,
+                  flat.solvent_volume, _cooling(air, flat.temperature))  # fmt: skip
+    if diffusion is None:
+        return dried
+    radial = _not_below_dryness(air.dry_radially(path, phi, diffusion, cells, rtol), path, phi)
+    return replace(
+        dried, remaining=radial.remaining, lost=radial.lost, radial=radial, temperature=radial.temperature,
+        cooling=None if radial.temperature is None else _cooling(air, radial.temperature),
+    )  # fmt: skip
+
+
+def _cooling(air: "HeatedAir", temperature: FloatArray) -> FloatArray:
+    first = air.evaporants[0]
+    start = first.pressure(air.temperature) / air.temperature
+    return np.array([first.pressure(float(t)) / float(t) for t in temperature]) / start
 
 
 _UNDERSHOOT = 1e-5  # of the solvent there was
@@ -156,7 +198,7 @@ def _not_below_dryness(radial: "RadialDrying", path: "ElementPath", phi: float) 
 
 def check_radial(air: Air) -> None:
     """Refuse what radial drying cannot do."""
-    if len(air.volatiles) > 1:
+    if np.count_nonzero(air.shares) > 1:
         raise InputError(
             "effects.radial", "takes one solvent, and this is a mixture", value=True, remedy="set it to false"
         )
@@ -173,7 +215,8 @@ def peclet_number(dried: Dried, air: Air, diffusion: "DiffusionLaw", volume_frac
 
     only = air.volatiles[0]
     mean = np.minimum(volume_fraction / dried.remaining, 1.0)
-    return drying_peclet(only.diffusivity, dried.sherwood, only.saturation, diffusion(mean))
+    saturation = only.saturation if dried.cooling is None else only.saturation * dried.cooling
+    return drying_peclet(only.diffusivity, dried.sherwood, saturation, diffusion(mean))
 
 
 def biot_number(peclet: FloatArray, dried: Dried, air: Air, volume_fraction: float) -> FloatArray:
@@ -223,7 +266,7 @@ def where_mean_reaches(
         return place, place
     if not isinstance(jet, StraightJet) or not beyond or not np.isinf(jet.end) or fraction >= air.equilibrium:
         return float("nan"), float("nan")
-    farther = np.geomspace(x[-1], _FARTHEST * x[-1], 801)
+    farther = np.geomspace(x[-1], FARTHEST * x[-1], 801)
     try:
         flat = air.evaporate(element_path(jet, farther), solution.volume_fraction)
         predicted = first_passage(farther, flat.polymer_fraction, fraction)

@@ -116,7 +116,8 @@ def scene_priors(scene: Scene) -> dict[str, Prior]:
     wanted: dict[str, Measured | None] = {
         "k": getattr(jet, "k", None), "beta": getattr(jet, "beta", None), "p": getattr(jet, "p", None),
         "initial_radius": getattr(jet, "radius", None), "flow_rate": getattr(jet, "flow_rate", None),
-        "volume_fraction": scene.solution.volume_fraction, "relaxation_time": scene.solution.relaxation_time,
+        "volume_fraction": scene.solution.volume_fraction,
+        "relaxation_time": None if scene.solution.relaxation_time == "estimate" else scene.solution.relaxation_time,
     }  # fmt: skip
     found = {name: Prior(q.value, q.std) for name, q in wanted.items() if q is not None and q.std > 0}
     mass = scene.solution.mass_fraction

@@ -19,6 +19,7 @@ import numpy as np
 from spinline.base.checks import FloatArray, number
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.network.crossover import crossover_velocity_ratio
+from spinline.network_models.registry import rung_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,6 +44,7 @@ _CROSSOVER = {
     "crossover_radius": ("m", "jet radius there; of the draws that reach it"),
 }
 _FAR = 1e200
+_DRAWS, _FEW_DRAWS = 400, 100  # of the posterior, for bands
 _NOISES = 32  # quantiles of the noise that go with every draw
 _AT_ONCE = 200  # data
 
@@ -203,7 +205,8 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
     ----------
     fit : Fit
     draws : ndarray, (n, p)
-        Coordinates, from `gaussian_draws` or `Posterior.draws`; 400 are taken, evenly, if there are more.
+        Coordinates, from `gaussian_draws` or `Posterior.draws`; 400 are taken, evenly, if there are more (100 of a rung that
+        slips).
     z : ndarray, optional
         True distances from the nozzle, m. Default: from the nozzle to the farther of the last value and the jet's length.
     points : int
@@ -222,7 +225,7 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
     if z is None:
         r0 = model.values["initial_radius"]
         z = r0 * np.expm1(np.linspace(0.0, np.log1p(model.length / r0), points))
-    taken = draws[:: max(1, len(draws) // 400)]
+    taken = _taken(fit, draws)
     rows: dict[str, list[Any]] = {name: [] for name in (*_BANDS, *_CROSSOVER)}
     for u in (fit.coordinates, *taken):
         p = problem.to_values(u)
@@ -273,7 +276,7 @@ def predictive(fit: "Fit", draws: FloatArray) -> tuple[FloatArray, FloatArray]:
     from scipy.special import ndtri
 
     problem = fit.problem
-    taken = draws[:: max(1, len(draws) // 400)]
+    taken = _taken(fit, draws)
     shown = np.array([np.concatenate(problem.model.measured(problem.data, problem.to_values(u))) for u in taken])
     std = np.concatenate([part.std for part in problem.data])
     noise = ndtri((np.arange(_NOISES) + 0.5) / _NOISES)
@@ -317,6 +320,12 @@ def stored_draws(found: "xr.Dataset", count: int = 128, seed: int = 0) -> list[d
         for row in rows
     ]
     return [dict(zip(names, map(float, row), strict=True)) for row, kept in zip(rows, inside, strict=True) if kept]
+
+
+def _taken(fit: "Fit", draws: FloatArray) -> FloatArray:
+    """Draws that the model is run for, evenly: fewer of a rung that takes tens of milliseconds."""
+    most = _FEW_DRAWS if rung_of(fit.problem.model.model).slips else _DRAWS
+    return draws[:: max(1, len(draws) // most)]
 
 
 def _crossing(z: FloatArray, seen: "Prediction", target: float) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from spinline.network_models.rung import Network, Setting
 from spinline.network_models.slipping import SlippingRung, force_law_of
 
 if TYPE_CHECKING:
+    from spinline.network.chain.cycle import ChainCycle
     from spinline.network.chain.model import Chain
     from spinline.network.chain.profile import ChainProfile
     from spinline.setup.context import Context
@@ -38,6 +39,8 @@ class SettledChain:
         Strands joined into one.
     drift : float
         Largest relative change of w over the last tenth of the run: 0 when settled.
+    cycle : ChainCycle or None
+        Of a law with a contour: averages over the period between two entries, and the range within it.
     """
 
     profile: "ChainProfile"
@@ -46,10 +49,15 @@ class SettledChain:
     locked_from: float
     coarse_grain: float
     drift: float
+    cycle: "ChainCycle | None" = None
 
     def stretch(self, s: FloatArray) -> FloatArray:
-        """Stretch w at s, held at the outermost beads."""
+        """Stretch w at s, held at the outermost beads; over a period on average, where strands come to their contour."""
         beads = self.profile.beads
+        if self.cycle is not None:
+            known = np.isfinite(self.cycle.mean)
+            if known.any():
+                return np.interp(s, self.cycle.stations[known], self.cycle.mean[known])
         return self.profile.stretch_at(np.clip(s, beads[0], beads[-1]))
 
     def tension(self, s: FloatArray) -> FloatArray:
@@ -82,7 +90,7 @@ class TransientChain(SlippingRung):
         InputError
             Where the chain cannot be followed in time.
         """
-        from spinline.network.chain import run_chain
+        from spinline.network.chain import chain_cycle, run_chain
         from spinline.network.chain.model import ChainError
         from spinline.network.chain.profile import profile as chain_profile
 
@@ -110,6 +118,15 @@ class TransientChain(SlippingRung):
                 "network.model", f"leaves no strand in the jet: {joined:.3g} joined into one are longer than it",
                 value=self.name, remedy="join fewer (network.coarse_grain), or take a longer jet",
             )  # fmt: skip
+        cycle = None
+        if n.force_law != "linear":
+            places = np.union1d(context.grid(801) / jet.initial_radius, np.linspace(0.0, length, 401))
+            try:
+                cycle = chain_cycle(
+                    chain, run.state, np.clip(places, 0.0, length), rtol=rtol, most_steps=scene.accuracy.steps
+                )
+            except ChainError:
+                cycle = None  # the snapshot is what there is
         inner = np.linspace(0.02, 0.9, 200) * length
         earlier = chain_profile(chain, run.snapshots[0]).stretch_at(inner)
         locked = np.flatnonzero(profile.stretch >= (np.inf if n.force_law == "linear" else 0.95 * full))
@@ -120,16 +137,24 @@ class TransientChain(SlippingRung):
             locked_from=float(profile.position[locked[0]]) if locked.size else float("nan"),
             coarse_grain=joined,
             drift=_drift(profile.stretch_at(inner), earlier),
+            cycle=cycle,
         )
 
     def solved_remarks(self, context: "Context", network: Network) -> list[str]:
-        """A chain that has not settled."""
+        """A chain that has not settled, or sticks and slips."""
         assert isinstance(network, SettledChain)
-        if not network.drift > context.scene.accuracy.rtol:
-            return []
+        rtol, remarks = context.scene.accuracy.rtol, []
+        if network.cycle is not None and network.cycle.swing > rtol:
+            remarks.append(
+                "the chain sticks and slips: with every bead that enters its stretch ranges over "
+                f"{network.cycle.swing:.2g} of its average at the place that swings most; averages are reported"
+            )
+        if not network.drift > rtol:
+            return remarks
         return [
+            *remarks,
             f"the chain has not settled: its stretch still changed by {network.drift:.2g} over the last tenth of "
-            "the run (no steady state, or a longer time is needed)"
+            "the run (no steady state, or a longer time is needed)",
         ]
 
     def attributes(self, context: "Context", network: Network | None) -> dict[str, Any]:
@@ -138,6 +163,7 @@ class TransientChain(SlippingRung):
         return super().attributes(context, network) | {
             "coarse_grain": network.coarse_grain,
             "drift": network.drift,
+            **({} if network.cycle is None else {"swing": network.cycle.swing}),
             "beads": network.profile.beads.size,
         }
 

@@ -136,6 +136,8 @@ class RelaxingStrands(Rung):
         material = context.material
         if context.effects["disentanglement"]:
             return _disentangled(context, history)
+        if history.stiffening is not None:
+            material = material.stiffened(history.stiffening)
         model = constitutive_model(context.scene, material, context.rest.full_stretch)
         state = stretch_strands(
             material, model, history.time, history.stretch, history.fraction, history.radius, history.strain_rate

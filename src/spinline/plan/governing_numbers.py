@@ -11,15 +11,25 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.drying.along_jet import biot_number, check_radial, dry, element_path, fourier_number, peclet_number
+from spinline.drying.along_jet import (
+    Dried,
+    biot_number,
+    check_radial,
+    dry,
+    dry_cooling,
+    element_path,
+    fourier_number,
+    peclet_number,
+)
 from spinline.network.coupling import strand_force
 from spinline.network.state import network_state
-from spinline.plan.estimates import Estimate, relaxation_effect
+from spinline.plan.estimates import MARGIN, Estimate, relaxation_effect
 from spinline.rheology.solution import Solution
 from spinline.rheology.vapour import equilibrium_fraction
 from spinline.scene.file import Scene
 from spinline.setup.context import Context
 from spinline.setup.coupling import drag_of_solvent
+from spinline.setup.heat import heat_refusal
 
 if TYPE_CHECKING:
     from spinline.jetprofile.jet import Jet
@@ -57,11 +67,13 @@ class EffectNumbers:
     strand_force : float
         Force on a strand there, N.
     errors : dict
-        Estimate of the relative error of leaving out "slip", "inertia", "relaxation", "evaporation", "radial".
+        Estimate of the relative error of leaving out "slip", "inertia", "relaxation", "evaporation", "radial", "heat".
     missing : dict
         Why an effect has no estimate.
     relaxation : Estimate
         The estimate of relaxation.
+    wet_bulb_depression : float
+        Air's temperature less that of a wet thread of the first solvent, K.
     """
 
     stretch: float
@@ -79,6 +91,7 @@ class EffectNumbers:
     relaxation: Estimate
     errors: dict[str, float] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
+    wet_bulb_depression: float = _NAN
 
 
 def effect_numbers(scene: Scene, solution: Solution, jet: "Jet") -> EffectNumbers:
@@ -127,7 +140,7 @@ def numbers_of(context: Context) -> EffectNumbers:
         about = _NAN if np.isnan(de) else min(1.0, 1 / de) if de > 0 else 1.0
         relaxing = Estimate("relaxation", "De", de, about, missing.get("relaxation", "about 1/De"))
     slip, inertia, steepest = _slip(context, missing)
-    lost, biot, peclet, fourier, uneven = _drying(context, missing)
+    lost, biot, peclet, fourier, uneven, colder, depression = _drying(context, missing)
     return EffectNumbers(
         stretch=stretch,
         deborah=de,
@@ -148,8 +161,10 @@ def numbers_of(context: Context) -> EffectNumbers:
             "relaxation": relaxing.error,
             "evaporation": abs(lost / (1 - lost)) if lost < 1 else np.inf if lost >= 1 else _NAN,
             "radial": uneven,
+            "heat": colder,
         },
         missing=missing,
+        wet_bulb_depression=depression,
     )
 
 
@@ -215,27 +230,25 @@ def _slip(context: Context, missing: dict[str, str]) -> tuple[float, float, floa
     return slip, inertia, steepest
 
 
-def _drying(context: Context, missing: dict[str, str]) -> tuple[float, float, float, float, float]:
-    """Evaporated fraction, Biot, Peclet and Fourier numbers, and how uneven the jet is."""
+def _drying(context: Context, missing: dict[str, str]) -> tuple[float, float, float, float, float, float, float]:
+    """Evaporated fraction, Biot, Peclet and Fourier numbers, how uneven the jet is, what heat changes, wet-bulb depression."""
     scene, solution = context.scene, context.solution
-    if scene.ambient is None and True not in (scene.effects.evaporation, scene.effects.radial):
-        missing["evaporation"] = missing["radial"] = "there is no [ambient]"
-        return (_NAN,) * 5
-    try:
-        air = context.air
-        age = None if context.straight else context.ages[context.beads.usable]
-        path = element_path(context.jet, _places(context), age)
-        dried = dry(path, solution, air)
-    except InputError as error:
-        missing["evaporation"] = missing["radial"] = str(error)
-        return (_NAN,) * 5
+    if scene.ambient is None and True not in (scene.effects.evaporation, scene.effects.radial, scene.effects.heat):
+        missing["evaporation"] = missing["radial"] = missing["heat"] = "there is no [ambient]"
+        return (_NAN,) * 7
+    still, cold, colder, depression = _both_ways(context, missing)
+    heated = cold is not None and (scene.effects.heat is True or MARGIN * colder > scene.accuracy.rtol)
+    dried = cold if heated else still
+    if dried is None:
+        missing["radial"] = missing["evaporation"]
+        return (_NAN,) * 5 + (colder, depression)
     lost = float(dried.lost[-1])
     try:
-        diffusion = context.diffusion
+        diffusion, air = context.diffusion, context.air
         check_radial(air)
     except InputError as error:
         missing["radial"] = str(error)
-        return lost, _NAN, _NAN, _NAN, _NAN
+        return lost, _NAN, _NAN, _NAN, _NAN, colder, depression
     phi = solution.volume_fraction
     peclet = peclet_number(dried, air, diffusion, phi)
     biot, fourier = biot_number(peclet, dried, air, phi), fourier_number(dried, diffusion, phi)
@@ -246,7 +259,36 @@ def _drying(context: Context, missing: dict[str, str]) -> tuple[float, float, fl
     after = np.append(fourier[1:], fourier[-1])
     balanced = equilibrium_fraction(only.ambient, only.chi) if 0 < only.ambient < 1 else 1.0
     uneven = np.minimum(0.5 * peclet * pull * np.minimum(1.0, 4 * np.sqrt(after / np.pi)), np.abs(balanced / mean - 1))
-    return lost, float(biot[-1]), float(peclet.max()), float(fourier[-1]), float(uneven.max())
+    return lost, float(biot[-1]), float(peclet.max()), float(fourier[-1]), float(uneven.max()), colder, depression
+
+
+def _both_ways(context: Context, missing: dict[str, str]) -> tuple[Dried | None, Dried | None, float, float]:
+    """The flat balance at the jet's own temperature and with heat, what the second changes, and the wet-bulb depression."""
+    age = None if context.straight else context.ages[context.beads.usable]
+    still, cold, depression = None, None, _NAN
+    try:
+        path = element_path(context.jet, _places(context), age)
+        still = dry(path, context.solution, context.air)
+    except InputError as error:
+        missing["evaporation"] = str(error)
+    if context.scene.effects.heat is False:
+        missing["heat"] = "set so"
+        return still, None, _NAN, _NAN
+    try:
+        why = heat_refusal(context.scene)
+        if why:
+            missing["heat"] = why
+            return still, None, _NAN, _NAN
+        air = context.heated_air
+        depression = air.air_temperature - air.wet_bulb
+        cold = dry_cooling(element_path(context.jet, _places(context), age), context.solution, air)
+    except InputError as error:
+        missing["heat"] = str(error)
+        return still, None, _NAN, depression
+    if still is None:
+        missing.pop("evaporation", None)
+        return None, cold, np.inf, depression
+    return still, cold, float(np.max(np.abs(still.remaining / cold.remaining - 1))), depression
 
 
 def _places(context: Context) -> FloatArray:

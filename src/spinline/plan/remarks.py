@@ -9,6 +9,7 @@ from spinline.plan.choice import Plan, plan_of, resolved
 from spinline.plan.switches import choose_effects
 from spinline.rheology.solution import Solution
 from spinline.scene.file import PowerLawJet, Scene
+from spinline.setup.build import estimate_of
 from spinline.setup.context import Context
 
 if TYPE_CHECKING:
@@ -64,6 +65,13 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
         if "slip" in plan.numbers.missing and context.straight:
             remarks.append(f"elastic slip is not estimated: {context.coupling.words}")
         remarks += plan.remarks
+    for key, unit in (("viscosity", "Pa s"), ("relaxation_time", "s")):
+        if getattr(scene.solution, key) == "estimate":
+            about = estimate_of(solution, key)
+            low, high = about.band
+            remarks.append(
+                f"{key.replace('_', ' ')} {about.value:.3g} {unit} (95 %: {low:.2g} to {high:.2g}): {about.words}"
+            )
     if scene.ambient is not None and not effects.evaporation:
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")
     return remarks

@@ -69,7 +69,18 @@ def along(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
         values = np.where(number > 0, number, np.nan)
         axis.plot(place, values, color=GREEN, linestyle="-.", label=r"Weissenberg number $\theta\dot\varepsilon$")
         axis.axhline(0.5, color=GREY, linestyle=":", linewidth=1, label="1/2: strands stretch without end")
-    if axis.lines:
+    handles = list(axis.get_lines())
+    if handles:
         axis.set_yscale("log")
-        axis.legend(**LEGEND)
+    if "temperature" in result:
+        warm = axis.twinx()
+        handles += warm.plot(
+            place, result["temperature"] - 273.15, color=RED, linewidth=1.5, label="temperature (°C, right)"
+        )
+        warm.tick_params(
+            axis="y", direction="in", pad=-20, labelsize=7, labelcolor=RED
+        )  # inside: nothing beyond the panel
+        warm.grid(False)
+    if handles:
+        axis.legend(handles=handles, **LEGEND)
     axis.set_ylabel("the solution along the jet")

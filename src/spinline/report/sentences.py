@@ -64,6 +64,7 @@ def words(result: "xr.Dataset | NamedArrays") -> list[str]:
     sentences.append(f"{where}, {1e3 * place[end]:.3g} mm, {_state(result, end)}.")
     sentences += _frozen(result)
     sentences += _across(result)
+    sentences += _fibre(result)
     sentences += _uncertain(result)
     return sentences
 
@@ -93,6 +94,7 @@ def _uncertain(result: "xr.Dataset | NamedArrays") -> list[str]:
     for name, scale, unit in (
         ("crossover_position", 1e3, "mm"), ("crossover_radius", 1e6, "µm"), ("frozen_position", 1e3, "mm"),
         ("frozen_orientation", 1, ""), ("end_orientation", 1, ""), ("fibre_radius", 1e6, "µm"),
+        ("fibre_diameter", 1e9, "nm"),
     ):  # fmt: skip
         if f"{name}_std" not in result:
             continue
@@ -129,6 +131,11 @@ def _dried(result: "xr.Dataset | NamedArrays", end: int) -> list[str]:
             f"loses {lost:.3g} % of its volume" if lost >= 0 else f"takes up {-lost:.3g} % of its volume from the air"
         )
         sentences.append(f"The jet {change}; its mean polymer fraction ends at {mean:.3g}.")
+    if "temperature" in result:
+        kelvin = result["temperature"].values
+        sentences.append(
+            f"It cools to {np.nanmin(kelvin) - 273.15:.3g} °C on the way and ends at {float(kelvin[end]) - 273.15:.3g} °C."
+        )
     if "deborah_number" in result:
         w, affine = (float(result[name].values[end]) for name in ("strand_stretch", "stretch_ratio"))
         sentences.append(
@@ -156,7 +163,8 @@ def _frozen(result: "xr.Dataset | NamedArrays") -> list[str]:
         at = {
             key: float(result[f"{name}_{key}"]) for key in ("position", "radius", "orientation", "stretch", "relaxed")
         }
-        text = f"{what} turns to glass at {1e3 * at['position']:.3g} mm, radius {1e6 * at['radius']:.3g} µm"
+        solid = "becomes solid" if "crystals" in str(result.attrs.get(f"{name}_structure", "")) else "turns to glass"
+        text = f"{what} {solid} at {1e3 * at['position']:.3g} mm, radius {1e6 * at['radius']:.3g} µm"
         if name == "frozen":
             text += (
                 f": what stays is O = {at['orientation']:.3g} and a stretch of {at['stretch']:.3g}; "
@@ -168,6 +176,18 @@ def _frozen(result: "xr.Dataset | NamedArrays") -> list[str]:
     if not sentences:
         sentences.append(f"No structure is frozen in: {result.attrs['frozen_structure']}.")
     return sentences
+
+
+def _fibre(result: "xr.Dataset | NamedArrays") -> list[str]:
+    """The dry fibre, with the interval of its diameter where the inputs have one."""
+    if "fibre_diameter" not in result or not np.isfinite(float(result["fibre_diameter"])):
+        return []
+    diameter = 1e9 * float(result["fibre_diameter"])
+    spread = f" ± {1e9 * float(result['fibre_diameter_std']):.2g}" if "fibre_diameter_std" in result else ""
+    spread += _interval(result, "fibre_diameter", 1e9, "nm")
+    held = "arrest_position" in result and np.isfinite(float(result["arrest_position"]))
+    until = "what became solid" if held else "the last section, were it stretched no more"
+    return [f"The dry fibre is {diameter:.4g}{spread} nm in diameter: {until}."]
 
 
 def _state(result: "xr.Dataset | NamedArrays", index: int) -> str:

@@ -12,12 +12,14 @@ from spinline.scene.quantities import (
     Diffusivity,
     Fraction,
     IntrinsicViscosity,
+    Lifetime,
     Number,
     NumberOrZero,
     Pressure,
     Proper,
     Read,
     Section,
+    Supercooling,
     Temperature,
     Time,
     Velocity,
@@ -51,6 +53,10 @@ _PARAMETERS = (
     ("D_decay", "D_law", "exponential", True),
     ("D_gap", "D_law", "free-volume", True),
     ("D_growth", "D_law", "free-volume", True),
+    ("crystallisation_half_time", "crystallisation", "nakamura", True),
+    ("avrami_exponent", "crystallisation", "nakamura", False),
+    ("flow_enhancement", "crystallisation", "nakamura", False),
+    ("maximum_crystallinity", "crystallisation", "nakamura", False),
 )
 
 
@@ -77,6 +83,15 @@ class RheologySection(Section):
     D_gap: Number | None = None
     D_growth: NumberOrZero | None = None
     vitrification_fraction: Proper | None = None
+    transfer: Literal["kase-matsuo", "churchill-bernstein", "yarin"] = "kase-matsuo"
+    chi_water: Annotated[float, Field(ge=-10, le=20)] | None = None
+    chi_water_solvent: Annotated[float, Field(ge=-10, le=20)] | None = None
+    crystallisation: Literal["equilibrium", "nakamura", "none"] = "equilibrium"
+    supercooling: Supercooling = Measured(0.0, 0.0, "0 K")
+    crystallisation_half_time: Lifetime | None = None
+    avrami_exponent: Annotated[float, Field(ge=1, le=4)] | None = None
+    flow_enhancement: NumberOrZero | None = None
+    maximum_crystallinity: Fraction | None = None
 
     def parameters(self, law: ConstitutiveLaw) -> dict[str, float]:
         """Parameters of a constitutive law, SI: those given, and the defaults of the others that have one."""
@@ -90,7 +105,8 @@ class RheologySection(Section):
 
     @model_validator(mode="after")
     def _parameters_have_a_law(self) -> Self:
-        chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law}
+        chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law,
+                  "crystallisation": self.crystallisation}  # fmt: skip
         # what finite strands alone have is a choice of them
         listed = [
             (parameter.name, "constitutive", law.name, parameter.needed)
@@ -137,4 +153,5 @@ class EffectsSection(Section):
     evaporation: Switch = "auto"
     relaxation: Switch = "auto"
     radial: Switch = "auto"
+    heat: Switch = "auto"
     disentanglement: Switch = False

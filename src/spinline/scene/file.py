@@ -18,17 +18,22 @@ from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
 from spinline.rheology.constitutive import ConstitutiveLaw
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
+from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
+    Concentration,
     Conductivity,
     Density,
     ElectricField,
     Exponent,
     FlowRate,
+    HeatCapacity,
     KuhnLength,
     Label,
+    LatentHeat,
     Length,
     Lifetime,
     MassFraction,
+    MolarEnthalpy,
     MolarMass,
     Number,
     NumberOrZero,
@@ -40,6 +45,7 @@ from spinline.scene.quantities import (
     Viscosity,
     VolumeFraction,
 )
+from spinline.scene.spun import SpunJet
 
 __all__ = ["LONGEST", "Scene", "bundled_scenes", "given_file", "json_schema", "load_scene", "scene_from_dict"]
 
@@ -55,15 +61,24 @@ class PolymerData(Section):
     density: Density
     repeat_unit_molar_mass: MolarMass | None = None
     backbone_bonds: Annotated[int, Field(ge=1, le=1000)] | None = None
+    kuhn_length: KuhnLength | None = None
+    entanglement_molar_mass: MolarMass | None = None
+    glass_transition: Temperature | None = None
+    melting_temperature: Temperature | None = None
+    melting_enthalpy: MolarEnthalpy | None = None
+    heat_capacity: HeatCapacity | None = None
 
 
 class SolventData(Section):
-    """A solvent that is not built in; molar mass and vapour pressure matter to evaporation only."""
+    """A solvent that is not built in; what follows the density matters to evaporation only, the heats to a jet that cools."""
 
     name: Label = "solvent"
     density: Density
     molar_mass: MolarMass | None = None
     vapour_pressure: VapourPressure | None = None
+    latent_heat: LatentHeat | None = None
+    heat_capacity: HeatCapacity | None = None
+    glass_transition: Temperature | None = None
 
 
 def _form(value: Any) -> str:
@@ -92,19 +107,24 @@ class SolutionSection(Section):
     solvent: SolventField
     mass_fraction: MassFraction | None = None
     volume_fraction: VolumeFraction | None = None
+    concentration: Concentration | None = None
     molar_mass: MolarMass | None = None
-    kuhn_length: KuhnLength = Measured(1e-9, 0.0, "1 nm")
+    kuhn_length: KuhnLength | None = None
     temperature: Temperature = Measured(293.15, 0.0, "293.15 K")
     polymer_density: Density | None = None
     solvent_density: Density | None = None
-    viscosity: Viscosity | None = None
+    viscosity: Annotated[Literal["estimate"] | Viscosity, Field(union_mode="left_to_right")] | None = None
     solvent_viscosity: Viscosity | None = None
-    relaxation_time: Lifetime | None = None
+    relaxation_time: Annotated[Literal["estimate"] | Lifetime, Field(union_mode="left_to_right")] | None = None
+    materials: str | None = None
 
     @model_validator(mode="after")
     def _one_fraction(self) -> Self:
-        if (self.mass_fraction is None) == (self.volume_fraction is None):
-            raise refusal("mass_fraction", "give one of mass_fraction and volume_fraction, not both and not none")
+        given = [key for key in ("mass_fraction", "volume_fraction", "concentration") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise refusal(
+                "mass_fraction", "give one of mass_fraction, volume_fraction and concentration, not both and not none"
+            )
         return self
 
 
@@ -171,14 +191,17 @@ class LagrangianJetFile(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | TableJet | JetspinJet | LagrangianJetFile, Field(discriminator="profile")
+    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet,
+    Field(discriminator="profile"),
 ]
 JET_SECTIONS: dict[str, type[Section]] = {
     "power-law": PowerLawJet,
     "hyperbolic": HyperbolicJet,
+    "needle": NeedleJet,
     "table": TableJet,
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
+    "spun": SpunJet,
 }
 
 
@@ -281,7 +304,12 @@ def scene_from_dict(
     InputError
         With every problem found, one to a line.
     """
-    return checked(Scene, data, text, folder, name)
+    scene = checked(Scene, data, text, folder, name)
+    if scene.solution.materials is None:
+        return scene
+    from spinline.scene.materials_file import own_materials
+
+    return own_materials(scene)
 
 
 def checked(model: type[_Sheet], data: Mapping[str, Any], text: str, folder: Path | None, name: str) -> _Sheet:

@@ -22,8 +22,9 @@ __all__ = ["full_key", "is_section", "placed", "read_value", "reader", "unit_of"
 
 _SHORT = {"model": "network.model", "rtol": "accuracy.rtol"}
 _DISPLACED = {  # a varied key takes the place of these
-    "solution.mass_fraction": ("solution.volume_fraction",),
-    "solution.volume_fraction": ("solution.mass_fraction",),
+    "solution.mass_fraction": ("solution.volume_fraction", "solution.concentration"),
+    "solution.volume_fraction": ("solution.mass_fraction", "solution.concentration"),
+    "solution.concentration": ("solution.mass_fraction", "solution.volume_fraction"),
     "jet.k": ("jet.electric_field", "jet.conductivity"),
     "jet.electric_field": ("jet.k",),
     "jet.conductivity": ("jet.k",),

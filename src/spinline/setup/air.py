@@ -1,8 +1,9 @@
 """The air of a scene and the solvents on their way into it: what evaporation needs, from the library or given.
 
-Relative humidity is that of the air at its own temperature, and of water alone: other solvents find none of their vapour
-in the room. Vapour leaves at the temperature of the jet, ``solution.temperature``; it spreads in air of
-``ambient.temperature``, by default the same. Cooling by evaporation is left out.
+Relative humidity is that of the air at its own temperature, and of water alone: other solvents find none of their
+vapour in the room. Water is in the balance wherever there is any in the air, a solvent or not. Vapour leaves at the
+temperature of the jet, ``solution.temperature``; it spreads in air of ``ambient.temperature``, by default the same. A
+jet that cools is `heat`'s.
 """
 
 from dataclasses import dataclass
@@ -21,9 +22,10 @@ if TYPE_CHECKING:
     from spinline.rheology._evaporation_balance import Activity
     from spinline.rheology.element_path import ElementPath
     from spinline.rheology.evaporation import Evaporation
+    from spinline.rheology.transfer import Transfer
     from spinline.rheology.volatile import Volatile
 
-__all__ = ["Air", "build_air"]
+__all__ = ["Air", "build_air", "interaction_with", "library_name"]
 
 _ATMOSPHERE = 101325.0
 
@@ -48,6 +50,10 @@ class Air:
         Least Sherwood number.
     convention : str
         What stands for C in Eq. (43a).
+    transfer : str
+        Law of the Sherwood number.
+    condensing : str
+        Why nothing dries at the jet's own temperature; empty where it does.
     """
 
     volatiles: "tuple[Volatile, ...]"
@@ -58,6 +64,8 @@ class Air:
     polymer_molar_volume: float | None
     floor: float
     convention: str
+    transfer: "Transfer" = "kase-matsuo"
+    condensing: str = ""
 
     def evaporate(self, path: "ElementPath", volume_fraction: float) -> "Evaporation":
         """Evaporation along a path, flat across the jet; its warnings are in its notes."""
@@ -71,7 +79,7 @@ class Air:
             return evaporate(
                 path, volume_fraction, self.volatiles, self.shares, air_viscosity=self.viscosity,
                 air_velocity=self.velocity, activity=self.activity, polymer_molar_volume=self.polymer_molar_volume,
-                sherwood_floor=self.floor,
+                sherwood_floor=self.floor, transfer=self.transfer,
             )  # fmt: skip
 
     @property
@@ -79,10 +87,12 @@ class Air:
         """Polymer fraction at which drying ends; 1 where a solvent has no vapour in the air."""
         from spinline.rheology.vapour import equilibrium_fraction
 
-        if self.activity != "flory-huggins" or len(self.volatiles) != 1:
-            return 1.0 if all(v.ambient == 0 for v in self.volatiles) or self.activity == "unit" else float("nan")
-        (only,) = self.volatiles
-        return equilibrium_fraction(only.ambient, only.chi)
+        wet = [v for v in self.volatiles if v.ambient > 0]
+        if not wet or self.activity == "unit":
+            return 1.0
+        if self.activity != "flory-huggins" or len(wet) > 1:
+            return float("nan")
+        return equilibrium_fraction(wet[0].ambient, wet[0].chi)  # the others leave altogether
 
     def __str__(self) -> str:
         parts = [
@@ -93,7 +103,7 @@ class Air:
         floor = f", Sherwood floor {self.floor:g}" if self.floor else ""
         return (
             f"{'; '.join(parts)}; air {self.viscosity:.4g} m2/s, {self.velocity:g} m/s; activity {self.activity}, "
-            f'convention "{self.convention}"{floor}'
+            f'convention "{self.convention}", transfer "{self.transfer}"{floor}'
         )
 
 
@@ -110,12 +120,15 @@ def build_air(scene: Scene, solution: Solution) -> Air:
     ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
     air_temperature = given(ambient.temperature, solution.temperature)
     pressure = given(ambient.pressure, _ATMOSPHERE)
-    names = [_builtin(name) for name in solution.solvent]
+    names = [library_name(name) for name in solution.solvent]
     if len(names) > 1 and (ambient.vapour_diffusivity is not None or ambient.saturation is not None):
         key = "saturation" if ambient.saturation is not None else "vapour_diffusivity"
         raise InputError(f"ambient.{key}", "is one number, and the solvent is a mixture", remedy="drop it")
-    volatiles = tuple(_volatile(scene, solution, name, air_temperature, pressure) for name in names)
     masses = np.array(list(solution.solvent.values()))
+    humid = ambient.relative_humidity is not None and ambient.relative_humidity.value > 0
+    if humid and "water" not in names and laws.activity != "unit":
+        names, masses = [*names, "water"], np.append(masses, 0.0)
+    volatiles = tuple(_volatile(scene, solution, name, air_temperature, pressure) for name in names)
     densities = np.array([_density(scene, solution, name) for name in names])
     molar_volume = solution.polymer.repeat_unit_molar_mass / solution.polymer.density
     if laws.activity == "raoult" and not molar_volume > 0:
@@ -133,20 +146,37 @@ def build_air(scene: Scene, solution: Solution) -> Air:
         polymer_molar_volume=molar_volume if molar_volume > 0 else None,
         floor=laws.sherwood_floor.value,
         convention=laws.convention,
+        transfer=laws.transfer,
     )
 
 
-def _builtin(name: str) -> str:
+def library_name(name: str) -> str:
     """Library spelling of a solvent's name, or the name itself."""
+    from spinline.rheology.names import known_as
     from spinline.rheology.vapour import VAPOURS
 
-    return {key.lower(): key for key in VAPOURS}.get(name.strip().lower(), name)
+    return known_as(name, VAPOURS) or name
+
+
+def interaction_with(scene: Scene, solution: Solution, name: str) -> float:
+    """Chi of the polymer with a liquid: the scene's, the library's, or that of the solvent's quality."""
+    from spinline.rheology.interactions import interaction
+
+    laws = scene.rheology or RheologySection()
+    library = interaction(solution.polymer.name, name)
+    known = None if library is None else min(library[0], 5.0)
+    among = name in map(library_name, solution.solvent)
+    found = (laws.chi, known) if among else (laws.chi_water, known, laws.chi)
+    for value in found:
+        if value is not None:
+            return value
+    return 0.5 if scene.network.solvent_quality == "theta" else 0.0
 
 
 def _density(scene: Scene, solution: Solution, name: str) -> float:
     from spinline.rheology.materials import solvent_density
 
-    if len(solution.solvent) == 1:
+    if len(solution.solvent) == 1 and name == library_name(next(iter(solution.solvent))):
         return solution.solvent_density
     return solvent_density(name, solution.temperature, "solution.solvent")
 
@@ -158,7 +188,7 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
     ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
     own = scene.solution.solvent if isinstance(scene.solution.solvent, SolventData) else None
     known = name in vapour.VAPOURS
-    chi = laws.chi if laws.chi is not None else (0.5 if scene.network.solvent_quality == "theta" else 0.0)
+    chi = interaction_with(scene, solution, name)
     humidity = 0.0
     if name == "water":
         if ambient.relative_humidity is None:
@@ -177,6 +207,11 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
                 value=ambient.relative_humidity.value, allowed="below saturation at the jet's temperature",
                 remedy='lower it, or set effects.evaporation = false',
             )  # fmt: skip
+    if name not in map(library_name, solution.solvent):  # the air's water: what the scene gives is the solvent's
+        return Volatile.build(
+            name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention, pressure=pressure,
+            diffusivity=vapour.vapour_diffusivity(name, air_temperature, pressure),
+        )  # fmt: skip
     spread = given(ambient.vapour_diffusivity, None)
     mass = given(own.molar_mass, None) if own is not None else None
     if spread is None:

@@ -72,6 +72,8 @@ class Batch:
         """Values of a key: the column where it varies, the scene's own elsewhere, None where it has none."""
         if key in self.values:
             return self.values[key]
+        if key == "solution.kuhn_length":  # the library's, where the scene gives none
+            return np.asarray(self.solution.kuhn_length)
         section, _, name = key.partition(".")
         measured = getattr(getattr(self.scene, section), name)
         return None if measured is None else np.asarray(getattr(measured, "value", measured))

@@ -28,6 +28,7 @@ from spinline.setup.material import Material, build_material, diffusion_law, gla
 if TYPE_CHECKING:
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.rheology.diffusion_laws import DiffusionLaw
+    from spinline.setup.heat import HeatedAir
 
 __all__ = ["Context", "Rest", "Strands"]
 
@@ -215,6 +216,22 @@ class Context:
             For what evaporation needs and the scene does not give.
         """
         return self._once(self._shared, "air", lambda: build_air(self.scene, self.solution))
+
+    @property
+    def heated_air(self) -> "HeatedAir":
+        """Air and solvents with their heats.
+
+        Raises
+        ------
+        InputError
+            For what a jet that cools needs and the scene does not give.
+        """
+        return self._once(self._shared, "heated air", self._heated_air)
+
+    def _heated_air(self) -> "HeatedAir":
+        from spinline.setup.heat import build_heated_air
+
+        return build_heated_air(self.scene, self.solution)
 
     @property
     def material(self) -> Material:

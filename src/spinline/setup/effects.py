@@ -50,3 +50,8 @@ class Effects:
     def radial(self) -> bool:
         """The fraction across the jet is solved for."""
         return self["radial"]
+
+    @property
+    def heat(self) -> bool:
+        """The jet cools, and takes up water."""
+        return self["heat"]

@@ -25,6 +25,8 @@ class History:
         1/s; None along beads.
     remaining, fraction : ndarray
         Volume left over that at the nozzle, and the mean polymer fraction.
+    temperature, stiffening : ndarray or None
+        Of a jet that cools: K, and the factor on viscosity and relaxation time that its temperature and the glass to come make.
     """
 
     position: FloatArray
@@ -35,3 +37,5 @@ class History:
     strain_rate: FloatArray | None
     remaining: FloatArray
     fraction: FloatArray
+    temperature: FloatArray | None = None
+    stiffening: FloatArray | None = None

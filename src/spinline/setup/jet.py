@@ -16,9 +16,11 @@ from spinline.scene.file import (
     LagrangianJetFile,
     PowerLawJet,
     Scene,
+    SpunJet,
     TableJet,
     add_jet_section,
 )
+from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import Section
 from spinline.setup.values import given
 
@@ -92,6 +94,12 @@ def _hyperbolic(section: HyperbolicJet, scene: Scene, solution: Solution) -> "St
     return Hyperbolic(radius=section.radius.value, flow_rate=section.flow_rate.value, p=section.p.value)
 
 
+def _needle(section: NeedleJet, scene: Scene, solution: Solution) -> "StraightJet":
+    from spinline.setup.needle import needle_jet
+
+    return needle_jet(section, scene, solution)
+
+
 def _table(section: TableJet, scene: Scene, solution: Solution) -> "StraightJet":
     from spinline.jetprofile.table import Table
 
@@ -110,6 +118,12 @@ def _jetspin(section: JetspinJet, scene: Scene, solution: Solution) -> "Lagrangi
     from spinline.jetprofile.lagrangian import LagrangianJet
 
     return _moment(section, LagrangianJet.from_dataset(_jet_dataset(section, _path(section, scene))))
+
+
+def _spun(section: SpunJet, scene: Scene, solution: Solution) -> "LagrangianJet":
+    from spinline.setup.spun import build_spun
+
+    return build_spun(section, scene, solution)
 
 
 def _moment(section: LagrangianJetFile | JetspinJet, beads: "LagrangianJet") -> "LagrangianJet":
@@ -140,7 +154,9 @@ def _jet_dataset(section: JetspinJet, path: Path) -> "xr.Dataset":
 _BUILDERS: dict[type[Section], Builder] = {
     PowerLawJet: _power_law,
     HyperbolicJet: _hyperbolic,
+    NeedleJet: _needle,
     TableJet: _table,
     JetspinJet: _jetspin,
     LagrangianJetFile: _lagrangian,
+    SpunJet: _spun,
 }

@@ -11,7 +11,7 @@ import numpy as np
 from spinline.base.errors import InputError
 from spinline.deposit.collectors import Belt, Drum, Plate, collector
 from spinline.deposit.frames import landings_from_table
-from spinline.deposit.landing import LandingRecord
+from spinline.deposit.landing import LandingRecord, laid_by
 from spinline.deposit.mat import MatOptions
 from spinline.deposit.segments import Segments
 from spinline.deposit.surrogate import Laydown, surrogate_fibre
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "collector_of",
+    "laid_file",
     "landings_of",
     "lay_scene",
     "laydown_of",
@@ -109,6 +110,17 @@ def rows_of(scene: MatScene) -> int:
     spread, turning = scene.laydown.spread.value, scene.laydown.turning_length.value
     step = scene.laydown.step.value if scene.laydown.step else min(spread, turning) / 20
     return scene.jets.count * max(round(law.speed * scene.collector.time.value / step), 1)
+
+
+def laid_file(source: str | Path) -> Segments | None:
+    """Fibres of a jet file whose run had its own collector; None for anything else."""
+    path = Path(source)
+    if path.suffix != ".nc" or not path.exists():
+        return None
+    from spinline.base.netcdf import open_dataset
+
+    data = open_dataset(path)
+    return laid_by(data) if "deposit" in data.dims else None
 
 
 def landings_of(source: str | Path) -> LandingRecord:

@@ -92,6 +92,10 @@ class Material:
             return np.full_like(phi, s.relaxation_time)
         return laws.relaxation_time(self.concentration(phi), s.mass_fraction, s.relaxation_time, r.n)
 
+    def stiffened(self, factor: FloatArray) -> "Material":
+        """The same along samples (n,) at which temperature and glass multiply viscosity and relaxation time."""
+        return StiffenedMaterial(self.solution, self.laws, self.solvent_quality, self.solvent_viscosity, factor)
+
     @property
     def words(self) -> str:
         """Which laws, with their parameters."""
@@ -109,6 +113,23 @@ class Material:
                 f"n = {1.0 if r.n is None else r.n:g}"
             )
         return f"constant{n}"
+
+
+@dataclass(frozen=True)
+class StiffenedMaterial(Material):
+    """Laws at samples (n,), times a `factor` (n,); elsewhere, which is at the nozzle, as they are."""
+
+    factor: FloatArray
+
+    def viscosity(self, volume_fraction: FloatArray) -> FloatArray:
+        """Pa s."""
+        plain = super().viscosity(volume_fraction)
+        return plain * self.factor if plain.shape == self.factor.shape else plain
+
+    def relaxation_time(self, volume_fraction: FloatArray) -> FloatArray:
+        """Seconds."""
+        plain = super().relaxation_time(volume_fraction)
+        return plain * self.factor if plain.shape == self.factor.shape else plain
 
 
 _GIVE = "give it, for example --set solution.viscosity='2 Pa s' or solution.relaxation_time='10 ms'"

@@ -105,6 +105,7 @@ def _jet(context: Context, plan: Plan) -> dict[str, Any]:
         eps = coupling_error(context)
         found: dict[str, Any] = {
             "jet": repr(jet) if len(repr(jet)) < 400 else type(jet).__name__,
+            **jet.words(),
             "initial_velocity": jet.initial_velocity,
             "flow_rate": jet.flow_rate,
             "coupling": coupling.alpha,

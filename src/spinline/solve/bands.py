@@ -156,7 +156,7 @@ def _taken(solved: "Solved", along: str, place: FloatArray, numbers: list[str]) 
     if here.shape != place.shape or not np.array_equal(here, place):
         known = np.isfinite(here)
         kept = {name: _at(place, here[known], values[known]) for name, values in kept.items()}
-    scalars = solved.scalars | summarised(here, fields, float(solved.scalars["crossover_position"]))
+    scalars = solved.scalars | summarised(here, fields, float(solved.scalars["crossover_position"]), solved.scalars)
     return kept | {name: float(scalars[name]) for name in numbers if name in scalars}
 
 

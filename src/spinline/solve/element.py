@@ -4,7 +4,7 @@ One direction: jet -> volume left -> local fraction -> viscosity and relaxation 
 Solved on a grid of its own, at least as fine as the result's, and read at the result's places.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
-from spinline.drying.along_jet import Dried, dry, element_path, first_passage, where_mean_reaches
+from spinline.drying.along_jet import Dried, dry, dry_cooling, element_path, first_passage
 from spinline.network_models.registry import rung_of
 from spinline.network_models.variables import strand_conformation
 from spinline.setup.context import Context
 from spinline.setup.grid import jet_grid
 from spinline.setup.history import History
 from spinline.setup.material import Material
+from spinline.solve.composition_path import composition_path
 from spinline.solve.frozen_structure import Along, Frozen, freeze
+from spinline.solve.solidify import Arrest, find_arrest, liquids_along, solid_of, stiffening
 
 __all__ = ["Followed", "follow"]
 
@@ -98,23 +100,32 @@ def follow(
     material, glass = context.material, context.glass[0]
     dried = _dried(context, x, profile, known, glass)
     history = _history(context, profile, known, x, dried)
+    arrest: Arrest | None = None
+    said: dict[str, str] = {}
+    if dried is not None:
+        history, arrest, said = _solidified(context, dried, history, beyond=not bare)
+        if history.stiffening is not None:
+            material = material.stiffened(history.stiffening)
     fields: dict[str, Any] = {"radius": history.radius, "velocity": history.velocity, "residence_time": history.time,
                               "stretch_ratio": history.stretch}  # fmt: skip
-    attributes: dict[str, str] = {"concentration_laws": material.words}
+    attributes: dict[str, str] = {"concentration_laws": material.words} | said
     remarks: list[str] = []
     if history.strain_rate is not None:
         fields["strain_rate"] = history.strain_rate
     if dried is not None:
         fields |= {"evaporated_fraction": dried.lost, "reynolds_number": dried.reynolds,
                    "sherwood_number": dried.sherwood}  # fmt: skip
-        attributes["evaporation"] = str(context.air)
+        attributes["evaporation"] = str(context.air if dried.temperature is None else context.heated_air)
         remarks += [f"evaporation: {note}" for note in dried.notes]
+        if dried.temperature is not None:
+            fields["temperature"] = dried.temperature
+            remarks += _cold(context, dried)
     fields |= _material_fields(material, history.fraction)
     w = history.stretch
     if slipping is not None:
         w = np.exp(np.interp(x, place[known], np.log(slipping[known])))
     if context.effects.relaxation:
-        relaxed = rung_of(context.scene.network.model).relax(context, history)
+        relaxed = rung_of(context.scene.network.model).relax(context, _held(history, arrest))
         attributes["constitutive_model"] = relaxed.words
         w = relaxed.stretch if slipping is None else w  # of a network that slips strands have relaxed already
         fields |= relaxed.fields
@@ -122,7 +133,8 @@ def follow(
     along = Along(x, history.time, history.radius, w, history.stretch)
     frozen = None
     if dried is not None:
-        frozen = _frozen(context, along, dried, beyond=not bare)
+        assert arrest is not None
+        frozen = _frozen(context, along, dried, arrest)
         attributes |= {f"{name}_structure": words for name, words in frozen.words.items()}
         if not np.isnan(frozen.position):
             beyond = x > frozen.position
@@ -144,6 +156,35 @@ def follow(
         attributes=attributes,
         remarks=remarks,
     )
+
+
+def _solidified(
+    context: Context, dried: Dried, history: History, *, beyond: bool
+) -> tuple[History, Arrest, dict[str, str]]:
+    """The history with what stiffens it, where the jet becomes solid, and what there is to say of laws and composition."""
+    here, names = liquids_along(context, dried)
+    solid = solid_of(context, here, names)
+    said: dict[str, str] = {}
+    if dried.temperature is not None:
+        factor, words = stiffening(context, here, solid)
+        history = replace(history, temperature=dried.temperature, stiffening=factor)
+        said["concentration_laws"] = f"{context.material.words}; {words}"
+    arrest = find_arrest(context, dried, history, solid, here, beyond=beyond)
+    said["composition_path"] = composition_path(context, dried.position, here, names, arrest.position)
+    return history, arrest, said
+
+
+def _held(history: History, arrest: Arrest | None) -> History:
+    """What relaxation acts on: along a jet that cools the stretch is held from the arrest on, as the glass to come holds it."""
+    if arrest is None or history.temperature is None or np.isnan(arrest.position):
+        return history
+    beyond = history.position > arrest.position
+    last = float(np.exp(np.interp(arrest.position, history.position, np.log(history.stretch))))
+    rate = history.strain_rate
+    return replace(
+        history, stretch=np.where(beyond, last, history.stretch),
+        strain_rate=None if rate is None else np.where(beyond, 0.0, rate),
+    )  # fmt: skip
 
 
 def spread(values: FloatArray, known: BoolArray) -> FloatArray:
@@ -177,6 +218,8 @@ def _dried(
     age = None if context.straight else profile["residence_time"][known]
     law = context.diffusion if context.effects.radial else None
     path = element_path(context.jet, x, age)
+    if context.effects.heat:
+        return dry_cooling(path, context.solution, context.heated_air, law, cells=context.scene.accuracy.shells)
     return dry(path, context.solution, context.air, law, glass=glass, cells=context.scene.accuracy.shells)
 
 
@@ -219,16 +262,47 @@ def _material_fields(material: Material, fraction: FloatArray) -> dict[str, Floa
     return fields
 
 
-def _frozen(context: Context, along: Along, dried: Dried, *, beyond: bool) -> Frozen:
-    nan = float("nan")
-    glass, why = context.glass
-    places = {"frozen": (nan, nan)}
-    never = "where it would is not known"
-    if not np.isnan(glass):
-        if glass >= context.air.equilibrium:
-            never = f"drying ends at phi = {context.air.equilibrium:.4g}"
-        places["frozen"] = where_mean_reaches(dried, context.air, context.solution, context.jet, glass, beyond=beyond)
+def _frozen(context: Context, along: Along, dried: Dried, arrest: Arrest) -> Frozen:
+    places = {"frozen": (arrest.position, arrest.predicted)}
     if dried.radial is not None:
-        surface, axis = dried.radial.vitrified_at if not np.isnan(glass) else (nan, nan)
-        places |= {"skin": (surface, surface), "core": (axis, axis)}
-    return freeze(along, places, glass, why, lambda w: strand_conformation(context, w), never)
+        places |= {"skin": (arrest.skin, arrest.skin), "core": (arrest.core, arrest.core)}
+    exact = None
+    if not np.isnan(arrest.position):
+        path = dried.path
+        left = context.solution.volume_fraction / arrest.fraction
+        stretch = float(path.stretch(np.asarray([arrest.position]))[0]) * (left if path.given == "radius" else 1.0)
+        exact = {"stretch_ratio": stretch, "radius": path.initial_radius * float(np.sqrt(left / stretch))}
+    found = freeze(
+        along, places, arrest.fraction, arrest.why, lambda w: strand_conformation(context, w), arrest.never, exact
+    )
+    slips = exact is not None and rung_of(context.scene.network.model).slips
+    nan = float("nan")
+    grown = arrest.crystallinity
+    solid = {
+        "arrest_position": arrest.position,
+        "arrest_fraction": nan if exact is None else arrest.fraction,
+        "arrest_temperature": arrest.temperature,
+        "arrest_slip": nan
+        if exact is None
+        else found.scalars["frozen_stretch"] / exact["stretch_ratio"]
+        if slips
+        else 1.0,
+        "crystallinity": nan if grown is None else float(grown[-1]),
+    }
+    # the fraction of the glass at the solution's temperature keeps its name where the jet holds it
+    level = context.glass[0] if dried.temperature is None else found.scalars["vitrification_fraction"]
+    return Frozen(found.position, found.scalars | solid | {"vitrification_fraction": level}, found.words)
+
+
+def _cold(context: Context, dried: Dried) -> list[str]:
+    """Where the jet is colder than the dew point of its air."""
+    dew, kelvin = context.heated_air.dew_point, dried.temperature
+    assert kelvin is not None
+    below = np.flatnonzero(kelvin < dew) if not np.isnan(dew) else np.zeros(0, dtype=int)
+    if not below.size:
+        return []
+    place, least = dried.position[below[0]], float(kelvin.min())
+    return [
+        f"from {place:.3g} m on the jet is colder than the dew point of its air ({dew - 273.15:.3g} degC; {least - 273.15:.3g} "
+        "degC at the least): water condenses on it"
+    ]

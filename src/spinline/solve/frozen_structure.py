@@ -1,8 +1,8 @@
 """Structure that stays: where the jet turns to glass, what the strands are there, and what relaxed on the way.
 
-The structure is that of the network where the section's mean fraction reaches the vitrification fraction; from there on it
-changes no more. With radial drying the skin freezes before and the core after: both are given too. Not a word is said of what
-cannot be known: NaN, and a sentence.
+The structure is that of the network where the section's mean fraction reaches the vitrification fraction; from there
+on it changes no more. With radial drying the skin freezes before and the core after: both are given too. Not a word is
+said of what cannot be known: NaN, and a sentence.
 """
 
 from collections.abc import Callable
@@ -70,6 +70,7 @@ def freeze(
     why: str,
     conformation: Conformation,
     never: str,
+    exact: dict[str, float] | None = None,
 ) -> Frozen:
     """Structure at the places where things freeze.
 
@@ -78,7 +79,8 @@ def freeze(
     along : Along
         The jet.
     places : dict
-        "frozen" (the mean), and "skin" and "core" where known: position in m and the predicted one, NaN where not reached.
+        "frozen" (the mean), and "skin" and "core" where known: position in m and the predicted one, NaN where not
+        reached.
     fraction : float
         Vitrification fraction; NaN where not known.
     why : str
@@ -87,6 +89,9 @@ def freeze(
         Extension and orientation of strands stretched by w.
     never : str
         What to say where it is not reached and no prediction can be made.
+    exact : dict, optional
+        Radius and material stretch where "frozen" is, in place of those between the samples: there r^2 Lambda phi is
+        r_0^2 phi_0.
 
     Returns
     -------
@@ -98,6 +103,10 @@ def freeze(
         values = dict.fromkeys(FROZEN, float("nan"))
         if not np.isnan(place):
             here = along.at(place)
+            if name == "frozen" and exact is not None:
+                if abs(here["stretch"] / here["stretch_ratio"] - 1) < 1e-9:  # strands that go with the jet
+                    here["stretch"] = exact["stretch_ratio"]
+                here |= exact
             w, affine = here["stretch"], here["stretch_ratio"]
             extension, orientation = conformation(w)
             values |= {
@@ -114,7 +123,7 @@ _WHAT = {"frozen": "the section's mean", "skin": "the surface", "core": "the axi
 
 def _sentence(name: str, values: dict[str, Any], predicted: float, fraction: float, why: str, never: str) -> str:
     what = _WHAT[name]
-    if np.isnan(fraction):
+    if np.isnan(fraction) and np.isnan(values["position"]):
         return f"the vitrification fraction is {why}"
     level = f"phi = {fraction:.4g} ({why})"
     if np.isnan(values["position"]):

@@ -48,6 +48,7 @@ def batch_numbers(batch: Batch) -> dict[str, FloatArray]:
     state = _network(batch, batch.end_stretch)
     found |= {f"end_{name}": state[name] for name in AT_END}
     found["fibre_radius"] = state["radius"] * np.sqrt(state["mean_polymer_fraction"])
+    found["fibre_diameter"] = 2 * found["fibre_radius"]
     return {name: np.broadcast_to(column, (batch.rows,)) for name, column in found.items()}
 
 

@@ -91,7 +91,7 @@ class Moments:
             "polymer_fraction": joined,
             "drying_polymer_fraction": dried,
             "surface_polymer_fraction": here.polymer_fraction[:, -1],
-            "axis_polymer_fraction": here.polymer_fraction[:, 0],
+            "axis_polymer_fraction": here.axis_fraction,
             "skin_thickness": skin,
             "drying_peclet": peclet[at],
             "drying_biot": biot_number(peclet, moment.dried, air, phi)[at],
@@ -214,7 +214,8 @@ def _crossover(moment: Followed, context: Context, affine: Crossover) -> Crossov
         return Crossover(target, place, radius, radius / context.jet.initial_radius, place)
     end = context.length if context.straight else float(along.position[-1])
     if moment.frozen is not None and not np.isnan(moment.frozen.position):
-        words = f"the network turns to glass before, at {moment.frozen.position:.6g} m, stretched w = {along.stretch[-1]:.6g}"
+        solid = "becomes solid" if "crystals" in moment.frozen.words["frozen"] else "turns to glass"
+        words = f"the network {solid} before, at {moment.frozen.position:.6g} m, stretched w = {along.stretch[-1]:.6g}"
         return Crossover(target, nan, nan, nan, nan, words)
     if context.effects.relaxation:
         i = int(np.argmax(along.stretch))

@@ -111,6 +111,9 @@ def solve_stages(
     if context.scene.network.lateral:
         fields |= lateral_variables(context, fields)
     scalars: dict[str, Any] = {"volume_fraction": context.solution.volume_fraction}
+    if context.straight and not bare:
+        scalars |= context.line.numbers()
+        remarks += context.line.remarks()
     if moments is not None:
         fields |= moments.across(fields["radial_contraction"])
         scalars |= moments.scalars

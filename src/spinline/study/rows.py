@@ -35,7 +35,7 @@ from spinline.setup.jet import build_jet, built_from_numbers
 from spinline.solve.many import AT_END
 from spinline.solve.results import VARIABLES
 from spinline.solve.spine import Solved, evaluate
-from spinline.solve.summary import SUMMARISED, summarised
+from spinline.solve.summary import FIBRE, SUMMARISED, summarised
 from spinline.solve.uncertainty import shares
 from spinline.study.design import Column
 
@@ -65,7 +65,7 @@ SCALARS: dict[str, tuple[str, str]] = (
     }
     | {f"crossover_{name}": (VARIABLES[name][0], f"at the crossover: {VARIABLES[name][1]}") for name in AT_CROSSOVER}
     | {f"end_{name}": (VARIABLES[name][0], f"at the end of the jet: {VARIABLES[name][1]}") for name in AT_END}
-    | {"fibre_radius": VARIABLES["fibre_radius"]}
+    | {name: VARIABLES[name] for name in FIBRE}
 )
 BEYOND = {  # reasons of status 1
     "crossover_position": "the crossover is not reached within the jet",
@@ -193,7 +193,7 @@ def numbers(solved: Solved) -> dict[str, float]:
     fields = solved.fields
     place = fields["arc_length" if "arc_length" in fields else "z"]
     known = np.flatnonzero(np.isfinite(fields["stretch_ratio"]))
-    result |= summarised(place, fields, result.get("crossover_position", np.nan))
+    result |= summarised(place, fields, result.get("crossover_position", np.nan), result)
     if known.size:
         result |= {f"end_{name}": float(fields[name][known[-1]]) for name in AT_END}
     return result

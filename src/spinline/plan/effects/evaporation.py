@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from spinline.base.errors import InputError
 from spinline.plan.effects.effect import Effect
 from spinline.plan.estimates import Estimate
 from spinline.setup.context import Context
@@ -35,7 +36,13 @@ class Evaporation(Effect):
 
     def check(self, context: Context) -> None:
         """What the air needs, and a glass that can be."""
-        _ = context.air, context.glass
+        _ = context.glass
+        try:
+            _ = context.air
+        except InputError:  # a jet that cools may find air that another cannot dry in
+            if context.scene.effects.heat is False:
+                raise
+            _ = context.heated_air
 
 
 EFFECT = Evaporation()

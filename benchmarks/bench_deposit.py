@@ -1,0 +1,154 @@
+"""Mats at scale, and what their laws are worth.
+
+Four parts, each kept in ``bench_deposit.json``:
+
+scale       1e6 and 1e7 segments laid, written, read and analysed on one core: CPU seconds, peak memory, exponent of the cost
+beds        Stokes flow through random overlapping beds against the permeability laws (72^3 voxels, radius 3, three seeds)
+drum        porosity by every envelope, order parameter and thickness against the speed of the collector, at the same time
+pixel       mean height and solidity against the pixel of the stack, with the observed order
+
+    python benchmarks/bench_deposit.py [scale] [beds] [drum] [pixel] [--json FILE]
+"""
+
+import argparse
+import json
+import resource
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import spinline.deposit as dep
+from spinline.base.errors import SpinlineWarning
+
+
+def lay(path, segments, jets=20, speed=0.0):
+    law = dep.Laydown(
+        speed=4.4, covariance=(2e-3) ** 2, noise=20.0, radius=1e-6, radius_spread=0.25, radius_length=1e-3
+    )
+    per_jet = segments // jets
+    with dep.FibreWriter(path) as file:
+        for k in range(jets):
+            for block in dep.surrogate_fibre(
+                law, per_jet * 1e-4, step=1e-4, machine_speed=speed, centre=(0.0, 2e-3 * k), jet=k
+            ):
+                file.write(block)
+
+
+def scale():
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "f.h5"
+        lay(path, 400_000)  # compile
+        with dep.FibreFile(path) as file:
+            dep.analyse_mat(file, dep.MatOptions(realisations=2))
+        for n in (1_000_000, 10_000_000):
+            start, wall = time.process_time(), time.perf_counter()
+            lay(path, n)
+            laid = time.process_time() - start
+            with dep.FibreFile(path) as file:
+                result = dep.analyse_mat(file, dep.MatOptions(realisations=2))
+            total = time.process_time() - start
+            rows.append({
+                "segments": n, "cpu_lay_s": laid, "cpu_total_s": total, "wall_s": time.perf_counter() - wall,
+                "peak_memory_GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+                "file_MB": path.stat().st_size / 1e6, "porosity": float(result.porosity),
+            })  # fmt: skip
+            print(rows[-1], flush=True)
+    exponent = np.log(rows[-1]["cpu_total_s"] / rows[0]["cpu_total_s"]) / np.log(10)
+    return {"rows": rows, "exponent": float(exponent)}
+
+
+def bed(solidity, seed, layered, n=72, a=3.0):
+    rng = np.random.default_rng([seed, layered])
+    box = np.zeros((n, n, n), dtype=bool)
+    while box.mean() < solidity:
+        if layered:
+            angle = rng.uniform(0, np.pi)
+            t = np.array([np.cos(angle), np.sin(angle), 0.0])
+        else:
+            t = rng.standard_normal(3)
+            t /= np.linalg.norm(t)
+        middle = rng.uniform(0, n, 3)
+        box |= dep.stamp(middle - n / 2 * t, middle + n / 2 * t, a, (n, n, n), (True, True, True))
+    return box
+
+
+def beds():
+    out = []
+    for layered in (True, False):
+        for solidity in (0.05, 0.1, 0.2):
+            flows = [dep.stokes_permeability(bed(solidity, seed, layered), 2, tolerance=1e-3) for seed in range(3)]
+            ratio = np.array([flow.permeability / 9 for flow in flows])
+            phi = float(np.mean([flow.solidity for flow in flows]))
+            laws = {}
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", SpinlineWarning)
+                for law in dep.LAWS:
+                    laws[law] = float(dep.permeability_of(law, phi, 1.0))
+            row = {"bed": "layered, through" if layered else "random", "solidity": phi, "k_over_a2": float(ratio.mean()),
+                   "lowest": float(ratio.min()), "highest": float(ratio.max()), "laws": laws}  # fmt: skip
+            inside = [value for value in laws.values() if np.isfinite(value)]
+            row["within_the_laws"] = bool(min(inside) <= ratio.mean() <= max(inside))
+            out.append(row)
+            print({key: value for key, value in row.items() if key != "laws"}, flush=True)
+    return out
+
+
+def drum():
+    out = []
+    for speed in (0.0, 2.0, 8.0, 30.0):
+        law = dep.Laydown(speed=4.4, covariance=(1e-4) ** 2, noise=60.0, radius=1e-6)
+        turn = 4e-4
+        s = dep.Segments.join(list(dep.surrogate_fibre(law, 0.4, step=5e-6, machine_speed=speed, seed=1)))
+        rolled = dep.Segments.join(list(_rolled(s, turn))) if speed else s
+        window = dep.Window(8e-5, 8e-5, 1.6e-4 if speed else -4e-5, -4e-5)
+        laid = dep.lay_stack(rolled, window, slope=0.3)
+        row = {"collector_speed": speed, "order_parameter": dep.order_of(s.angle, s.chord).order_parameter,
+               "coverage": laid.coverage, "thickness_m": laid.mean_thickness,
+               "porosity": {e: laid.porosity(e) for e in ("mean-top", "max-top", "percentile")}, "slope": 0.3}  # fmt: skip
+        out.append(row)
+        print(row, flush=True)
+    return out
+
+
+def _rolled(s, turn):
+    from spinline.deposit.whole import Rolled
+
+    return Rolled(s, turn).chunks()
+
+
+def pixel():
+    rng = np.random.default_rng(1)
+    theta, middle = rng.uniform(0, np.pi, 2000), rng.uniform(0, 200, (2000, 2))
+    half = 100 * np.stack([np.cos(theta), np.sin(theta)], -1)
+    s = dep.Segments.from_paths(list(np.stack([middle - half, middle + half], 1)), 1.0)
+    out = []
+    for slope in (0.1, 1.0):
+        found = [
+            dep.lay_stack(s, dep.Window(200, 200, periodic=True), pixel=p, slope=slope) for p in (1.0, 0.5, 0.25, 0.125)
+        ]
+        height = [one.mean_thickness for one in found]
+        steps = np.abs(np.diff(height))
+        row = {"slope": slope, "pixel_over_radius": [1.0, 0.5, 0.25, 0.125], "mean_height": height}
+        orders = np.log2(steps[:-1] / steps[1:]).tolist()
+        out.append(row | {"solidity": [one.solidity() for one in found], "orders": orders})
+        print(out[-1], flush=True)
+    return out
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", default=["scale", "beds", "drum", "pixel"])
+    parser.add_argument("--json", type=Path, default=Path(__file__).with_suffix(".json"))
+    arguments = parser.parse_args()
+    kept = json.loads(arguments.json.read_text()) if arguments.json.exists() else {}
+    for part in arguments.parts:
+        kept[part] = {"scale": scale, "beds": beds, "drum": drum, "pixel": pixel}[part]()
+        arguments.json.write_text(json.dumps(kept, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+"""Spun jets: convergence, cost, the charge's sums, and what is left of a whipping jet's statistics under refinement.
+
+    python benchmarks/bench_spun.py [PART ...] [-o benchmarks/bench_spun.json]
+
+Parts: orders, published, sums, whipping. Each is written to the JSON file by itself; times are ratios within one run.
+"""
+
+import itertools
+import json
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+from spun_cases import material, pvp, radii, rotating, spun  # noqa: E402
+
+from spinline.jetprofile.spun import _codes as c  # noqa: E402
+from spinline.jetprofile.spun._tree_kernels import direct_sum, pair_sum, tree_sum  # noqa: E402
+from spinline.jetprofile.spun.run import SpunRun  # noqa: E402
+from spinline.jetprofile.spun.settings import Air, Collector  # noqa: E402
+
+STATIONS = np.array([0.05, 0.1, 0.2, 0.5, 1, 2, 4]) * 1e-2
+FAST = np.array([49.603603, 49.236240, 48.567133, 46.887374, 44.685253, 41.464606, 37.349450]) * 1e-6
+
+
+def orders():
+    """Radii of the uncharged jets and material points of the bent ones, grid by grid."""
+    out = {}
+    grids = (8e-4, 4e-4, 2e-4, 1e-4)
+    worst = [float(np.abs(radii(spun(pvp(g, 6.0, stress="given"), 12e-3), STATIONS) / FAST - 1).max()) for g in grids]
+    out["fast jet, worst radius against the exact one"] = dict(zip(map(str, grids), worst, strict=True))
+    slow = {g: radii(spun(pvp(g), 20e-3), STATIONS) for g in (4e-4, 2e-4, 1e-4, 5e-5)}
+    out["slow jet, settled: orders"] = np.log2(
+        np.abs((slow[2e-4] - slow[1e-4]) / (slow[1e-4] - slow[5e-5]))
+    ).tolist()  # fmt: skip
+    out["slow jet: 0.2 and 0.1 mm against 0.05 mm"] = [
+        float(np.abs(slow[g] / slow[5e-5] - 1).max()) for g in (2e-4, 1e-4)
+    ]
+    for charge in (0.0, 4400.0, 8800.0):
+        at = np.array([0.1, 0.25, 0.4, 0.6, 0.8, 0.9]) * (1.6e-2)
+        found = []
+        for g in (4e-4, 2e-4, 1e-4, 5e-5):
+            kind = "hybrid" if charge else "none"
+            s = rotating(
+                pvp(g, charge=charge, repulsion=kind, tolerance=1e-7), 2000.0, load_ramp=2e-3 if charge else 0.0
+            )
+            found.append(material(spun(s, 8e-3), at))
+        apart = [np.linalg.norm(a - b, axis=1) for a, b in itertools.pairwise(found)]
+        out[f"bent jet, {charge:g} statC/cm3"] = {
+            "x": found[-1][:, 0].tolist(), "off the axis": np.hypot(found[-1][:, 1], found[-1][:, 2]).tolist(),
+            "between grids": [a.tolist() for a in apart], "last order": np.log2(apart[-2] / apart[-1]).tolist(),
+        }  # fmt: skip
+    return out
+
+
+def published():
+    """PVP with its whole charge and its flow rate given; and the cost of 10 ms of the bent jet."""
+    at = np.array([0.1, 0.2, 0.5, 1.0]) * 1e-2
+    rows = {}
+    for g in (2e-4, 1e-4, 5e-5):
+        rows[str(g)] = radii(spun(pvp(g, repulsion="hybrid", near=4, pressure=False), 4e-3), at).tolist()
+    out = {"radii at 0.1, 0.2, 0.5, 1 cm after 4 ms, m": rows}
+    s = rotating(pvp(2e-4, repulsion="hybrid", near=4, pressure=False), 1e4, ramp=5e-4)
+    spun(s, 1e-4)
+    begun = time.perf_counter()
+    chain = spun(s, 10e-3)
+    out["10 ms bent"] = {"elements": chain.n, "seconds": time.perf_counter() - begun, "steps": int(chain.clock[5])}
+    return out
+
+
+def sums():
+    """All pairs against the tree on a widening helix; beyond 10^4 a sample of targets stands for all."""
+    out = {}
+    for n in (300, 1000, 3000, 10000, 30000, 100000):
+        turn, far, wide = np.linspace(0, 40 * np.pi, n), np.linspace(0, 0.16, n), np.linspace(1e-5, 0.04, n)
+        x = np.stack([far, wide * np.cos(turn), wide * np.sin(turn)], axis=-1)
+        q, a2 = np.full(n, 1e-12), np.full(n, 2.5e-11)
+        pick = np.arange(n) if n <= 10000 else np.arange(0, n, n // 1000)
+        exact = np.zeros((len(pick), 3))
+        begun = time.perf_counter()
+        if n <= 10000:
+            pair_sum(x, q, a2, exact, np.zeros(n), np.zeros(n))
+            direct = time.perf_counter() - begun
+        else:
+            direct_sum(x[pick], a2[pick], _shifted(x), q, a2, exact)
+            direct = (time.perf_counter() - begun) * n / len(pick) / 2  # each pair once
+        field, spare, level = np.zeros((n, 3)), np.zeros(n), np.zeros(n)
+        begun = time.perf_counter()
+        tree_sum(x, a2, x, q, a2, 0.3, field, spare, level)
+        took = time.perf_counter() - begun
+        error = np.linalg.norm(field[pick] - exact, axis=1)
+        size = np.linalg.norm(exact, axis=1)
+        out[str(n)] = {
+            "direct s": direct, "tree s": took, "ratio": direct / took,
+            "rms error": float(np.sqrt((error**2).mean() / (size**2).mean())), "worst": float((error / size).max()),
+        }  # fmt: skip
+    took = [out[str(n)]["tree s"] for n in (10000, 100000)]
+    out["cost exponent, 1e4 to 1e5"] = float(np.log10(took[1] / took[0]))
+    return out
+
+
+def _shifted(x):
+    """The same points: a point's own term is softened and has no direction, so it adds nothing."""
+    return x
+
+
+def whipping():
+    """Landing of a noisy, circling jet: 16 seeds on two grids; a t-interval over seeds."""
+    from scipy.stats import t as student
+
+    out = {}
+    for g in (4e-4, 2e-4):
+        base = rotating(pvp(g, repulsion="hybrid", near=4, pressure=False), 1e4, ramp=5e-4)
+        base = replace(base, collector=Collector("plate"), surface_tension=0.021133,
+                       air=Air(xi=0.0, lift=False, noise=1e-9, interval=2e-5, grain=1e-13))  # fmt: skip
+        rows = []
+        for seed in range(16):
+            run = SpunRun.start(replace(base, seed=seed))
+            run.advance(24e-3)
+            d = run.chain.deposited
+            late = d[:, c.D_TIME] > 16e-3
+            y, z = d[late, c.D_Y1], d[late, c.D_Z1]
+            turn = np.unwrap(np.arctan2(z, y))
+            at = d[late, c.D_TIME]
+            thin = np.sqrt(d[late, c.D_VOLUME] / (np.pi * d[late, c.D_FLIGHT]))
+            rows.append([
+                np.hypot(y, z).mean(), np.degrees(2 * np.arctan(np.hypot(y, z).mean() / 0.16)), thin.mean(),
+                abs(np.polyfit(at, turn, 1)[0]) / (2 * np.pi),
+            ])  # fmt: skip
+        rows = np.array(rows)
+        half = student.ppf(0.975, 15) * rows.std(axis=0, ddof=1) / 4
+        names = ("landing radius m", "2 atan(R/h) deg", "radius at the collector m", "turns per s")
+        out[str(g)] = {k: [float(m), float(h)] for k, m, h in zip(names, rows.mean(axis=0), half, strict=True)}
+    first, second = out.values()
+    out["moves by (in intervals of the finer grid)"] = {
+        k: abs(first[k][0] - second[k][0]) / max(second[k][1], 1e-300) for k in first
+    }
+    return out
+
+
+PARTS = {"orders": orders, "published": published, "sums": sums, "whipping": whipping}
+
+if __name__ == "__main__":
+    target = Path(sys.argv[sys.argv.index("-o") + 1]) if "-o" in sys.argv else ROOT / "benchmarks" / "bench_spun.json"
+    wanted = [a for a in sys.argv[1:] if a in PARTS] or list(PARTS)
+    known = json.loads(target.read_text()) if target.exists() else {}
+    for name in wanted:
+        begun = time.perf_counter()
+        known[name] = PARTS[name]()
+        target.write_text(json.dumps(known, indent=1) + "\n")
+        print(name, round(time.perf_counter() - begun, 1), "s", json.dumps(known[name])[:400], flush=True)

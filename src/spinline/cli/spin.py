@@ -1,0 +1,221 @@
+"""The command that spins a jet: bead by bead, from the nozzle to the collector."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spinline.base.errors import InputError
+from spinline.cli.options import ForceOption, JsonOption, SetOption, load
+from spinline.cli.progress import progress_of
+from spinline.cli.speech import say
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from spinline.jetprofile.spun.settings import SpunSettings
+
+__all__ = ["register", "spin"]
+
+Text = str | None
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the command line."""
+    app.command()(spin)
+
+
+def spin(
+    source: Annotated[
+        str,
+        typer.Argument(metavar="SCENE", help='Scene with profile = "spun", its bundled name, or a JETSPIN input.dat.'),
+    ],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Jet file, netCDF. Default: SCENE's name with .nc.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on where an interrupted run stopped.")] = False,
+    seeds: Annotated[int, typer.Option(help="Runs with successive seeds; one file each.")] = 1,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Elements twice as long, tolerance ten times as wide.")
+    ] = False,
+    time: Annotated[Text, typer.Option(help='Until when, "20 ms".')] = None,
+    frames: Annotated[int, typer.Option(help="Moments that are stored.")] = 40,
+    flow_rate: Annotated[Text, typer.Option(help='For input.dat: the flow rate, "49.5 mL/hour".')] = None,
+    law: Annotated[str, typer.Option(help="For input.dat: ucm or linear-maxwell.")] = "ucm",
+    figure: Annotated[Path | None, typer.Option(help="Figure of the last moment.")] = None,
+    movie: Annotated[Path | None, typer.Option(help="Animation, .gif or .mp4.")] = None,
+    vtk: Annotated[Path | None, typer.Option(help="Last moment for ParaView, .vtk.")] = None,
+    xyz: Annotated[Path | None, typer.Option(help="All moments for VMD or OVITO, .xyz.")] = None,
+    set_: SetOption = None,
+    json: JsonOption = False,
+    force: ForceOption = False,
+) -> None:
+    """Spin a jet with its flow rate given, and write what flies and what has landed."""
+    import json as json_
+
+    from spinline.base.files import writable
+
+    if seeds < 1:
+        raise InputError("--seeds", "must be 1 or more", value=seeds)
+    settings, end, notes, title = _settings(source, set_, flow_rate, law, quick, time)
+    stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
+    target = out or Path(f"{stem or 'jet'}.nc")
+    names = [target] if seeds == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(seeds)]
+    for name in (*names, *(p for p in (figure, movie, vtk, xyz) if p is not None)):
+        writable(name, force=force or resume)
+    for note in notes:
+        say(note, err=True)
+    answers = []
+    for index, name in enumerate(names):
+        jet = _one(settings, settings.seed + index, end, frames, name, resume, title, notes)
+        _store(jet, name, force or resume)
+        answers.append(_answer(jet, name))
+        say(json_.dumps(answers[-1]) if json else _words(answers[-1]))
+    _extras(jet, figure, movie, vtk, xyz, force or resume)
+
+
+def _settings(
+    source: str, overrides: list[str] | None, flow_rate: Text, law: str, quick: bool, time: Text
+) -> tuple["SpunSettings", float, tuple[str, ...], str]:
+    """Settings, the end in s, what is to be said, and a title."""
+    from dataclasses import replace
+
+    from spinline.base.units import parse
+
+    notes: tuple[str, ...] = ()
+    if Path(source).name == "input.dat" or Path(source).suffix == ".dat":
+        from spinline.base.files import readable
+        from spinline.jetprofile.spun.jetspin_input import translate
+
+        given = None if flow_rate is None else parse(flow_rate, "flow rate", "--flow-rate").value
+        text = readable(source).read_text(encoding="utf-8", errors="replace")
+        found = translate(text, flow_rate=given, law=law)
+        settings, end, title = found.settings, found.time, f"JETSPIN set-up of {Path(source).parent.resolve().name}"
+        notes = tuple(f"differs: {words}" for words in found.differs)
+        if found.ignored:
+            notes += (f"not needed: {', '.join(found.ignored)}",)
+    else:
+        from spinline.scene.spun import SpunJet
+        from spinline.setup.build import build_solution
+        from spinline.setup.spun import spun_settings
+
+        if flow_rate is not None:
+            raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
+        scene = load(source, None, None, overrides)
+        if not isinstance(scene.jet, SpunJet):
+            raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed="spun")
+        settings, end, title = spun_settings(scene.jet, build_solution(scene)), scene.jet.time.value, scene.title
+    if time is not None:
+        end = parse(time, "time", "--time").value
+    if not end > 0:
+        raise InputError("--time", "must be more than 0", value=end)
+    if quick:
+        grid = settings.grid
+        wider = min(10 * grid.tolerance, 1e-2)
+        settings = replace(settings, grid=replace(grid, element_length=2 * grid.element_length, tolerance=wider))
+        notes += ("quick: elements twice as long; compare with the full run before you trust a number",)
+    return settings, end, notes, title
+
+
+def _one(
+    settings: "SpunSettings", seed: int, end: float, frames: int, target: Path, resume: bool, title: str,
+    notes: tuple[str, ...],
+) -> "xr.Dataset":  # fmt: skip
+    """One run, kept beside its result while it is under way."""
+    from dataclasses import replace
+
+    from spinline.base.checkpoint import Checkpoint, fingerprint
+    from spinline.base.version import __version__
+    from spinline.jetprofile.spun.dataset import to_dataset
+    from spinline.jetprofile.spun.run import SpunRun, moments
+
+    own = replace(settings, seed=seed)
+    times = moments(end, frames)
+    folder = target.with_name(f".{target.name}.spin")
+    if not resume and folder.exists():
+        Checkpoint(folder, "").clear()
+    kept = Checkpoint(folder, fingerprint(f"{own!r} {times.tolist()} {__version__}", []))
+    held = kept.load("run")
+    run = SpunRun.start(own) if held is None else SpunRun.unpack(own, held)
+    with progress_of("moments") as progress:
+        for index in run.to(times):
+            progress(index + 1, frames)
+            if (index + 1) % max(frames // 20, 1) == 0 or index + 1 == frames:
+                kept.save("run", **run.pack())
+    kept.clear()
+    about = {"title": title, "model": _model(own), "spinline": __version__, "settings": repr(own)}
+    if notes:
+        about["notes"] = "\n".join(notes)
+    return to_dataset(run, attributes=about)
+
+
+def _model(s: "SpunSettings") -> str:
+    charge = "charge conducts" if s.conductivity else "charge frozen" if s.inlet.charge_density else "no charge"
+    return f"Lagrangian chain, {s.law.name}, {s.grid.repulsion} repulsion, {charge}, bending {s.grid.bending}"
+
+
+def _store(jet: "xr.Dataset", target: Path, force: bool) -> None:
+    from spinline.base.netcdf import save_dataset
+
+    save_dataset(jet, target, force=force)
+
+
+def _answer(jet: "xr.Dataset", target: Path) -> dict[str, Any]:
+    """Numbers of a run, SI."""
+    import numpy as np
+
+    last = jet.isel(time=-1)
+    whole = last["valid_element"].values
+    answer: dict[str, Any] = {
+        "out": str(target), "time": float(last["time"]), "elements": int(whole.sum()),
+        "landed": int(jet.sizes["deposit"]), "reach": float(np.nanmax(last["x"].values)),
+        "smallest_radius": float(np.nanmin(np.where(whole, last["radius"].values, np.nan))) if whole.any() else None,
+    }  # fmt: skip
+    if "current" in jet.attrs:
+        answer["current"] = float(jet.attrs["current"])
+    if jet.sizes["deposit"]:
+        r = np.hypot(jet["deposit_y"].values, jet["deposit_z"].values)
+        late = jet["deposit_time"].values > 0.5 * (jet["deposit_time"].values[0] + jet["deposit_time"].values[-1])
+        answer |= {
+            "landing_radius": float(np.mean(r[late])) if late.any() else float(r.mean()),
+            "cone_angle": float(2 * np.arctan(np.mean(r[late]) / jet.attrs["collector_distance"]))
+            if late.any()
+            else None,
+            "deposit_radius": float(np.mean(jet["deposit_radius"].values[late])) if late.any() else None,
+        }
+    return answer
+
+
+def _words(a: dict[str, Any]) -> str:
+    said = f"wrote {a['out']}: {1e3 * a['time']:.4g} ms, {a['elements']} elements in flight, {a['landed']} landed"
+    if a.get("smallest_radius"):
+        said += f", thinnest {1e6 * a['smallest_radius']:.4g} um at up to {100 * a['reach']:.4g} cm"
+    if a.get("landing_radius") is not None:
+        said += f"; lands {100 * a['landing_radius']:.4g} cm off the axis"
+        if a.get("deposit_radius"):
+            said += f", radius {1e6 * a['deposit_radius']:.4g} um, 2 atan(R/h) = {57.29578 * a['cone_angle']:.4g} deg"
+    return said
+
+
+def _extras(
+    jet: "xr.Dataset", figure: Path | None, movie: Path | None, vtk: Path | None, xyz: Path | None, force: bool
+) -> None:
+    from spinline.base.files import write_text
+
+    if figure is not None:
+        from spinline.report.spun_figure import spun_figure
+        from spinline.report.style import save_sheet
+
+        save_sheet(spun_figure(jet), figure, force=force)
+    if movie is not None:
+        from spinline.report.spun_figure import write_animation
+
+        write_animation(jet, movie)
+    if vtk is not None:
+        from spinline.jetprofile.spun.exports import vtk_text
+
+        write_text(vtk, vtk_text(jet), force=force)
+    if xyz is not None:
+        from spinline.jetprofile.spun.exports import xyz_text
+
+        write_text(xyz, xyz_text(jet), force=force)

@@ -1,0 +1,69 @@
+"""``[jet]`` with ``profile = "spun"``: a jet computed bead by bead from the needle to the collector."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from spinline.base.units import Measured
+from spinline.scene.air_and_rheology import refusal
+from spinline.scene.quantities import Conductivity, FlowRate, Length, Read, Section, Time
+
+__all__ = ["SpunJet"]
+
+Voltage = Annotated[Measured, Read("potential", 0.0, 1e7, closed=True)]
+SurfaceTension = Annotated[Measured, Read("surface tension", 0.0, 1e2, closed=True)]
+Frequency = Annotated[Measured, Read("rate", 0.0, 1e9, closed=True)]
+Current = Annotated[Measured, Read("current", 0.0, 1e3)]
+ChargeDensity = Annotated[Measured, Read("charge density", 0.0, 1e12)]
+Speed = Annotated[Measured, Read("velocity", -1e3, 1e3)]
+Stress = Annotated[Measured, Read("pressure", 0.0, 1e9, closed=True)]
+
+
+class SpunJet(Section):
+    """``[jet]`` with ``profile = "spun"``."""
+
+    profile: Literal["spun"]
+    radius: Length
+    flow_rate: FlowRate
+    voltage: Voltage
+    gap: Length
+    conductivity: Conductivity | None = None
+    surface_tension: SurfaceTension | None = None
+    current: Current | None = None
+    field: Literal["hyperboloid", "uniform"] = "hyperboloid"
+    charge: Literal["conducting", "frozen", "none"] = "conducting"
+    charge_density: ChargeDensity | None = None
+    law: Literal["fene-p", "ucm", "linear-maxwell", "oldroyd-b", "giesekus", "herschel-bulkley"] = "fene-p"
+    solvent_share: Annotated[float, Field(gt=0, lt=1)] = 0.1
+    extensibility: Annotated[float, Field(gt=3)] | None = None
+    mobility: Annotated[float, Field(gt=0, le=1)] = 0.1
+    yield_stress: Stress | None = None
+    index: Annotated[float, Field(gt=0, le=2)] = 1.0
+    start: Literal["needle"] = "needle"
+    inlet_stress: Literal["free", "given"] = "free"
+    element_length: Length | None = None
+    longest_element: Length | None = None
+    nozzle_amplitude: Length | None = None
+    nozzle_frequency: Frequency | None = None
+    time: Time = Measured(0.02, 0.0, "20 ms")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    tolerance: Annotated[float, Field(gt=1e-12, le=1e-2)] = 1e-5
+    bending: Literal["none", "viscous", "elastic"] = "none"
+    image: bool = False
+    collector: Literal["plate", "belt", "drum", "none"] = "plate"
+    collector_speed: Speed | None = None
+    collector_radius: Length | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.charge == "frozen" and (self.charge_density is None) == (self.current is None):
+            raise refusal("charge_density", "frozen charge needs one of charge_density and current")
+        if self.charge != "frozen" and self.charge_density is not None:
+            raise refusal("charge_density", 'is for charge = "frozen" alone')
+        if self.charge == "conducting" and self.conductivity is None:
+            raise refusal("conductivity", 'is missing; give it, or charge = "frozen" by name')
+        if self.nozzle_amplitude is not None and self.nozzle_frequency is None:
+            raise refusal("nozzle_frequency", "is missing: a nozzle with an amplitude circles")
+        if self.collector == "drum" and self.collector_radius is None:
+            raise refusal("collector_radius", "is missing: a drum has one")
+        return self

@@ -1,0 +1,81 @@
+"""The jet of a scene with ``profile = "needle"``: bench and solution, brought together."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spinline.base.errors import InputError
+from spinline.network.mesh import network_at_rest
+from spinline.rheology.solution import Solution
+from spinline.scene.file import Scene
+from spinline.scene.needle import FieldTable, NeedleJet
+from spinline.setup.values import given
+
+if TYPE_CHECKING:
+    from spinline.jetprofile.ehd import NeedleSettings, StraightEhdJet, TableField
+
+__all__ = ["needle_jet", "needle_settings"]
+
+
+def needle_settings(section: NeedleJet, scene: Scene, solution: Solution) -> "NeedleSettings":
+    """Settings of the jet, in SI.
+
+    Raises
+    ------
+    InputError
+        For what the jet needs of the solution and was not given.
+    """
+    from spinline.jetprofile.ehd import NeedleSettings
+
+    if solution.viscosity is None:
+        raise InputError("solution.viscosity", "is missing: the jet of a needle needs it", remedy="give it")
+    theta = solution.relaxation_time
+    if theta is None and section.law != "newtonian":
+        raise InputError(
+            "solution.relaxation_time", f'is missing: jet.law = "{section.law}" needs it',
+            remedy='give it, or jet.law = "newtonian" (a Newtonian jet of a polymer solution thins ten times too far)',
+        )  # fmt: skip
+    field: Any = section.field
+    if isinstance(field, FieldTable):
+        path = scene.folder / field.table
+        if not path.exists():
+            raise InputError(
+                "jet.field.table", "does not exist", value=field.table, remedy="paths start from the scene's folder"
+            )
+        field = _table(path, path.stat().st_mtime_ns)
+    limit = given(section.extensibility)
+    if limit is None:  # strands of Kuhn segments: (contour / mesh size)^2
+        rest = network_at_rest(solution.volume_fraction, scene.network.solvent_quality)
+        limit = float(rest.full_stretch) ** 2
+    try:
+        return NeedleSettings(
+            radius=section.radius.value, flow_rate=section.flow_rate.value, voltage=section.voltage.value,
+            gap=section.gap.value, conductivity=section.conductivity.value, surface_tension=section.surface_tension.value,
+            viscosity=solution.viscosity, density=solution.density, permittivity=section.permittivity.value,
+            relaxation_time=0.0 if theta is None else theta, law=section.law, solvent_share=section.solvent_share.value,
+            extensibility=limit, mobility=section.mobility.value, field=field, log=section.log, end=given(section.end),
+            current=given(section.current), gravity=section.gravity.value,
+        )  # fmt: skip
+    except InputError as error:
+        raise InputError(
+            f"jet.{error.field}", error.problem, value=error.value, allowed=error.allowed, remedy=error.remedy
+        ) from None
+
+
+def needle_jet(section: NeedleJet, scene: Scene, solution: Solution) -> "StraightEhdJet":
+    """The jet; kept, since a plan, a run and a trade of one scene ask for it in turn."""
+    return _solved(needle_settings(section, scene, solution), given(section.length))
+
+
+@lru_cache(maxsize=64)
+def _solved(settings: "NeedleSettings", length: float | None) -> "StraightEhdJet":
+    from spinline.jetprofile.ehd import StraightEhdJet
+
+    return StraightEhdJet(settings, length=length)
+
+
+@lru_cache(maxsize=8)
+def _table(path: Path, changed: int) -> "TableField":
+    from spinline.jetprofile.ehd import TableField
+
+    return TableField.from_csv(path)

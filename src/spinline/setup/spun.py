@@ -1,0 +1,121 @@
+"""Settings of a spun jet from a scene: ``[jet]`` with ``profile = "spun"`` and the solution."""
+
+import math
+from typing import TYPE_CHECKING
+
+from spinline.base.errors import InputError
+from spinline.jetprofile.spun.laws import JetLaw
+from spinline.jetprofile.spun.settings import Collector, Grid, Inlet, Loads, SpunSettings
+from spinline.setup.values import given
+
+if TYPE_CHECKING:
+    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.rheology.solution import Solution
+    from spinline.scene.file import Scene
+    from spinline.scene.spun import SpunJet
+
+__all__ = ["build_spun", "spun_remarks", "spun_settings"]
+
+
+def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None = None) -> SpunSettings:
+    """What the solver is given.
+
+    Raises
+    ------
+    InputError
+        For what the solution lacks, or a charge that cannot be.
+    """
+    radius, flow, gap = section.radius.value, section.flow_rate.value, section.gap.value
+    law = _law(section, solution)
+    frozen = section.charge == "frozen"
+    area = math.pi * radius**2
+    density = 0.0
+    if frozen and section.charge_density is not None:
+        density = section.charge_density.value
+    elif frozen and section.current is not None:
+        density = section.current.value / flow
+    conductivity = 0.0 if frozen or section.charge == "none" else given(section.conductivity) or 0.0
+    if section.charge == "conducting" and not conductivity:
+        raise InputError(
+            "jet.conductivity", "is missing: charge moves in the jet", remedy='give it, or charge = "frozen" by name'
+        )
+    kind = {"hyperboloid": "hyperboloid", "uniform": "uniform"}[section.field]
+    loads = Loads(
+        gap, kind=kind, voltage=section.voltage.value, field=section.voltage.value / gap, tip=radius,
+        gravity=9.81, image=section.image,
+    )  # fmt: skip
+    step = given(section.element_length) or radius / 5
+    amplitude = given(section.nozzle_amplitude) or 0.0
+    frequency = 2 * math.pi * (given(section.nozzle_frequency) or 0.0)
+    given_stress = law.solvent_viscosity > 0.0 or section.inlet_stress == "given"
+    inlet = Inlet(
+        flow, radius, charge_density=density, stress="given" if given_stress else "free", length=2 * step,
+        amplitude=amplitude, frequency=frequency, ramp=5 / frequency if frequency else 0.0,
+    )  # fmt: skip
+    grid = Grid(
+        step, tolerance=section.tolerance, repulsion="none" if section.charge == "none" else "hybrid",
+        pressure=not frozen, feed_length=gap if frozen else 0.0, feed_charge=density * area if frozen else 0.0,
+        log_length=gap, bending=section.bending,
+        longest=given(section.longest_element) or 0.0,
+    )  # fmt: skip
+    return SpunSettings(
+        density=solution.density, law=law, inlet=inlet, loads=loads, grid=grid,
+        surface_tension=given(section.surface_tension) or 0.0, conductivity=conductivity,
+        current=None if frozen or not conductivity else given(section.current),
+        collector=Collector(section.collector, given(section.collector_speed) or 0.0, given(section.collector_radius) or 0.0),
+        seed=section.seed if seed is None else seed,
+    )  # fmt: skip
+
+
+def spun_remarks(section: "SpunJet", solution: "Solution") -> tuple[str, ...]:
+    """What is odd about a jet to be spun: the numbers that decide, before anything runs."""
+    s = spun_settings(section, solution)
+    r0, v0 = s.inlet.radius, s.inlet.speed
+    wave = math.sqrt(3 * s.law.modulus / s.density)
+    said = [
+        f"De = theta v0/r0 = {s.law.relaxation_time * v0 / r0:.3g}; v0/c = {v0 / wave:.3g}; element/radius = "
+        f"{s.grid.element_length / r0:.3g} at the nozzle"
+    ]
+    if s.inlet.charge_density:
+        line = s.inlet.charge_density * math.pi * r0**2
+        surface = line / (2 * math.pi * r0 * 8.8541878188e-12)
+        said.append(
+            f"charge frozen: e^2/(G A0) = {8.9875517873681764e9 * line**2 / (s.law.modulus * math.pi * r0**2):.3g}"
+        )
+        if surface > 3e6:
+            said.append(f"charge frozen: {surface / 1e6:.3g} MV/m at the surface, over the breakdown of air (3)")
+    return tuple(said)
+
+
+def _law(section: "SpunJet", solution: "Solution") -> JetLaw:
+    if solution.viscosity is None:
+        raise InputError("solution.viscosity", "is missing: the jet's law needs it")
+    if solution.relaxation_time is None:
+        raise InputError("solution.relaxation_time", "is missing: the jet's law needs it")
+    share = 0.0 if section.law in ("ucm", "linear-maxwell") else section.solvent_share
+    numbers: dict[str, float] = {}
+    if section.law == "fene-p":
+        numbers["extensibility"] = section.extensibility or solution.volume_fraction**-2
+    if section.law == "giesekus":
+        numbers["mobility"] = section.mobility
+    if section.law == "herschel-bulkley":
+        numbers |= {
+            "yield_stress": given(section.yield_stress) or 0.0,
+            "consistency": solution.viscosity,
+            "index": section.index,
+        }
+    return JetLaw.from_viscosity(
+        section.law, solution.viscosity, solution.relaxation_time, solvent_ratio=share, **numbers
+    )  # fmt: skip
+
+
+def build_spun(section: "SpunJet", scene: "Scene", solution: "Solution") -> "LagrangianJet":
+    """The last moment of the spun jet of a scene: computed here, which may take minutes; ``spinline spin`` keeps it."""
+    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.spun.dataset import to_dataset
+    from spinline.jetprofile.spun.run import SpunRun, moments
+
+    run = SpunRun.start(spun_settings(section, solution))
+    for _ in run.to(moments(section.time.value, 4)):
+        pass
+    return LagrangianJet.from_dataset(to_dataset(run)).at(None)

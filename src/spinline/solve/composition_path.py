@@ -1,0 +1,63 @@
+"""Does the jet stay one phase as it dries in humid air: what can be said of it, in a sentence.
+
+Needs one solvent, water (in the jet or from the air), and three interaction parameters: given in ``[rheology]`` (chi,
+chi_water, chi_water_solvent) or known to the library. Where one is not known, that is said, and nothing is guessed.
+Inside the spinodal before it is solid the jet separates at once: porous.
+"""
+
+import numpy as np
+
+from spinline.base.checks import FloatArray
+from spinline.rheology.interactions import interaction, water_interaction
+from spinline.rheology.ternary import Ternary
+from spinline.scene.air_and_rheology import RheologySection
+from spinline.setup.context import Context
+from spinline.setup.solid import Liquids
+
+__all__ = ["composition_path"]
+
+_CHAIN = 100.0  # kg/mol, where the molar mass is not known: it hardly matters to the spinodal of a long chain
+_TRACE = 1e-6  # volume fraction of water under which there is none
+
+
+def composition_path(context: Context, position: FloatArray, here: Liquids, names: list[str], arrest: float) -> str:
+    """The attribute ``composition_path``."""
+    if "water" not in names or float(here.liquid[names.index("water")].max()) < _TRACE:
+        return "no water in the jet or in its air: one phase"
+    if names == ["water"]:
+        return "water is the only liquid: one phase above overlap, see rheology.chi"
+    if len(names) > 2:
+        return "not judged: more than one solvent beside water"
+    water, solvent = names.index("water"), 1 - names.index("water")
+    laws = context.scene.rheology or RheologySection()
+    name, polymer = names[solvent], context.solution.polymer.name
+    library = interaction(polymer, name), interaction(polymer, "water"), water_interaction(name)
+    chosen = (laws.chi, laws.chi_water, laws.chi_water_solvent)
+    keys = (f"rheology.chi ({polymer} with {name})", f"rheology.chi_water ({polymer} with water)",
+            f"rheology.chi_water_solvent (water with {name})")  # fmt: skip
+    found = [given if given is not None else None if known is None else known[0]
+             for given, known in zip(chosen, library, strict=True)]  # fmt: skip
+    missing = [key for key, value in zip(keys, found, strict=True) if value is None]
+    values = [value for value in found if value is not None]
+    if missing:
+        return f"not judged, for want of {' and '.join(missing)}: give what is known of it"
+    s = context.solution
+    chain = (s.molar_mass or _CHAIN) / s.polymer.density
+    path = Ternary(
+        float(here.molar_volume[water]), float(here.molar_volume[solvent]), chain, values[2], values[1], values[0]
+    )
+    before = np.isnan(arrest) | (position <= arrest)
+    some = np.unique(np.linspace(0, int(before.sum()) - 1, 201).astype(int))
+    one, p = here.liquid[water][before][some], here.polymer[before][some]
+    verdict = path.follow(one, p)
+    said = ", ".join(f"chi {v:.3g}" for v in values)
+
+    def at(k: int) -> str:
+        rest = max(1 - one[k] - p[k], 0.0)
+        return f"{position[before][some][k]:.4g} m (water {one[k]:.3g}, {name} {rest:.3g}, {polymer} {p[k]:.3g})"
+
+    if verdict.spinodal >= 0:
+        return f"porous: crosses the spinodal at {at(verdict.spinodal)}, the binodal at {at(max(verdict.binodal, 0))} ({said})"
+    if verdict.binodal >= 0:
+        return f"one phase if nothing nucleates: crosses the binodal at {at(verdict.binodal)}, no spinodal ({said})"
+    return f"one phase up to {position[before][some][-1]:.4g} m ({said})"
