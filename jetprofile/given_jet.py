@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["GivenJet"]
@@ -107,7 +108,7 @@ class GivenJet(StraightJet):
     def _pace(self) -> float:
         """v_0 from the time that the jet takes and its V: Gauss-Legendre on panels that widen downstream."""
         edges = self.start + (self._far - self.start) * np.linspace(0.0, 1.0, 401) ** 2
-        nodes, weights = np.polynomial.legendre.leggauss(8)
+        nodes, weights = gauss(8)
         half = 0.5 * np.diff(edges)
         z = edges[:-1, np.newaxis] + half[:, np.newaxis] * (1 + nodes)
         slowness = 1 / np.asarray(self.jet.velocity_ratio(z.ravel()), dtype=np.float64).reshape(z.shape)

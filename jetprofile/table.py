@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 from spinline.jetprofile.columns import read_columns
 from spinline.jetprofile.straight import StraightJet
 
@@ -144,7 +145,7 @@ class Table(StraightJet):
 
     def _quadrature(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Integral of ds / V inside one panel, 16-point Gauss-Legendre."""
-        nodes, weights = np.polynomial.legendre.leggauss(16)
+        nodes, weights = gauss(16)
         half = 0.5 * (np.asarray(high) - low)[..., np.newaxis]
         points = np.asarray(low)[..., np.newaxis] + half * (1 + nodes)
         value: FloatArray = np.sum(half * weights / self._ratio(points), axis=-1)

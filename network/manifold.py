@@ -26,6 +26,7 @@ Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (32a), (33).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -42,6 +43,7 @@ from spinline.network.tension import Tension
 __all__ = ["Manifold", "checked_profile", "eq33", "steady_network"]
 
 _STAGES = 12
+_IDENTITY = np.eye(_STAGES)
 _LONGEST = 1e100
 _MOST_TRIALS = (
     1000  # panels tried in all; jets smooth between their breaks take 240 at most, alpha_v to 1e15, rtol to 1e-13
@@ -268,7 +270,9 @@ def checked_profile(velocity_ratio: Profile) -> Profile:
         raise InputError("velocity_ratio", "is not a function V(s)", value=type(velocity_ratio).__name__)
 
     def profile(s: FloatArray) -> FloatArray:
-        v = real("velocity_ratio", velocity_ratio(s), above=0.0, remedy="the jet must move forward everywhere")
+        v = np.asarray(velocity_ratio(s))
+        if v.dtype != np.float64 or not (v.min(initial=1.0) > 0 and v.max(initial=1.0) < np.inf):  # else as it should be
+            v = real("velocity_ratio", v, above=0.0, remedy="the jet must move forward everywhere")
         if v.shape not in ((), s.shape):
             raise InputError("velocity_ratio", "must return one value for each place", value=f"{v.shape} for {s.shape}")
         return np.broadcast_to(v, s.shape)
@@ -299,6 +303,7 @@ class _March:
         self.panels: list[tuple[float, float, FloatArray]] = []
         self.trials = _MOST_TRIALS
         self.nodes, self.integral, self.to_legendre = _radau(_STAGES)
+        self.signs = np.where(np.arange(_STAGES + 1) % 2 == 0, 1.0, -1.0)  # Legendre polynomials at -1
 
     def over(self, low: float, high: float, tension: float) -> float:
         """March from one break to the next; return the tension there."""
@@ -328,18 +333,15 @@ class _March:
             step *= 3.0 if error < 1e-4 else 1.5 if error < 1e-2 else 1.0
         return tension
 
-    @property
-    def signs(self) -> FloatArray:
-        """Values of the Legendre polynomials at -1."""
-        return np.where(np.arange(_STAGES + 1) % 2 == 0, 1.0, -1.0)
-
     def _panel(self, a: float, step: float, start: float) -> tuple[FloatArray, float] | None:
         """Legendre coefficients of T over a signed step from a, and the error over the tolerance; None if Newton fails."""
         v = self.profile(np.maximum(a + step * self.nodes[1:], 0.0))
         weights = step * self.integral
-        tension = np.full(_STAGES, start)
-        for guess in (tension, self.law.tension(np.minimum(v, 0.999 * self.law.full_stretch))):
-            found = self._newton(guess.copy(), start, v, weights)
+        guesses = [np.full(_STAGES, start), self.law.tension(np.minimum(v, 0.999 * self.law.full_stretch))]
+        if abs(float(guesses[1][0]) - start) < 0.1 * start:  # beyond the layer at the end the network follows the jet
+            guesses.reverse()
+        for guess in guesses:
+            found = self._newton(guess, start, v, weights)
             if found is not None:
                 break
         else:
@@ -354,26 +356,29 @@ class _March:
         return coefficients, tail / self.rtol
 
     def _newton(self, tension: FloatArray, start: float, v: FloatArray, weights: FloatArray) -> FloatArray | None:
-        identity = np.eye(_STAGES)
+        w, compliance = self.law.state(tension)
+        if not np.isfinite(w).all() or w.min() <= 0:
+            return None
         for _ in range(30):
-            rate, slope = self._rate(tension, v)
+            # dT/ds = (w - V) / ((eps - I dw/dT) w), and its derivative with respect to T
+            pull = self.eps - self.inertia * compliance
+            share = v / w
+            rate, slope = (1 - share) / pull, share / w * compliance / pull
             residual = tension - start - weights @ rate
-            change = np.linalg.solve(identity - weights * slope, residual)
+            change = np.linalg.solve(_IDENTITY - weights * slope, residual)
             tension = tension - change
-            if not np.isfinite(tension).all() or (self.law.stretch(tension) <= 0).any():
+            if not np.isfinite(tension).all():
+                return None
+            w, compliance = self.law.state(tension)
+            if not w.min() > 0:
                 return None
             if np.abs(change).max() <= 1e-14 * np.abs(tension).max() + 1e-300:
                 return tension
         small = np.abs(change).max() <= 1e-11 * np.abs(tension).max()
         return tension if small else None
 
-    def _rate(self, tension: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """``dT/ds = (w - V) / ((eps - I dw/dT) w)`` and its derivative with respect to T."""
-        w, compliance = self.law.state(tension)
-        pull = self.eps - self.inertia * compliance
-        return (1 - v / w) / pull, v / w**2 * compliance / pull
 
-
+@lru_cache(maxsize=4)
 def _radau(stages: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes (0 and the Radau IIA nodes on (0, 1]), integration matrix, and values-to-Legendre matrix."""
     legendre = np.polynomial.legendre

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 
 __all__ = ["ElementHistory", "propagate"]
 
@@ -144,7 +145,7 @@ def _integral(history: ElementHistory, weight: float, a: FloatArray) -> FloatArr
 
 @lru_cache(maxsize=1)
 def _gauss() -> tuple[FloatArray, FloatArray]:
-    nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
+    nodes, weights = gauss(_POINTS)
     return nodes, weights
 
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import BoolArray, FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 
 __all__ = ["BeadJet", "ElementPath", "Given", "SteadyJet", "bead_path", "straight_path"]
 
@@ -261,7 +262,7 @@ def _positions(field: str, values: ArrayLike, start: float, end: float) -> Float
 
 
 def _gauss(integrand: Along, low: FloatArray, high: FloatArray) -> FloatArray:
-    nodes, weights = np.polynomial.legendre.leggauss(10)
+    nodes, weights = gauss(10)
     half = 0.5 * (high - low)[:, np.newaxis]
     points = low[:, np.newaxis] + half * (1 + nodes)
     values = integrand(points.ravel()).reshape(points.shape)

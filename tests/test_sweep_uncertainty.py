@@ -61,7 +61,7 @@ def test_what_is_not_followed_has_a_flag_and_vitrification_is_a_column():
     result = run_sweep(sweep_from_dict({"scene": "peo5-water", "set": walk, "vary": {"jet.k": [0.9, 1.1]}}), workers=1)
     assert (result["uncertainty"] == 2).all()
     assert np.isnan(result["fibre_radius_std"]).all()
-    dry = {"scene": "pmma10-drying", "set": {"jet.radius": "50 +/- 1 um", "jet.length": "60 mm"}, "vary": {"jet.k": [0.5]}}
+    dry = {"scene": "pmma10-drying", "set": {"jet.radius": "50 +/- 1 um"}, "vary": {"jet.k": [0.5]}}
     result = run_sweep(sweep_from_dict(dry), workers=1)
     assert result["frozen_orientation"].notnull().all()
     assert (result["frozen_position_std"] > 0).all()

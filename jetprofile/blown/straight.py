@@ -44,6 +44,7 @@ from scipy.optimize import brentq
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.quadrature import gauss
 from spinline.jetprofile.blown.air import Air
 from spinline.jetprofile.blown.drag import DRAG_LAWS, TangentialLaw
 
@@ -512,7 +513,7 @@ class _Problem:
 
     def balance(self, at: Callable[[FloatArray], FloatArray], steps: FloatArray) -> float:
         """Momentum integrated by Gauss-Legendre on the solver's own steps, against the tensions at the ends."""
-        nodes, weights = np.polynomial.legendre.leggauss(8)
+        nodes, weights = gauss(8)
         low, high = steps[:-1, None], steps[1:, None]
         z = (0.5 * (low + high) + 0.5 * (high - low) * nodes).ravel()
         weight = (0.5 * (high - low) * weights).ravel()

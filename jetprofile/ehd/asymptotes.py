@@ -23,6 +23,7 @@ from scipy.interpolate import CubicHermiteSpline
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 from spinline.jetprofile import hyperbolic
 from spinline.jetprofile.ehd.fields import AppliedField
 from spinline.jetprofile.straight import StraightJet
@@ -117,7 +118,7 @@ class InertialJet(StraightJet):
         reach, first = self.end / self.initial_radius, float(self._pull(np.zeros(1))[0])
         s = np.expm1(np.linspace(0, np.log1p(first * reach), 801)) / first
         s[-1] = reach
-        nodes, weights = np.polynomial.legendre.leggauss(8)
+        nodes, weights = gauss(8)
         half = 0.5 * np.diff(s)[:, np.newaxis]
         at = s[:-1, np.newaxis] + half * (1 + nodes)
         panels = np.sum(half * weights * self._pull(at), axis=1)
@@ -142,7 +143,7 @@ class InertialJet(StraightJet):
         return np.concatenate(([0.0], np.cumsum(self._passage(x[:-1], x[1:]))))
 
     def _passage(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        nodes, weights = np.polynomial.legendre.leggauss(8)
+        nodes, weights = gauss(8)
         half = 0.5 * (high - low)[..., np.newaxis]
         value: FloatArray = np.sum(half * weights / self._ratio(low[..., np.newaxis] + half * (1 + nodes)), axis=-1)
         return value

@@ -25,6 +25,7 @@ from scipy.special import ellipe, ellipkm1
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 
 __all__ = ["AppliedField", "HyperboloidField", "NeedleField", "TableField", "UniformField"]
 
@@ -278,7 +279,7 @@ class TableField:
     def voltage(self) -> float:
         """Potential difference between the ends of the table, V."""
         z = self._curve.x
-        nodes, weights = np.polynomial.legendre.leggauss(8)
+        nodes, weights = gauss(8)
         half = 0.5 * np.diff(z)[:, np.newaxis]
         at = z[:-1, np.newaxis] + half * (1 + nodes)
         return float(np.sum(half * weights * np.exp(self._curve(at))))
@@ -324,7 +325,7 @@ def _solve_rings(voltage: float, gap: float, radius: float, length: float) -> tu
     half = 0.5 * np.diff(edges)
     centre = edges[:-1] + half
     high, rho = place(centre)
-    nodes, weights = np.polynomial.legendre.leggauss(12)
+    nodes, weights = gauss(12)
     # t -> t^3 on either half of a panel: the logarithm of a ring at its own middle is integrated to 1e-10
     fine = np.concatenate((-(((1 + nodes[::-1]) / 2) ** 3), ((1 + nodes) / 2) ** 3))
     fine_weights = np.concatenate(

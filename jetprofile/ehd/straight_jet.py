@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 from spinline.jetprofile.ehd.bending import BendingOnset, bending_onset
 from spinline.jetprofile.ehd.boundary_value import spline
 from spinline.jetprofile.ehd.capillary import capillary_growth
@@ -20,7 +21,7 @@ from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["NoSteadyJet", "StraightEhdJet"]
 
-_GAUSS = np.polynomial.legendre.leggauss(16)
+_GAUSS = gauss(16)
 
 
 class NoSteadyJet(InputError):

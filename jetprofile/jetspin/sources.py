@@ -61,6 +61,8 @@ def statistics_track(folder: Path) -> Track | None:
         table = read_table(path, Notes(path.name))
     except InputError:
         return None
+    if "time" not in table:  # printed without units, or not at all: there is nothing to place a bead by
+        return None
     time = np.asarray(table["time"].values, dtype=np.float64)
     refined = bool((table["refinements"] > 0).any()) if "refinements" in table else False
     x = np.asarray(table["x"].values, dtype=np.float64) if "x" in table else np.full(len(time), np.nan)

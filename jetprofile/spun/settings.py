@@ -290,7 +290,8 @@ class Grid:
 class SpunSettings:
     """All of a spun jet.
 
-    `conductivity` > 0 lets charge move in the jet (implicit balance); then `current` (A) or, where it is None,
+    `conductivity` > 0 lets charge move in the jet (implicit balance; straight jets that are cut: a free charged front ran
+    away in every trial); then `current` (A) or, where it is None,
     `potential` (V, relative to the field's) is given at the start. `conductivity` = 0 freezes the charge into the material.
 
     A jet may be cut: at positions `end_axis` (m) its front is pulled by `end_tension` (N; all that acts across the cut:
@@ -322,6 +323,12 @@ class SpunSettings:
         number("conductivity", self.conductivity, least=0.0, unit="S/m")
         if self.current is not None:
             number("current", self.current, unit="A")
+        if self.conductivity > 0.0 and (self.grid.repulsion not in ("local", "none") or not self.end_axis):
+            raise InputError(
+                "conductivity", "lets charge move, which is offered for straight jets cut at an end whose pull is known",
+                value=self.conductivity,
+                remedy='repulsion "local" with end_axis, end_tension and end_share; a whole, bent jet only with frozen charge',
+            )  # fmt: skip
         sizes = {len(self.end_axis), len(self.end_tension), len(self.end_share)}
         if len(sizes) != 1:
             raise InputError("end_axis", "needs as many positions as tensions and shares")

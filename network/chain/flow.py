@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 
 __all__ = ["Flow", "Segment"]
 
@@ -252,7 +253,7 @@ def _kinks_of(jet: Any) -> tuple[float, ...]:
 
 def _table(profile: Profile, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Age and slowness at the nodes; 5-point Gauss-Legendre in each cell."""
-    points, weights = np.polynomial.legendre.leggauss(5)
+    points, weights = gauss(5)
     width = np.diff(nodes)
     inside = nodes[:-1, np.newaxis] + 0.5 * width[:, np.newaxis] * (1 + points)
     passed = 0.5 * width * np.sum(weights / _checked(profile, inside), axis=1)

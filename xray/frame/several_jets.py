@@ -28,10 +28,11 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import BoolArray, FloatArray, number, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 
 __all__ = ["Section", "SectionsFit", "fit_sections", "section_chord"]
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(7)
+_NODES, _WEIGHTS = gauss(7)
 _LONGEST = 2.5  # half-axis over the other: a round jet leans by 66 degrees
 _LEAST_SHARE, _MOST_SHARE = -0.02, 0.5
 _BAD = 60.0  # robust standard deviations: jets that move do a few of them at their edges, a lost reading does 100

@@ -31,6 +31,7 @@ from scipy.interpolate import BSpline, CubicSpline
 from scipy.linalg import eigvals_banded
 
 from spinline.base.checks import FloatArray
+from spinline.base.quadrature import gauss
 
 __all__ = ["AxialBasis", "RadialBasis", "axial_basis", "radial_basis"]
 
@@ -38,7 +39,7 @@ _DEGREE = 3
 _ORDER = 3  # of the differences
 _MOST_OF_THIRD_ORDER = 64  # splines along z
 _CELLS = 512  # of the table
-_NODES, _SHARES = np.polynomial.legendre.leggauss(6)
+_NODES, _SHARES = gauss(6)
 
 
 @dataclass(frozen=True, eq=False)

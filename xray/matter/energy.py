@@ -15,6 +15,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.base.quadrature import gauss
 from spinline.rheology.materials import Polymer
 from spinline.xray.matter.attenuation import (
     HIGHEST_KEV,
@@ -177,7 +178,7 @@ def best_energy(
             remedy="widen low_kev, high_kev, or take another solvent",
         )  # fmt: skip
     mu = base + phi * contrast
-    node, weight = np.polynomial.legendre.leggauss(48)  # x = R sin(t): smooth, so spectral
+    node, weight = gauss(48)  # x = R sin(t): smooth, so spectral
     t = 0.5 * np.pi * node
     chord = 2.0 * r * np.cos(t)
     measure = 0.5 * np.pi * weight * r * np.cos(t)

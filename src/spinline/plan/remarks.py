@@ -53,6 +53,11 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
             f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of "
             f"{rest.segments:.3g} Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
         )
+    if n.solvent_quality == "good" and n.closure_used == "force":
+        remarks.append(
+            "the Pincus regime of a good solvent is not modelled: between k_B T/xi_0 and k_B T/b strands stretch as the "
+            f"force to the 2/3, and the walk overstates their extension by up to {rest.full_stretch ** (1 / 3):.2g}"
+        )
     jet = context.jet
     if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and isinstance(jet, PowerLaw):
         remarks.append(f"k = {jet.k:.4g} is estimated from the process, to a factor of order one")

@@ -58,10 +58,6 @@ class SpunJet(Section):
     def _consistent(self) -> Self:
         if self.charge == "frozen" and (self.charge_density is None) == (self.current is None):
             raise refusal("charge_density", "frozen charge needs one of charge_density and current")
-        if self.charge != "frozen" and self.charge_density is not None:
-            raise refusal("charge_density", 'is for charge = "frozen" alone')
-        if self.charge == "conducting" and self.conductivity is None:
-            raise refusal("conductivity", 'is missing; give it, or charge = "frozen" by name')
         if self.nozzle_amplitude is not None and self.nozzle_frequency is None:
             raise refusal("nozzle_frequency", "is missing: a nozzle with an amplitude circles")
         if self.collector == "drum" and self.collector_radius is None:
