@@ -2,7 +2,7 @@
 
     python benchmarks/reference_numbers.py --full before.npz          # all numbers
     python benchmarks/reference_numbers.py --against before.npz       # the same again, and what differs by more than 1e-12
-    python benchmarks/reference_numbers.py --out benchmarks/reference_numbers.json    # a few of each array, for tests/
+    python benchmarks/reference_numbers.py --out benchmarks/reference_numbers.json    # a few of the quick cases, for tests/
 
 Runs of every bundled scene by every rung it can take, with both closures, with effects forced on and off, sweeps, windows,
 fits and overlays. What is meant to change is listed with its reason in ``benchmarks/accepted_changes.toml``.
@@ -161,11 +161,36 @@ CASES: dict[str, Callable[[], Iterator[tuple[str, Any]]]] = {
 }  # fmt: skip
 
 
-def collect(only: str = "") -> dict[str, Any]:
+# replayed by tests/test_reference_numbers.py: quick, and of every rung that is
+QUICK = (
+    *(f"run {name}" for name in (
+        PEO, "peo3-water", "pcl9-dcm", "extreme-stretch", f"{PEO} manifold", f"{PEO} manifold linear 200", f"{PEO} stretch",
+        f"{PEO} lateral", f"{PEO} conformation", f"{PEO} fene-p", f"{PEO} giesekus", "pmma10-acetone affine", "pvp-jetspin")),
+    "sweep affine profiles", "sweep auto coupling", "model affine", "model relaxing",
+)  # fmt: skip
+KEPT = (
+    "crossover_position", "crossover_radius", "crossover_extension_position", "end_orientation", "end_relative_extension",
+    "end_core_polymer_fraction", "fibre_radius", "radius", "orientation", "core_polymer_fraction", "network_radius",
+    "residence_time", "strand_force", "stress", "lateral_network_radius", "profile_strand_force", "stretch", "core",
+    "elastic coupling/error", "relaxation/error", "radius_band",
+)  # fmt: skip
+
+
+def small() -> dict[str, Any]:
+    """What the committed file holds: a few numbers of the quick cases."""
+    found: dict[str, Any] = {}
+    for case in QUICK:
+        for name, value in collect(case, exact=True).items():
+            if name.endswith(tuple(f"/{kept}" for kept in KEPT)) and np.asarray(value).dtype.kind == "f":
+                found[name] = sampled(value)
+    return found
+
+
+def collect(only: str = "", *, exact: bool = False) -> dict[str, Any]:
     """All numbers and words: "case/variable" to an array or text."""
     found: dict[str, Any] = {}
     for case, make in CASES.items():
-        if only not in case:
+        if case != only if exact else only not in case:
             continue
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SpinlineWarning)
@@ -178,15 +203,10 @@ def collect(only: str = "") -> dict[str, Any]:
 
 
 def sampled(value: Any) -> Any:
-    """A few numbers of an array, enough to notice any change along it; words as they are."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "fiub":
-        return str(value) if array.ndim == 0 else [str(v) for v in array.ravel()[:8]]
-    flat = array.astype(np.float64).ravel()
-    if flat.size <= 6:
-        return flat.tolist()
-    picked = flat[np.linspace(0, flat.size - 1, 5).astype(int)]
-    return [*picked.tolist(), float(np.nansum(flat))]
+    """A few numbers of an array and their sum, enough to notice any change along it; NaN as null."""
+    flat = np.asarray(value, dtype=np.float64).ravel()
+    picked = flat if flat.size <= 4 else np.append(flat[np.linspace(0, flat.size - 1, 3).astype(int)], np.nansum(flat))
+    return [float(x) if np.isfinite(x) else None for x in picked]
 
 
 def accepted() -> list[dict[str, Any]]:
@@ -220,12 +240,14 @@ def main() -> int:
     parser.add_argument("--out", type=Path, help="write a few of each (.json)")
     parser.add_argument("--only", default="", help="cases whose name holds this")
     options = parser.parse_args()
+    if options.out:
+        text = ",\n".join(f"{json.dumps(name)}: {json.dumps(value)}" for name, value in small().items())
+        options.out.write_text("{\n" + text + "\n}\n", encoding="utf-8")
+    if not (options.full or options.against):
+        return 0
     found = collect(options.only)
     if options.full:
         np.savez_compressed(options.full, **{name.replace("/", "|"): np.asarray(v) for name, v in found.items()})
-    if options.out:
-        text = json.dumps({name: sampled(value) for name, value in found.items()}, indent=0)
-        options.out.write_text(text + "\n", encoding="utf-8")
     if not options.against:
         return 0
     old = {name.replace("|", "/"): value for name, value in np.load(options.against, allow_pickle=True).items()}

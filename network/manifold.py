@@ -271,7 +271,9 @@ def checked_profile(velocity_ratio: Profile) -> Profile:
 
     def profile(s: FloatArray) -> FloatArray:
         v = np.asarray(velocity_ratio(s))
-        if v.dtype != np.float64 or not (v.min(initial=1.0) > 0 and v.max(initial=1.0) < np.inf):  # else as it should be
+        if v.dtype != np.float64 or not (
+            v.min(initial=1.0) > 0 and v.max(initial=1.0) < np.inf
+        ):  # else as it should be
             v = real("velocity_ratio", v, above=0.0, remedy="the jet must move forward everywhere")
         if v.shape not in ((), s.shape):
             raise InputError("velocity_ratio", "must return one value for each place", value=f"{v.shape} for {s.shape}")

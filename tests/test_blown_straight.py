@@ -195,14 +195,13 @@ def test_a_jet_faster_than_the_air_is_compressed_and_says_where():
     assert jet.axial_stress.min() < 0
 
 
-@pytest.mark.slow
-def test_elastic_waves_too_slow_are_a_verdict_and_a_solvent_is_the_remedy():
-    """theta 0.1 ms: waves of 9.6 m/s, and the Newtonian jet reaches 105: no ucm jet."""
-    fast = replace(PAN, relaxation_time=1e-4)
-    jet = blown.straight_blown_jet(fast, blown.AirJet(MM, 200.0), 10 * MM)
-    assert jet.verdict in ("critical", "slack")
+def test_elastic_waves_slower_than_the_jet_are_a_verdict():
+    """theta 1000 s: G = 3 mPa, waves of 3 mm/s in a jet of 9 mm/s: critical at once, and no profile."""
+    slow = replace(PAN, relaxation_time=1e3)
+    jet = blown.straight_blown_jet(slow, blown.AirJet(MM, 200.0), 10 * MM, inlet_stretch=1.0)
+    assert jet.verdict == "critical"
     assert not jet.z.size
-    assert "drag" in jet.message
+    assert np.isnan(jet.force_balance)
 
 
 @pytest.mark.parametrize(

@@ -159,3 +159,29 @@ def test_a_jet_that_laid_its_own_fibre(spinline, tmp_path):
     refused = spinline("deposit", "jet.nc", "-o", "g.h5", "--speed", "1 m/s")
     assert refused.code == 2
     assert "collector of its own" in refused.err
+
+
+def test_a_scene_with_a_bead_jet_names_its_collector(spinline, tmp_path):
+    """The bundled JETSPIN scene with [collector] and [mat]: its run's landings on a belt; what is missing is named."""
+    import spinline as sl
+
+    bundled = Path(sl.__file__).parent / "data" / "scenes"
+    shutil.copytree(bundled / "pvp3d", tmp_path / "pvp3d")
+    shutil.copy(Path(__file__).parent / "data" / "jetspin" / "pvp3d" / "bead.dat", tmp_path / "pvp3d")
+    text = (bundled / "pvp-jetspin.toml").read_text(encoding="utf-8")
+    (tmp_path / "bare.toml").write_text(text, encoding="utf-8")
+    bare = spinline("deposit", "bare.toml")
+    assert bare.code == 2
+    assert "collector" in bare.err
+    more = '\n[collector]\nkind = "belt"\ndistance = "16 cm"\nspeed = "2 m/s"\n[mat]\nslope = 0.3\n'
+    (tmp_path / "belt.toml").write_text(text + more, encoding="utf-8")
+    made = spinline("deposit", "belt.toml", "-o", "f.h5", "--json")
+    assert made.code == 0, made.err
+    assert made.json["segments"] > 50
+    from spinline.deposit import FibreFile
+
+    with FibreFile("f.h5") as file:
+        assert file.attributes["collector_kind"] == "belt"
+        assert json.loads(file.attributes["mat"])["slope"] == 0.3
+    analytic = spinline("deposit", "belt.toml", "--set", "jet.profile=hyperbolic")
+    assert analytic.code == 2

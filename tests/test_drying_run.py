@@ -532,7 +532,9 @@ def test_check_finds_what_is_missing_before_it_runs(spinline) -> None:
 
 
 def test_numbers_that_decide() -> None:
-    scene = sl.load_scene("peo5-water", [*ISOTHERMAL, "solution.relaxation_time=10 ms", HUMID, "rheology.diffusivity=1e-9 m2/s"])
+    scene = sl.load_scene(
+        "peo5-water", [*ISOTHERMAL, "solution.relaxation_time=10 ms", HUMID, "rheology.diffusivity=1e-9 m2/s"]
+    )
     solution = build_solution(scene)
     numbers = effect_numbers(scene, solution, build_jet(scene, solution))
     assert numbers.missing == {"heat": "set so"}

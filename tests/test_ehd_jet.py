@@ -235,7 +235,7 @@ def random_settings(rng, law) -> NeedleSettings:
 def test_estimated_error_is_the_true_one_within_a_factor_of_two() -> None:
     rng = np.random.default_rng(15)
     judged = 0
-    for k in range(130):
+    for k in range(25):
         settings = random_settings(rng, ("fene-p", "newtonian")[k % 2])
         found = solve(settings, tolerance=1e-4)
         if found.why or not 1e-9 < found.error["radius"] < 1e-4:
@@ -246,7 +246,7 @@ def test_estimated_error_is_the_true_one_within_a_factor_of_two() -> None:
         error = 0.5 * np.abs(true.y[::8, 0] - found.discrete.y[::2, 0]).max() * 256 / 255
         assert 0.5 < found.error["radius"] / error < 2
         judged += 1
-    assert judged >= 100
+    assert judged >= 20
 
 
 # existence
@@ -438,3 +438,28 @@ def test_a_neighbour_is_quick_and_the_same(case_c) -> None:
 def test_what_cannot_be_is_refused(change, words) -> None:
     with pytest.raises(InputError, match=words):
         NeedleSettings(**{**PEO, **change})
+
+
+def test_a_sample_of_the_campaign_of_random_settings_replays() -> None:
+    import importlib.util
+    import json
+    from pathlib import Path
+
+    folder = Path(__file__).parents[1] / "benchmarks"
+    if not folder.exists():
+        pytest.skip("no benchmarks beside the tests")
+    spec = importlib.util.spec_from_file_location("ehd_settings", folder / "ehd_settings.py")
+    campaign = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(campaign)
+    kept = json.loads((folder / "ehd_settings.json").read_text())
+    assert kept["apart_by_more_than_1e-3"] == []
+    rows = [one for one in kept["rows"] if one["seconds"] < 0.4][:6]
+    assert len(rows) == 6
+    for one in rows:
+        settings = campaign.drawn(one["index"])
+        try:
+            StraightEhdJet(settings, length=settings.end_position)
+            verdict = "jet"
+        except NoSteadyJet as refused:
+            verdict = refused.reason
+        assert verdict == one["verdict"]

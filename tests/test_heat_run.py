@@ -83,7 +83,9 @@ def test_frozen_section_fibre_and_stretch_agree(heat: bool) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)
         result = sl.run(
-            sl.load_scene("pmma10-drying", ("jet.length=50 mm", "effects.radial=false") if heat else ("effects.heat=false",))
+            sl.load_scene(
+                "pmma10-drying", ("jet.length=50 mm", "effects.radial=false") if heat else ("effects.heat=false",)
+            )
         )
     fibre, phi0 = float(result["fibre_radius"]), float(result["volume_fraction"])
     frozen = float(result["frozen_radius"]) * np.sqrt(float(result["arrest_fraction"]))

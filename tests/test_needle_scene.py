@@ -118,3 +118,18 @@ def test_the_jet_command(spinline, tmp_path) -> None:
     assert refused.code == 2
     assert "swells" in refused.err
     assert spinline("jet", "peo5-water").code == 2
+
+
+def test_a_window_of_computed_jets(spinline, tmp_path) -> None:
+    ran = spinline(
+        "window", "peo5-needle", "--set", "jet.field=hyperboloid", "--set", "jet.length=10 mm", "--set", "network.model=affine",
+        "--voltage", "5 kV .. 9 kV", "--gap", "10 cm", "--steps", "2",
+    )  # fmt: skip
+    assert ran.code == 0, ran.err
+    assert "computed from their settings" in ran.out
+    stored = sl.results.open_dataset(tmp_path / "peo5-needle-window.nc")
+    reach = stored["crossover_position"].isel(k_factor=1).values.ravel()
+    made = load_scene("peo5-needle", ["jet.field=hyperboloid", "jet.length=10 mm", "jet.voltage=9 kV"])
+    jet = build_jet(made, build_solution(made))
+    assert reach[-1] == pytest.approx(float(jet.position_of(1 / 0.0444258)), rel=1e-3)
+    assert (tmp_path / "peo5-needle-window.png").exists()

@@ -174,6 +174,8 @@ def test_schema_describes_every_section() -> None:
         "effects",
         "network",
         "accuracy",
+        "collector",
+        "mat",
     }
     assert schema["additionalProperties"] is False
     jet = schema["$defs"]["PowerLawJet"]["properties"]

@@ -55,6 +55,7 @@ Verdict = Literal["converged", "compressed", "critical", "slack"]
 _POINTS = 400
 _MOST_STEPS, _MOST_NODES = 80, 60_000
 _MOST_CALLS = 12_000  # of one march
+_BUDGET, _CALL = 1e8, 200  # places evaluated in all, and what a call counts beside them
 _SHOOT = 8e-4  # s: relaxation times from which shooting is tried first
 
 
@@ -242,6 +243,7 @@ class _Problem:
         self.scale = 10 * 3 * solution.viscosity * solution.flow_rate / length
         self.kinks = [0.0, *sorted(k for k in air.kinks() if 0 < k < length), length]
         self.share = 1.0
+        self.work = 0.0
 
     def push(self, z: FloatArray, v: FloatArray) -> FloatArray:
         """Weight and drag, N/m."""
@@ -259,6 +261,9 @@ class _Problem:
 
     def slope(self, z: FloatArray, y: FloatArray) -> FloatArray:
         """Rates of the state, (state, n)."""
+        self.work += np.size(z) + _CALL
+        if self.work > _BUDGET:
+            raise _TooLongError
         s, v = self.s, self.speed(y)
         f = s.flow_rate / v
         a = np.sqrt(f / np.pi)
@@ -316,6 +321,7 @@ class _Problem:
             found = self.shoot(pull)
             if found is not None:
                 return found
+            self.work = 0.0
         mesh = np.unique(
             np.concatenate([np.linspace(0, self.length, 81), np.geomspace(1e-4, 1, 41) * self.length, self.kinks])
         )
@@ -327,6 +333,8 @@ class _Problem:
         last: Any = None
         for _ in range(_MOST_STEPS):
             self.share = share
+            if self.work > _BUDGET:
+                break
             run = self._collocate(mesh, y, pull * share, 1e-3, 20_000)
             good = run is not None
             if good:
@@ -358,7 +366,7 @@ class _Problem:
             warnings.simplefilter("ignore")
             try:
                 run = solve_bvp(self.slope, self.ends(pull), mesh, y, tol=tolerance, max_nodes=nodes)
-            except (ValueError, np.linalg.LinAlgError, RuntimeError):
+            except (ValueError, np.linalg.LinAlgError, RuntimeError, _TooLongError):
                 return None
         if run.status != 0 or not np.isfinite(run.y).all() or float(np.abs(run.y[0]).max()) > 35:
             return None
@@ -376,6 +384,10 @@ class _Problem:
                     "critical", f"at {reached:.3g} of the drag the jet comes to its elastic wave speed at {where:.4g} mm; "
                     "take a solvent viscosity (oldroyd-b) or a longer relaxation time",
                 )  # fmt: skip
+        if self.work > _BUDGET:
+            return self.nothing(
+                "slack", f"the solver has used up its budget at {reached:.3g} of the drag: no profile is given"
+            )
         return self.nothing("slack", f"no straight jet is found beyond {reached:.3g} of the drag")
 
     def entry(self, first: FloatArray) -> float:

@@ -53,11 +53,14 @@ def deposit(
     writable(target, force=force)
     if csv is not None:
         writable(csv, force=force)
-    from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of
+    from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of, scene_jet
 
     attributes: dict[str, Any] = {"source": file.name}
     numbers: dict[str, Any] = {}
-    if file.suffix == ".toml":
+    run, surface, options = scene_jet(source, set_ or []) if file.suffix == ".toml" else (None, None, None)
+    if options is not None:
+        attributes["mat"] = options_text(options)
+    if file.suffix == ".toml" and run is None:
         from spinline.scene.mat_sections import load_mat_scene
 
         scene = load_mat_scene(source, set_ or [])
@@ -71,18 +74,18 @@ def deposit(
             attributes["circumference"] = 2 * 3.141592653589793 * scene.collector.radius.value
         blocks = lay_scene(scene)
     else:
-        if set_:
+        if set_ and run is None:
             raise InputError("--set", "changes keys of a scene, and this is a jet", value=set_[0])
         from spinline.deposit.landing import lay
 
-        segments = laid_file(source)
+        segments = laid_file(run or source)
         if segments is not None and (distance, speed, radius) != (None, None, None):
             raise InputError(
                 "--speed", "is for beads; this jet laid its fibre on a collector of its own", remedy="take it out"
             )
         if segments is None:
-            record = landings_of(source)
-            surface = _collector(kind, distance, speed, radius, float(record.position[:, 0].max()))
+            record = landings_of(run or source)
+            surface = surface or _collector(kind, distance, speed, radius, float(record.position[:, 0].max()))
             segments = lay(record, surface)
             attributes |= {"collector_kind": surface.kind, "collector_distance": surface.distance}
             if surface.kind == "drum":

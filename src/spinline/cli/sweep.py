@@ -153,8 +153,10 @@ def window(
     if json:
         say(json_.dumps(answer))
         return
-    say(f"k = {k.min():.3g} to {k.max():.3g}, to a factor of {factors[0]:g} to {factors[-1]:g}; "
-               f"viscosity: {answer['viscosity_law']}; drying: {answer['air']}")  # fmt: skip
+    estimate = f"k = {k.min():.3g} to {k.max():.3g}, to a factor of {factors[0]:g} to {factors[-1]:g}"
+    if np.isnan(k).all():
+        estimate = "jets computed from their settings"
+    say(f"{estimate}; viscosity: {answer['viscosity_law']}; drying: {answer['air']}")
     say(f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
                f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)")  # fmt: skip
     say("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))

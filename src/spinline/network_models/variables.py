@@ -121,7 +121,8 @@ def network_motion(
     if not (stretch[np.isfinite(stretch)] > 0).all():
         joined = getattr(network, "coarse_grain", 1.0)
         raise InputError(
-            "network.model", f"has beads that passed each other ({joined:.3g} strands joined into one): too few in this jet",
+            "network.model",
+            f"has beads that passed each other ({joined:.3g} strands joined into one): too few beads in this jet",
             value=rung.name, remedy="join fewer (network.coarse_grain), take a longer jet, or a higher coupling",
         )  # fmt: skip
     return stretch, velocity

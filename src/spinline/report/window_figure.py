@@ -67,6 +67,8 @@ def window_figure(window: xr.Dataset, axes: SheetAxes = None) -> Figure:
     )
     low, _, high = window["k_factor"].values
     lines = f"k as estimated (line), {low:g} k (dotted), {high:g} k (dashed)"
+    if not np.isfinite(window["k"]).any():
+        lines = "jets computed from their settings"
     meaning = lines if len(shown) == 1 else f"full stretch at the end of the jet for {lines}"
     titled(sheet, own, f"{window.attrs['title']}; {fixed}\n{meaning}", fontsize=9.5)
     return sheet

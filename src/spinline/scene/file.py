@@ -18,6 +18,7 @@ from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
 from spinline.rheology.constitutive import ConstitutiveLaw
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
+from spinline.scene.mat_sections import CollectorSection, MatSection
 from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
     Concentration,
@@ -270,6 +271,8 @@ class Scene(Sheet):
     effects: EffectsSection = EffectsSection()
     network: NetworkSection = NetworkSection()
     accuracy: AccuracySection = AccuracySection()
+    collector: CollectorSection | None = None
+    mat: MatSection | None = None
 
 
 def add_jet_section(section: type[Section]) -> None:
@@ -483,6 +486,8 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "effects": EffectsSection,
         "network": NetworkSection,
         "accuracy": AccuracySection,
+        "collector": CollectorSection,
+        "mat": MatSection,
     }
     section = key.rpartition(".")[0]
     if root is not Scene and section in root.model_fields:  # another sheet: its own sections

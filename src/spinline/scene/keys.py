@@ -15,6 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from spinline.base.errors import InputError
 from spinline.base.units import QUANTITIES, Measured
+from spinline.rheology.constitutive import LAWS
 from spinline.scene.file import JET_SECTIONS, Scene
 from spinline.scene.quantities import Read
 
@@ -153,11 +154,11 @@ def placed(data: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]
 
 def _known() -> dict[str, Any]:
     """Every key of every form of a scene, and how it is read."""
-    return _keys(tuple(JET_SECTIONS))
+    return _keys(tuple(JET_SECTIONS), tuple(LAWS))
 
 
 @lru_cache(maxsize=4)
-def _keys(profiles: tuple[str, ...]) -> dict[str, Any]:
+def _keys(profiles: tuple[str, ...], laws: tuple[str, ...]) -> dict[str, Any]:
     keys: dict[str, Any] = {}
     for section, field in Scene.model_fields.items():
         models = list(_models(field.annotation, field.metadata))

@@ -16,12 +16,12 @@ from spinline.scene.file import (
     LagrangianJetFile,
     PowerLawJet,
     Scene,
-    SpunJet,
     TableJet,
     add_jet_section,
 )
 from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import Section
+from spinline.scene.spun import SpunJet
 from spinline.setup.values import given
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """Sections of a scene to collectors, laydown laws and options of a mat; and whatever a user names to landings."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,7 @@ __all__ = [
     "options_of",
     "options_text",
     "rows_of",
+    "scene_jet",
 ]
 
 Surface = Plate | Belt | Drum
@@ -110,6 +111,32 @@ def rows_of(scene: MatScene) -> int:
     spread, turning = scene.laydown.spread.value, scene.laydown.turning_length.value
     step = scene.laydown.step.value if scene.laydown.step else min(spread, turning) / 20
     return scene.jets.count * max(round(law.speed * scene.collector.time.value / step), 1)
+
+
+def scene_jet(source: str | Path, overrides: Sequence[str]) -> tuple[Path | None, Surface | None, MatOptions | None]:
+    """Bead run, collector and options of a scene that has a ``[jet]``; (None, None, None) for one of laydown alone.
+
+    Raises
+    ------
+    InputError
+        Where the scene's jet has no beads that land, or the scene no collector.
+    """
+    from spinline.base.text import read_toml_text
+
+    data, _ = read_toml_text(Path(source), "scene", 1_000_000, "give a scene file, a file of landings or a run")
+    if "jet" not in data:
+        return None, None, None
+    from spinline.scene.file import load_scene
+
+    scene = load_scene(source, overrides)
+    path = getattr(scene.jet, "path", None)
+    if scene.jet.profile not in ("jetspin", "lagrangian") or path is None:
+        raise InputError("jet.profile", "has no beads that land", value=scene.jet.profile,
+                         remedy="take a bead jet that ran to its collector, or give [laydown] in place of [jet]")  # fmt: skip
+    if scene.collector is None:
+        raise InputError("collector", "is missing", remedy='add [collector] with kind = "plate" and its distance')
+    place = Path(path) if Path(path).is_absolute() else scene.folder / path
+    return place, collector_of(scene.collector), options_of(scene.mat) if scene.mat else None
 
 
 def laid_file(source: str | Path) -> Segments | None:

@@ -25,6 +25,7 @@ from spinline.jetprofile.k_estimate import estimate_k
 from spinline.rheology.solution import Solution, volume_fraction
 from spinline.scene.air_and_rheology import AmbientSection, RheologySection
 from spinline.scene.file import PowerLawJet, Scene
+from spinline.scene.needle import NeedleJet
 from spinline.setup.build import build_solution
 from spinline.setup.context import Context
 from spinline.setup.jet import build_jet
@@ -104,9 +105,9 @@ def operating_window(
         For another jet, or what the estimates need and was not given.
     """
     jet = scene.jet
-    if not isinstance(jet, PowerLawJet):
+    if not isinstance(jet, PowerLawJet | NeedleJet):
         raise InputError(
-            "jet.profile", "has no k to estimate", value=jet.profile, allowed='"power-law"', remedy="take one"
+            "jet.profile", "has no k to estimate", value=jet.profile, allowed='"power-law", "needle"', remedy="take one"
         )
     low, high = (float(real("k_factor", end, above=0.0, most=1e3)) for end in k_factor)
     if not low <= 1 <= high:
@@ -125,30 +126,47 @@ def operating_window(
     factors = np.array([low, 1.0, high])
     u, g, q, w = (x[np.newaxis] for x in np.meshgrid(*axes.values(), indexing="ij"))
     mu, law = _viscosity(scene, solution, w)
-    k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
-        radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
-    )
-    q, w, mu = (np.broadcast_to(x, k.shape) for x in (q, w, mu))
-    columns = {"jet.k": k, "jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu}
+    columns = {"jet.flow_rate": q, "solution.mass_fraction": w, "solution.viscosity": mu}
+    if isinstance(jet, NeedleJet):  # the jet itself is computed: no k, no band
+        factors, k = np.ones(1), np.full(mu.shape, np.nan)
+        columns |= {"jet.voltage": u, "jet.gap": g, "jet.conductivity": np.full(mu.shape, sigma)}
+    else:
+        k = factors.reshape(-1, 1, 1, 1, 1) * estimate_k(
+            radius=jet.radius.value, flow_rate=q, conductivity=sigma, viscosity=mu, electric_field=u / g
+        )
+        columns["jet.k"] = k
+    columns = {key: np.broadcast_to(x, k.shape) for key, x in columns.items()}
+    q, mu = columns["jet.flow_rate"], columns["solution.viscosity"]
     rows = _rows(scene, columns, workers, progress)
     phi = np.reshape(rows["volume_fraction"].values, k.shape)
-    dry, air = _dryness(scene, k, q, phi, relative_humidity)
+    if isinstance(jet, NeedleJet):
+        dry, air = (
+            np.full(k.shape, np.nan),
+            "dryness is not estimated for the jet of a needle: `spinline run` follows it",
+        )
+    else:
+        dry, air = _dryness(scene, k, q, phi, relative_humidity)
     found = {"k": k, "viscosity": mu, "dryness": dry, "strands_per_chain": _strands(scene, solution, phi)}
     attributes = {
         "title": scene.title or scene.name,
         "scene": scene.text,
         "spinline_version": rows.attrs["spinline_version"],
         "conductivity": sigma,
-        "jet_length": jet.length.value,
+        "jet_length": np.nan if jet.length is None else jet.length.value,
         "viscosity_law": law,
         "air": air,
-        "k_estimate": f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
+        "k_estimate": "none: the jet is computed from its settings"
+        if isinstance(jet, NeedleJet)
+        else f"text under Eq. (31), to a factor of order one: band from {low:g} to {high:g}",
     }
-    return _dataset(found, rows, factors, axes, attributes)
+    made = _dataset(found, rows, factors, axes, attributes)
+    if isinstance(jet, NeedleJet):  # the same at every k
+        made = made.isel(k_factor=[0, 0, 0]).assign_coords(k_factor=("k_factor", [low, 1.0, high]))
+    return made
 
 
 def _axes(
-    jet: PowerLawJet,
+    jet: PowerLawJet | NeedleJet,
     solution: Solution,
     voltage: ArrayLike,
     gap: ArrayLike,
@@ -164,7 +182,7 @@ def _axes(
             "mass_fraction", solution.mass_fraction if mass_fraction is None else mass_fraction, 1e-6, 1.0
         ),
     }
-    if jet.length.value > axes["gap"].min():
+    if jet.length is not None and jet.length.value > axes["gap"].min():
         raise InputError("gap", "is shorter than the jet of the scene", value=float(axes["gap"].min()),
                          allowed=f">= jet.length = {jet.length.value:g} m", remedy="shorten jet.length")  # fmt: skip
     return axes
