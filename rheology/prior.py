@@ -110,7 +110,7 @@ def estimated_viscosity(solution: "Solution", solvent_quality: Quality = "good")
     >>> from spinline.rheology import Solution
     >>> solution = Solution.build("PEO", "water", mass_fraction=0.05, molar_mass=600.0)
     >>> round(estimated_viscosity(solution).value, 1)
-    7.6
+    7.3
     """
     found = _intrinsic(solution, solvent_quality)
     x = solution.concentration * found.value

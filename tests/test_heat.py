@@ -446,3 +446,20 @@ def test_axis_fraction_is_second_order() -> None:
     assert errors[1] < 1e-3
     assert np.log2(errors[0] / errors[1]) > 1.7
     assert means[0] / means[1] < 3.0 < errors[0] / errors[1]
+
+
+def test_a_sample_of_the_box_is_replayed() -> None:
+    """200 cases of benchmarks/heat_box.py: no failure, and every letter the committed one."""
+    import importlib.util
+    import json
+    from pathlib import Path
+
+    file = Path(__file__).parents[1] / "benchmarks" / "heat_box.py"
+    spec = importlib.util.spec_from_file_location("heat_box", file)
+    box = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(box)
+    said = json.loads(file.with_suffix(".json").read_text())
+    assert said["counts"].get("!", 0) == 0
+    assert said["cases"] >= 1000
+    changed = [i for i in range(200) if box.case(i) != said["letters"][i]]
+    assert len(changed) <= 1, changed  # of a case that rounding decides

@@ -212,6 +212,8 @@ def test_input_file_translated():
     assert found.time == pytest.approx(0.01)
     assert any("flow rate" in words for words in found.differs)
     assert any("breakdown" in words for words in found.differs)
+    finer = " dynamic refinement yes\n dynamic refinement every 1.d-3\n dynamic refinement threshold 0.4d0\n Finish"
+    assert translate(PVP_INPUT.replace(" Finish", finer)).settings.grid.longest == pytest.approx(4e-3)
     linear = translate(PVP_INPUT, law="linear-maxwell", flow_rate=1e-8).settings
     assert linear.law.modulus == pytest.approx(5e3)
     assert linear.inlet.flow_rate == 1e-8

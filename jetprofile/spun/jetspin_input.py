@@ -22,13 +22,12 @@ _NUMBERS = {
     "density mass": 1e3, "density charge": STATCOULOMB * 1e6, "viscosity": 0.1, "elastic modulus": 0.1,
     "collector distance": CM, "external potential": STATVOLT, "surface tension": 1e-3, "perturbation frequency": 1.0,
     "perturbation amplitude": CM, "airdrag airdensity": 1e3, "airdrag airviscosity": 1e-4, "airdrag amplitude": 1.0,
-    "airdrag airvelocity": CM, "system": 1.0, "integrator": 1.0,
+    "airdrag airvelocity": CM, "dynamic refinement threshold": CM, "system": 1.0, "integrator": 1.0,
 }  # fmt: skip
 _SWITCHES = ("inserting", "removing", "gravity", "perturbation", "airdrag", "dynamic refinement", "multiple step", "kvfluid",
              "dragvel", "restart")  # fmt: skip
 _OUTPUT = ("print list", "printstat", "print xyz", "print pdb", "print binary", "print time", "finish", "primary cutoff",
-           "maximum displ", "maximum displacement", "multiple step every", "dynamic refinement every",
-           "dynamic refinement threshold")  # fmt: skip
+           "maximum displ", "maximum displacement", "multiple step every", "dynamic refinement every")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -108,14 +107,13 @@ def translate(text: str, *, flow_rate: float | None = None, law: str = "ucm") ->
         grid=Grid(
             step, repulsion="hybrid" if density else "none", near=8, pressure=False, feed_length=gap,
             feed_charge=density * area,
+            longest=values.get("dynamic refinement threshold", 0.0) if on.get("dynamic refinement") else 0.0,
         ),
         surface_tension=values.get("surface tension", 0.0),
         air=air,
         collector=Collector("plate" if on.get("removing") else "none"),
         seed=int(values.get("seed", 0)),
     )  # fmt: skip
-    if on.get("dynamic refinement"):
-        ignored.append("dynamic refinement")
     time = values.get("final time", 0.0)
     return Translated(
         settings,
@@ -180,5 +178,7 @@ def _differences(
     if on.get("airdrag") and values.get("airdrag amplitude"):
         said.append("random force of the air: left out (JETSPIN's depends on the length step); ask for noise by name")
     if on.get("dynamic refinement"):
-        said.append(f"refinement: none, elements of {step:.4g} m at the nozzle stay what they are")
+        said.append(
+            f"refinement: an element longer than {s.grid.longest:.4g} m is halved; the others keep their nodes"
+        )
     return tuple(said)

@@ -174,7 +174,7 @@ def _answer(jet: "xr.Dataset", target: Path) -> dict[str, Any]:
     if "current" in jet.attrs:
         answer["current"] = float(jet.attrs["current"])
     if jet.sizes["deposit"]:
-        r = np.hypot(jet["deposit_y"].values, jet["deposit_z"].values)
+        r = np.hypot(jet["deposit_y1"].values, jet["deposit_z1"].values)  # of the nodes: a chord's middle lies inside
         late = jet["deposit_time"].values > 0.5 * (jet["deposit_time"].values[0] + jet["deposit_time"].values[-1])
         answer |= {
             "landing_radius": float(np.mean(r[late])) if late.any() else float(r.mean()),

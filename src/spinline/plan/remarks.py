@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 __all__ = ["examine", "remarks_of"]
 
 
+BENDS = 0.05  # m; Reneker, Yarin, Polymer 49, 2387 (2008): straight segments of millimetres to centimetres
+
+
 def examine(scene: Scene, solution: Solution, jet: "Jet") -> list[str]:
     """`remarks_of` a scene and what `build_solution` and `build_jet` make of it, its rung and effects chosen."""
     context = Context(scene, solution, jet)
@@ -70,6 +73,11 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
         if "slip" in plan.numbers.missing and context.straight:
             remarks.append(f"elastic slip is not estimated: {context.coupling.words}")
         remarks += plan.remarks
+    if context.straight and effects.evaporation and context.length > BENDS:
+        remarks.append(
+            f"the jet is straight for {1e3 * context.length:.3g} mm: electrospun jets bend after 10 to 50 mm, and the stretch "
+            "that makes fibres of less than a micrometre is the bending jet's"
+        )
     for key, unit in (("viscosity", "Pa s"), ("relaxation_time", "s")):
         if getattr(scene.solution, key) == "estimate":
             about = estimate_of(solution, key)
