@@ -289,3 +289,19 @@ def test_random_draws_are_finite_and_bounded_or_refused() -> None:
         assert (network.stretch(s) <= network.law.full_stretch).all()
         assert network.far_end_effect >= 0
     assert answered > 50
+
+
+def test_committed_campaigns() -> None:
+    """Random networks over the whole box: right or refused by name; the marches of random jets bracket or are flagged."""
+    import json
+    from pathlib import Path
+
+    folder = Path(__file__).parents[1] / "benchmarks"
+    draws = json.loads((folder / "draws_two_fluid.json").read_text())
+    for box in draws.values():
+        assert box["wrong"] == []
+        assert set(box["outcomes"]) <= {"answered", "refused: coupling", "refused: rtol"}
+    assert draws["real jets"]["outcomes"]["answered"] > 0.94 * draws["real jets"]["draws"]
+    marches = json.loads((folder / "far_end.json").read_text())
+    assert marches["jets"] == 200
+    assert set(marches["outcomes"]) <= {"bracketed", "no root, flagged"}

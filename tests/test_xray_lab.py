@@ -273,6 +273,9 @@ def test_what_was_measured() -> None:
         if "rms_z" in found:
             assert 0.8 < found["rms_z"] < 1.2, name
             assert abs(found["weighted_bias"]) < 0.002, name
+    for kind, found in MEASURED["alarms"]["results"].items():
+        assert found["alarms"] == (found["of"] if kind.startswith("true") else 0), kind
+    assert MEASURED["positions"]["results"]["seams_probability"] > 0.01
 
 
 def test_ten_bundled_positions_are_one_jet() -> None:

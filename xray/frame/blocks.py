@@ -298,34 +298,16 @@ def fit_frame(
         if begun is not None and (np.isfinite(fit.mean[b]) or start in fit.reasons):
             continue
         more: dict[str, float] = {}
-        inside = slice(start, stop)
-        radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
-        slope = 0.0 if lean is None else float(lean[inside].mean())
-        cosine = 1.0 / float(np.hypot(1.0, slope))
-        aside = row_steps(stop - start, slope)
-        smear = float(
-            np.hypot(
-                _trend(radius, path.radius_std[inside], path.found[inside]),
-                _trend(axis - aside, path.axis_std[inside], path.found[inside]),
-            )
-        )
-        smear = float(np.hypot(smear, slope / np.sqrt(12.0)))  # a row is a pixel high
+        radius, axis, slope, smear = _within(path, half, start, stop, lean)
         if change is not None:
             more, smear = {"taper": float(change[b, 0]), "lean": float(change[b, 1])}, 0.0
         if smear > _SMEARED:
             fit.flag(b, "smeared")
+        cosine = 1.0 / float(np.hypot(1.0, slope))
         try:
             counts, detector, good = frame.block(start, stop, slope)
-            smear = smear * frame.pixel if smear > _SHARP else 0.0
-            block = Block(
-                counts,
-                good,
-                detector,
-                float(radius.mean()) * frame.pixel,
-                float(axis.mean()) * frame.pixel,
-                cosine,
-                smear,
-            )
+            place = (radius * frame.pixel, axis * frame.pixel, cosine, smear * frame.pixel if smear > _SHARP else 0.0)
+            block = Block(counts, good, detector, *place)
             row = one(
                 counts, absorber.along(cosine), block.seen(), shells=edges, nuisances=nuisances, good=good,
                 radius=block.radius, axis=block.axis, **more,
@@ -349,6 +331,22 @@ def fit_frame(
     if first is not None and len(fit.reasons) == fit.rows.shape[0]:
         raise first
     return fit
+
+
+def _within(
+    path: Track, half: float, start: int, stop: int, lean: FloatArray | None
+) -> tuple[float, float, float, float]:
+    """Radius and axis of a block, the slope of its axis, and how far both change within it, pixels."""
+    inside = slice(start, stop)
+    radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
+    slope = 0.0 if lean is None else float(lean[inside].mean())
+    aside = row_steps(stop - start, slope)
+    changes = (
+        _trend(radius, path.radius_std[inside], path.found[inside]),
+        _trend(axis - aside, path.axis_std[inside], path.found[inside]),
+        slope / np.sqrt(12.0),  # a row is a pixel high
+    )
+    return float(radius.mean()), float(axis.mean()), slope, float(np.sqrt(np.square(changes).sum()))
 
 
 def _trend(values: FloatArray, std: FloatArray, found: BoolArray) -> float:

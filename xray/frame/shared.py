@@ -162,10 +162,6 @@ def fit_detector(
     ------
     InputError
         Where no block can be fitted, or none tells the unknowns apart.
-
-    Notes
-    -----
-    A tail as long as half the air in view is not told from the beam's level and slope: `vague` names it.
     """
     names = tuple(name for name in SHARED if name in unknown)
     if "attenuation" in names and not any(block.known is not None for block in blocks):
@@ -427,9 +423,9 @@ def hidden_traces(
             part = _part(looked, absorber, (name,), shells, nuisances)
             if part is None:
                 continue
-            part.model.tail = (0.0, length)
-            index = part.shared[0]
-            part.at[index] = 0.0
+            if length:
+                part.model.tail = (0.0, length)
+            part.at[part.shared[0]] = 0.0
             f, g = _curvature(part, part.at, np.ones(1), block.good)
             matrix += float(f[0, 0])
             slope += float(g[0])

@@ -176,7 +176,14 @@ def thin_centre_limit(radius: ArrayLike, contrast: ArrayLike, photons: ArrayLike
 
 
 def photons_needed(
-    sigma: float, jet: RoundJet, absorber: Absorber, pixel: float, *, nuisances: Sequence[str] = ()
+    sigma: float,
+    jet: RoundJet,
+    absorber: Absorber,
+    pixel: float,
+    *,
+    nuisances: Sequence[str] = (),
+    blur: float = 0.0,
+    tail: tuple[float, float] = (0.0, 0.0),
 ) -> float:
     """Photons per pixel, in all, for a standard deviation `sigma` of the mean fraction.
 
@@ -187,7 +194,9 @@ def photons_needed(
     jet : RoundJet
         The jet that is expected; its shells are unknown one by one, so give one shell for the mean alone.
     absorber, pixel, nuisances
-        As in `error_limit`. The row is taken twice as wide as the jet, without dark counts, veil or blur.
+        As in `error_limit`. The row is taken twice as wide as the jet, without dark counts or veil.
+    blur, tail : float, (float, float)
+        Of the detector: standard deviation, and share and length of its far tail, m.
 
     Returns
     -------
@@ -197,7 +206,8 @@ def photons_needed(
     p = float(real("pixel", pixel, above=0.0, unit="m"))
     pixels = int(np.ceil(4.0 * jet.radius / p)) + 2
     centred = RoundJet(jet.fraction, jet.radius, 0.0, jet.shell_edges)
-    found = error_limit(centred, absorber, Detector(np.ones(pixels), p), nuisances=nuisances)
+    detector = Detector(np.ones(pixels), p, blur=blur, tail_share=tail[0], tail_length=tail[1])
+    found = error_limit(centred, absorber, detector, nuisances=nuisances)
     return (found.mean / wanted) ** 2
 
 

@@ -130,6 +130,7 @@ def reduce(
 _OPTIONS = {
     "energy_kev": "--energy", "low_kev": "--lowest", "high_kev": "--highest", "sigma": "--sigma", "photons": "--photons",
     "shells": "--shells", "radius": "--radius", "pixel": "--pixel",
+    "blur": "--blur", "tail_share": "--tail-share", "tail_length": "--tail-length",
 }  # fmt: skip
 
 
@@ -167,6 +168,9 @@ def exposure(
         float | None, typer.Option(help="Photons per pixel of one frame, for the number of frames.")
     ] = None,
     shells: Annotated[int, typer.Option(help="Shells fitted; 1 for the mean alone.")] = 1,
+    blur: Annotated[str, typer.Option(help="Standard deviation of the detector's blur.")] = "0 um",
+    tail_share: Annotated[float, typer.Option(help="Glare: share of the light in the detector's far tail.")] = 0.0,
+    tail_length: Annotated[str, typer.Option(help="Its length.")] = "0 um",
     json: JsonOption = False,
     set_: SetOption = None,
 ) -> None:
@@ -185,7 +189,8 @@ def exposure(
     with _as_options():
         plans = plan_exposure(
             solution, radii, sigma=sigma, pixel=width, energy_kev=fixed, photons_per_frame=photons, shells=shells,
-            lowest_kev=ends[0], highest_kev=ends[1], coherent=coherent,
+            lowest_kev=ends[0], highest_kev=ends[1], coherent=coherent, blur=parse(blur, "length", "--blur").value,
+            tail=(tail_share, parse(tail_length, "length", "--tail-length").value),
         )  # fmt: skip
     if json:
         _print_json(as_rows(plans))

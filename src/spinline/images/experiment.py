@@ -348,6 +348,9 @@ def _scaled(experiment: Experiment, frame: Frame, track: Track, calibrate: bool)
     lean = experiment.lean.path_std
     if lean > _LEAN_MATTERS:
         doubts["lean"] = lean
+    if images.linearity is not None and images.linearity.std > 0.0:  # e changes ln T by e (1 - T), of the middle chord
+        depth = 2.0 * float(np.median(track.radius * track.attenuation))
+        doubts["linearity"] = images.linearity.std * float(-np.expm1(-depth) / depth) if depth > 0.0 else 0.0
     if doubts:
         notes["shared_error"], much = doubt_words(doubts, absorber, solution.volume_fraction)
         if much:

@@ -65,6 +65,8 @@ def plan_exposure(
     photons_per_frame: float | None = None,
     shells: int = 1,
     coherent: bool = True,
+    blur: float = 0.0,
+    tail: tuple[float, float] = (0.0, 0.0),
 ) -> list[Exposure]:
     """Photons, energy and frames for a standard deviation of the mean polymer fraction.
 
@@ -86,6 +88,8 @@ def plan_exposure(
         Shells that are fitted; 1 for the mean alone.
     coherent : bool
         Total attenuation, or without coherent scatter.
+    blur, tail : float, (float, float)
+        Of the detector: standard deviation, and share and length of its far tail, m; taken as known.
 
     Returns
     -------
@@ -113,8 +117,8 @@ def plan_exposure(
             ).energy_kev  # fmt: skip
         absorber = solution_absorber(heavy, light, energy, coherent=coherent, temperature=solution.temperature)
         jet = RoundJet(np.full(shells, phi), radius)
-        known = photons_needed(wanted, jet, absorber, p)
-        fitted = photons_needed(wanted, jet, absorber, p, nuisances=_FITTED)
+        known = photons_needed(wanted, jet, absorber, p, blur=blur, tail=tail)
+        fitted = photons_needed(wanted, jet, absorber, p, nuisances=_FITTED, blur=blur, tail=tail)
         mu = absorber.solvent - absorber.air + phi * absorber.contrast
         plans.append(
             Exposure(

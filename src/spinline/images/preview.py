@@ -120,7 +120,7 @@ def preview_images(images: Images) -> Preview:
         As a reduction would, but for an error expected to exceed the fraction.
     """
     experiment, frame, track, facts = prepare(images, sample_frames)
-    sampled = int(sample_size(experiment))
+    sampled = experiment.used
     exposures = 1 if images.frames == "each" else experiment.stack.frames
     row, std = expected_errors(experiment, frame, track)
     if not np.isfinite(std).any():
@@ -129,9 +129,3 @@ def preview_images(images: Images) -> Preview:
     std = std * np.sqrt(sampled / exposures * more)
     rows = int(np.ceil(images.block_rows * (float(np.nanmax(std)) / 0.01) ** 2))
     return Preview(experiment, frame, track, facts, sampled, row, std, rows if rows <= frame.counts.shape[0] else None)
-
-
-def sample_size(experiment: Experiment, most: int = 64) -> int:
-    """Frames that `sample_frames` takes."""
-    frames = experiment.stack.frames
-    return frames if frames <= most else np.unique(np.linspace(0, frames - 1, most).astype(int)).size

@@ -1,5 +1,6 @@
 """What a reduction is written as: a Dataset of named variables with units, and of attributes that say how to make it again."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -104,37 +105,13 @@ def assemble(
     -------
     xarray.Dataset
     """
-    fit, a = fits[0], experiment.absorber
+    fit = fits[0]
     lead = ("frame",) if each else ()
     stack = (lambda arrays: np.stack(arrays)) if each else (lambda arrays: arrays[0])
-    fraction, mean = stack([f.fraction for f in fits]), stack([f.mean for f in fits])
-    excess = np.maximum(stack([_excess(f) for f in fits]), 1.0)  # a bad fit widens its errors
-    statistical = stack([f.mean_std for f in fits]) * np.sqrt(excess)
-    shift, mean_shift = experiment.calibration.shift(a, fraction), experiment.calibration.shift(a, mean)
-    told = stack([_detector_covariance(experiment, f) for f in fits])
-    weights = shell_weights(fit.shell_edges)
-    mean_told = np.sqrt(np.maximum(np.einsum("i,...ij,j->...", weights, told, weights), 0.0))
-    covariance = (
-        stack([f.covariance for f in fits]) * excess[..., None, None] + shift[..., :, None] * shift[..., None, :] + told
-    )
-    std = np.sqrt(np.einsum("...ii->...i", covariance))
-    common = np.hypot(mean_shift, mean_told)
     scale_std = float(np.hypot(experiment.calibration.std, experiment.detector.attenuation_std))
-    mean_std = np.hypot(statistical, common)
-    limit = stack([f.limit_std for f in fits])
     middle = fit.rows.mean(axis=1) - 0.5
     edges = fit.shell_edges
-    data: dict[str, tuple[tuple[str, ...], Any]] = {
-        "polymer_fraction": ((*lead, "row", "shell"), fraction),
-        "polymer_fraction_std": ((*lead, "row", "shell"), std),
-        "polymer_fraction_covariance": ((*lead, "row", "shell", "other_shell"), covariance),
-        "mean_polymer_fraction": ((*lead, "row"), mean),
-        "mean_polymer_fraction_std": ((*lead, "row"), mean_std),
-        "calibration_std": ((*lead, "row"), np.abs(common)),
-        "limit_std": ((*lead, "row"), limit),
-        "limit_ratio": ((*lead, "row"), statistical / limit),
-        "misfit": ((*lead, "row"), stack([f.misfit for f in fits])),
-    }
+    data = _fractions(experiment, fits, lead, stack)
     data |= _by_mass(experiment, data, lead)
     for name, key, with_std in (
         ("jet_radius", "radius", True), ("jet_axis", "axis", True), ("beam_level", "amplitude", False),
@@ -183,6 +160,38 @@ def assemble(
     result = xr.Dataset(variables, coordinates)
     result.attrs = _provenance(experiment, fits, facts, (*experiment.remarks, *remarks, *_flag_words(flags, fits)))
     return result
+
+
+def _fractions(
+    experiment: Experiment, fits: list[FrameFit], lead: tuple[str, ...], stack: Callable[[list[Any]], Any]
+) -> dict[str, tuple[tuple[str, ...], Any]]:
+    """Fractions with their errors: the counts' own, those of a bad fit widened, and what all blocks share."""
+    fit, a = fits[0], experiment.absorber
+    fraction, mean = stack([f.fraction for f in fits]), stack([f.mean for f in fits])
+    excess = np.maximum(stack([_excess(f) for f in fits]), 1.0)  # a bad fit widens its errors
+    statistical = stack([f.mean_std for f in fits]) * np.sqrt(excess)
+    shift, mean_shift = experiment.calibration.shift(a, fraction), experiment.calibration.shift(a, mean)
+    told = stack([_detector_covariance(experiment, f) for f in fits])
+    weights = shell_weights(fit.shell_edges)
+    mean_told = np.sqrt(np.maximum(np.einsum("i,...ij,j->...", weights, told, weights), 0.0))
+    covariance = (
+        stack([f.covariance for f in fits]) * excess[..., None, None] + shift[..., :, None] * shift[..., None, :] + told
+    )
+    std = np.sqrt(np.einsum("...ii->...i", covariance))
+    common = np.hypot(mean_shift, mean_told)
+    mean_std = np.hypot(statistical, common)
+    limit = stack([f.limit_std for f in fits])
+    return {
+        "polymer_fraction": ((*lead, "row", "shell"), fraction),
+        "polymer_fraction_std": ((*lead, "row", "shell"), std),
+        "polymer_fraction_covariance": ((*lead, "row", "shell", "other_shell"), covariance),
+        "mean_polymer_fraction": ((*lead, "row"), mean),
+        "mean_polymer_fraction_std": ((*lead, "row"), mean_std),
+        "calibration_std": ((*lead, "row"), np.abs(common)),
+        "limit_std": ((*lead, "row"), limit),
+        "limit_ratio": ((*lead, "row"), statistical / limit),
+        "misfit": ((*lead, "row"), stack([f.misfit for f in fits])),
+    }
 
 
 def _excess(fit: FrameFit) -> FloatArray:

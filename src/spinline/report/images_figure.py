@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 __all__ = ["preview_sheet", "reduction_sheet", "save_sheet"]
 
+_DOUBTFUL = ("not_converged", "misfit", "fringes", "smeared", "not_gaussian")
+
 _STYLES = ((BLUE, "-", "o"), (ORANGE, "--", "s"), (GREEN, "-.", "^"))
 
 
@@ -149,6 +151,12 @@ def _mean(axis: "Axes", one: xr.Dataset, along: Any) -> None:
         along, one["mean_polymer_fraction"], one["mean_polymer_fraction_std"], fmt="o", color=BLUE, markersize=3,
         linewidth=0.8, label="mean of the section",
     )  # fmt: skip
+    odd = _marked(one)
+    if odd.any():
+        axis.plot(
+            along[odd], one["mean_polymer_fraction"].values[odd], "x", color="black", markersize=6, zorder=4,
+            label="flagged: not to be trusted",
+        )  # fmt: skip
     phi, limit = float(one["volume_fraction"]), one["limit_std"].values
     axis.axhline(phi, color=GREY, linestyle="--", linewidth=1, label=f"solution {phi:.3g}")
     axis.fill_between(
@@ -156,6 +164,16 @@ def _mean(axis: "Axes", one: xr.Dataset, along: Any) -> None:
     )
     axis.set(xlabel="z (mm)", ylabel="polymer fraction")
     axis.legend(**LEGEND)
+
+
+def _marked(one: xr.Dataset) -> Any:
+    """Blocks whose flags say that the model does not hold there."""
+    flags = one.get("flags")
+    if flags is None or flags.dims != ("row",):
+        return np.zeros(one.sizes["row"], dtype=np.bool_)
+    names = str(flags.attrs.get("flag_meanings", "")).split()
+    bits = sum(1 << names.index(name) for name in _DOUBTFUL if name in names)
+    return (flags.values.astype(np.int64) & bits) > 0
 
 
 def _radius(axis: "Axes", one: xr.Dataset, along: Any) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.named_arrays import NamedArrays
-from spinline.network_models.registry import rung_of, simplest
+from spinline.network_models.registry import cheapest, rung_of, simplest
 from spinline.network_models.rung import Network
 from spinline.plan.choice import Plan, plan_of, resolved
 from spinline.plan.remarks import examine, remarks_of
@@ -175,7 +175,9 @@ def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True)
     remarks = remarks_of(context, plan)
     if plan is not None:
         _LOG.info("%s: %s", scene.name, plan.reason)
-    answer = solve_stages(context, network=_network(context, plan))
+    context, network, fallen = _network(context, plan)
+    remarks += fallen
+    answer = solve_stages(context, network=network)
     _LOG.debug("%s: solved by %s, %d remarks", scene.name, context.scene.network.model, len(remarks))
     remarks += answer.remarks
     remarks += odd_places(context, answer.found)
@@ -210,16 +212,32 @@ def taken(context: Context) -> Scene:
     return context.scene.model_copy(update={"effects": effects.model_copy(update=switches)})
 
 
-def _network(context: Context, plan: Plan | None) -> Network | None:
-    """The network of a rung that slips, with a way out where "auto" took one that has none here."""
+def _network(context: Context, plan: Plan | None) -> tuple[Context, Network | None, list[str]]:
+    """The network of a rung that slips, with a way out where "auto" took one that has none here.
+
+    Where strands slip and relax and no such network is found, they relax alone, and the remark says so.
+    """
     rung = rung_of(context.scene.network.model)
     if not rung.slips:
-        return None
+        return context, None, []
     try:
-        return rung.solve(context)
+        return context, rung.solve(context), []
     except InputError as error:
         if plan is None or plan.forced:
             raise
+        relaxing = cheapest(["relaxation"])
+        if rung.relaxes and relaxing is not None:
+            network = context.scene.network.model_copy(update={"model": relaxing.name, "force_law": "lattice"})
+            other = context.taking(context.scene.model_copy(update={"network": network}))
+            other = other.taking(effects=choose_effects(other, plan.numbers))
+            return (
+                other,
+                None,
+                [
+                    f"no {rung.name} network is found here ({error.problem}): strands relax ({relaxing.name}) and do not slip, "
+                    f"which errs by about {plan.effect('elastic coupling').error:.2g}"
+                ],
+            )
         remedy = f"{error.remedy}; or" if error.remedy else "take"
         raise InputError(error.field, f"{error.problem} (the rung that rtol = {plan.rtol:g} needs)", value=error.value,
                          allowed=error.allowed, remedy=f'{remedy} model = "{simplest().name}"') from None  # fmt: skip
