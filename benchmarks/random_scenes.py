@@ -10,7 +10,7 @@ import random
 import typing
 from typing import Any
 
-from spinline.scene.air_and_rheology import _PARAMETERS
+from spinline.scene.air_and_rheology import _PARAMETERS, RheologySection
 from spinline.scene.keys import _known, reader
 from spinline.scene.quantities import Read
 
@@ -110,11 +110,11 @@ def scene(seed: int) -> dict[str, Any]:
 
 def _parameters(rng: random.Random, chosen: dict[str, Any]) -> None:
     """The parameters that the chosen laws need; seldom others, or none."""
-    defaults = {"law": "yarin", "constitutive": "auto", "D_law": "constant"}
     for name, choice, law, _ in _PARAMETERS:
         chosen.pop(name, None)
-        if (chosen.get(choice, defaults[choice]) == law) != (rng.random() < 0.01):
-            chosen[name] = quantity(rng, f"rheology.{name}")
+        taken = chosen.get(choice, RheologySection.model_fields[choice].default)
+        if (taken == law) != (rng.random() < 0.01):
+            chosen[name] = _any(rng, f"rheology.{name}")
 
 
 def _any(rng: random.Random, name: str) -> Any:

@@ -287,7 +287,7 @@ def test_report_opens_offline_and_answers_first() -> None:
 
 def test_scalars_are_numbers() -> None:
     values = scalars(sl.run(load_scene("peo5-water")))
-    assert len(values) == 21
+    assert len(values) == 22
     assert all(isinstance(value, float) for value in values.values())
 
 

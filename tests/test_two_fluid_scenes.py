@@ -186,3 +186,17 @@ def test_no_number_jumps_where_auto_changes_the_rung():
     assert set(rungs) == {"two-fluid", "conformation"}
     over, _ = module.jumps(values, rungs)
     assert max(over.values()) <= 3
+
+
+def test_where_none_is_found_strands_relax_alone(monkeypatch):
+    from spinline.network_models.registry import RUNGS
+
+    def none(context):
+        raise InputError("coupling", "no steady two-fluid network is found", value=1.0)
+
+    monkeypatch.setattr(RUNGS["two-fluid"], "solve", none)
+    result = run("solution.relaxation_time=10 ms", "network.coupling=100")
+    assert result.attrs["model"] == "conformation"
+    assert "no two-fluid network is found here" in result.attrs["warnings"]
+    with pytest.raises(InputError, match="no steady two-fluid network"):
+        run("solution.relaxation_time=10 ms", "network.coupling=100", "network.model=two-fluid")

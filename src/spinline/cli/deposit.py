@@ -99,7 +99,7 @@ def deposit(
     if json:
         import json as js
 
-        typer.echo(js.dumps(numbers, indent=1))
+        say(js.dumps(numbers, indent=1))
         return
     polymer = numbers["polymer_volume"] * 1e9
     say(f"{numbers['segments']} segments, {numbers['length']:.4g} m of fibre, polymer {polymer:.4g} mm3")
@@ -284,7 +284,7 @@ def _say(result: "xr.Dataset", json: bool, files: list[Path]) -> None:
 
         scalars = {str(name): float(value) for name, value in result.data_vars.items() if not value.dims}
         laws = {str(k): float(v) for k, v in zip(result["law"].values, result["permeability"].values, strict=True)}
-        typer.echo(js.dumps({**scalars, "permeability": laws}, indent=1).replace("NaN", "null"))
+        say(js.dumps({**scalars, "permeability": laws}, indent=1).replace("NaN", "null"))
         return
     from spinline.report.mat_figure import sentences
 

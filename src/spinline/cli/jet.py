@@ -103,10 +103,13 @@ def _columns(made: "StraightEhdJet") -> "dict[str, FloatArray]":
 def _table(made: "StraightEhdJet", path: Path) -> None:
     import pandas as pd
 
+    from spinline.base.files import write_text
+
     units = {"z": "m", "radius": "m", "velocity": "m/s", "strain_rate": "1/s", "tension": "N", "tensile_stress": "Pa",
              "line_charge": "C/m", "conduction_share": "1", "field_inside": "V/m"}  # fmt: skip
     columns = _columns(made)
-    pd.DataFrame({f"{name} [{units[name]}]": values for name, values in columns.items()}).to_csv(path, index=False)
+    table = pd.DataFrame({f"{name} [{units[name]}]": values for name, values in columns.items()})
+    write_text(path, str(table.to_csv(None, index=False)), force=True)
 
 
 def _json(made: "StraightEhdJet") -> str:

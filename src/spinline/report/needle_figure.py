@@ -67,7 +67,9 @@ def save_needle_figure(jet: "StraightEhdJet", path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from spinline.report.style import save_sheet
+
     figure = Figure(figsize=(8, 6), layout="constrained")
     FigureCanvasAgg(figure)
     needle_figure(jet, figure.subplots(2, 2, sharex=True))
-    figure.savefig(path, dpi=150)
+    save_sheet(figure, path, force=True, dpi=150)
