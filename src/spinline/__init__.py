@@ -9,12 +9,11 @@ together, each saying in its first lines what lives there: ``base, scene, setup,
 study, fit, images, report, cli``. Importing this module imports nothing heavy.
 """
 
-from typing import TYPE_CHECKING
-
 from spinline import moved
 from spinline.base.lazy import lazily
 from spinline.base.version import __version__
 
+TYPE_CHECKING = False  # typing itself would be most of the cost of this import
 if TYPE_CHECKING:
     from spinline import images, jetprofile, network, report, rheology, scene, solve, xray
     from spinline.base import units
