@@ -14,7 +14,7 @@ at rate 1:
 
 * th -> inf: lam = w, the `manifold`;
 * eps -> 0: w = V, the conformation; for V = g s, ``lam^2 = A* + (1 - A*)(s/s_0)^(2 - 1/De)``, ``A* = 1/(1 - 2 De)``, De =
-th g.
+  th g.
 
 At small th the slip changes sign, w < V: tension falls downstream and holds the network back. Relaxation forgets the far end:
 with it a bounded law has a steady state where the elastic network, dragged by the whole jet beyond its contour, has none.

@@ -21,6 +21,7 @@ class Prior:
 
 
 # kg/mol, weight average
+#: What is usual of a polymer, kg/mol.
 MOLAR_MASS: Mapping[str, Prior] = {
     "PEO": Prior(600.0, 0.7, _GRADES), "PMMA": Prior(350.0, 0.7, _GRADES), "PCL": Prior(80.0, 0.3, _GRADES),
     "PVP": Prior(1300.0, 0.5, _GRADES), "PAN": Prior(150.0, 0.4, _GRADES), "PS": Prior(280.0, 0.5, _GRADES),
@@ -32,6 +33,7 @@ _ANY = Prior(150.0, 0.9, "no entry for this polymer: a usual chain")
 
 _SALTS = "usual for polymer solutions in it; traces of salts decide, an estimate"
 # S/m, of the solution
+#: What is usual of a solution in a solvent, S/m.
 CONDUCTIVITY: Mapping[str, Prior] = {
     "water": Prior(3e-2, 1.0, _SALTS), "ethanol": Prior(1e-3, 1.0, _SALTS), "acetone": Prior(5e-4, 1.0, _SALTS),
     "DMF": Prior(1.5e-3, 0.9, _SALTS), "DMAc": Prior(1e-3, 0.9, _SALTS), "DMSO": Prior(5e-4, 1.0, _SALTS),
