@@ -173,7 +173,7 @@ def kills(count: int, seed: int, only: list[str] | None = None) -> dict[str, Any
     from file_damage import same
 
     import spinline.fit.output
-    import spinline.images.reduce
+    import spinline.radiography.reduce
     import spinline.report.figures
     import spinline.solve.spine
     import spinline.study.sweep  # noqa: F401

@@ -198,7 +198,7 @@ RUN = """
 import json, resource, time
 from pathlib import Path
 from spinline.images import load_images
-from spinline.images.reduce import reduce_images
+from spinline.radiography.reduce import reduce_images
 marks = []
 def said(what, done, total): marks.append((what, done, time.perf_counter()))
 def used(who): return sum(resource.getrusage(who)[:2])

@@ -193,7 +193,7 @@ def reduced(folder, counts, photons, **keys):
     """What `reduce` makes of a frame: "refused", "flagged", or "silent"; and the significance."""
     from spinline.base.errors import SpinlineWarning
     from spinline.images import images_from_dict
-    from spinline.images.reduce import reduce_images
+    from spinline.radiography.reduce import reduce_images
 
     rng = np.random.default_rng(5)
     np.savez(

@@ -26,9 +26,9 @@ from position_generator import fraction_of, positions, radius_of  # noqa: E402
 from spinline import xray  # noqa: E402
 from spinline.base.errors import InputError, SpinlineWarning  # noqa: E402
 from spinline.images import images_from_dict  # noqa: E402
-from spinline.images.experiment import prepare  # noqa: E402
 from spinline.images.geometry import path_factor  # noqa: E402
-from spinline.images.reduce import reduce_images  # noqa: E402
+from spinline.radiography.experiment import prepare  # noqa: E402
+from spinline.radiography.reduce import reduce_images  # noqa: E402
 from spinline.xray.frame.shared import row_shifts  # noqa: E402
 
 OUT = HERE / "xray_lab.json"

@@ -167,7 +167,7 @@ class TestARegisteredFormat(FrameReaderContract):
         path.write_bytes(b"TOY %d %d %d\n" % frames.shape + frames.astype("<u2").tobytes())
 
     def test_an_images_file_is_reduced_from_it(self, frames_of, tmp_path, quiet) -> None:
-        from spinline.images.reduce import reduce_images
+        from spinline.radiography.reduce import reduce_images
 
         images, arrays = frames_of(photons=4e4, block_rows=24)
         expected = reduce_images(images)["mean_polymer_fraction"].values

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from spinline.base.errors import InputError
-from spinline.images.reduce import reduce_images
 from spinline.images.stacks import open_stack
 from spinline.images.sums import sample_frames, sum_frames
+from spinline.radiography.reduce import reduce_images
 
 DATA = Path(__file__).parent / "data" / "images"
 pytestmark = pytest.mark.usefixtures("quiet")

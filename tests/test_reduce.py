@@ -17,9 +17,9 @@ from conftest import score_of as score
 
 from spinline.base.errors import InputError
 from spinline.images import bundled_images, images_from_dict, load_images
-from spinline.images.preview import preview_images
-from spinline.images.reduce import reduce_images
-from spinline.images.reduction_dataset import REDUCTION_VARIABLES, UNIDENTIFIABLE, lines, to_csv
+from spinline.radiography.preview import preview_images
+from spinline.radiography.reduce import reduce_images
+from spinline.radiography.reduction_dataset import REDUCTION_VARIABLES, UNIDENTIFIABLE, lines, to_csv
 from spinline.solve import results
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
@@ -261,7 +261,7 @@ def test_each_frame_and_resume_give_identical_arrays(frames_of, tmp_path) -> Non
     (tmp_path / "e.toml").write_text(text, encoding="utf-8")
     whole = reduce_images(load_images(tmp_path / "e.toml"))
     assert whole.sizes["frame"] == 6
-    stop_after = "import os, signal, spinline.images.reduce as r\nkeep = r._keep\ndef killed(store, name, fit):\n    keep(store, name, fit)\n"
+    stop_after = "import os, signal, spinline.radiography.reduce as r\nkeep = r._keep\ndef killed(store, name, fit):\n    keep(store, name, fit)\n"
     stop_after += "    if name == 'frame-000003': os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
     stop_after += (
         "from spinline.images import load_images\nr.reduce_images(load_images('e.toml'), checkpoint='e.partial')\n"
@@ -303,7 +303,7 @@ def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_pa
     (tmp_path / "s.toml").write_text(text, encoding="utf-8")
     whole = reduce_images(load_images(tmp_path / "s.toml"))
     script = (
-        "import os, signal, numpy as np, spinline.images.reduce as r\nr._PAUSE = 0.0\nkeep = r._keep\n"
+        "import os, signal, numpy as np, spinline.radiography.reduce as r\nr._PAUSE = 0.0\nkeep = r._keep\n"
         "def killed(store, name, fit):\n    keep(store, name, fit)\n"
         "    if np.isfinite(fit.mean).sum() == 7: os.kill(os.getpid(), signal.SIGKILL)\nr._keep = killed\n"
         "from spinline.images import load_images\nr.reduce_images(load_images('s.toml'), checkpoint='s.partial')\n"
@@ -322,12 +322,12 @@ def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_pa
 
 @pytest.mark.slow
 def test_processes_give_what_one_gives(frames_of, monkeypatch) -> None:
-    import spinline.images.reduce
+    import spinline.radiography.reduce
 
     images, _ = frames_of(photons=4e6, count=4, block_rows=12)
     images = images.model_copy(update={"frames": "each"})
     one = reduce_images(images)
-    monkeypatch.setattr(spinline.images.reduce, "_WORTH_PROCESSES", 0.0)
+    monkeypatch.setattr(spinline.radiography.reduce, "_WORTH_PROCESSES", 0.0)
     assert reduce_images(images, workers=2).identical(one)
 
 

@@ -6,11 +6,11 @@ import pytest
 from spinline import xray
 from spinline.base.errors import InputError
 from spinline.images import images_from_dict
-from spinline.images.absorber import build_absorber
-from spinline.images.given_quantities import relative_doubts
-from spinline.images.preview import preview_images
-from spinline.images.reduce import reduce_images
-from spinline.images.reduction_dataset import lines, plausible
+from spinline.radiography.absorber import build_absorber
+from spinline.radiography.given_quantities import relative_doubts
+from spinline.radiography.preview import preview_images
+from spinline.radiography.reduce import reduce_images
+from spinline.radiography.reduction_dataset import lines, plausible
 from spinline.report.images_figure import reduction_sheet
 from spinline.setup.build import build_solution
 

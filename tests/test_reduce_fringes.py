@@ -9,7 +9,7 @@ from conftest import score_of as score
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.images import images_from_dict
-from spinline.images.reduce import reduce_images
+from spinline.radiography.reduce import reduce_images
 from spinline.solve import results
 
 pytestmark = pytest.mark.usefixtures("quiet")

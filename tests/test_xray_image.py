@@ -11,7 +11,7 @@ import pytest
 import spinline as sl
 from spinline import xray
 from spinline.base.errors import InputError
-from spinline.images.simulate import Camera, field_from_result, simulate
+from spinline.radiography.simulate import Camera, field_from_result, simulate
 
 PIXEL = 1e-6
 WATER = xray.solution_medium("PEO", "water", 10.0)

@@ -297,7 +297,7 @@ def test_positions_are_stitched(tmp_path, method, quiet) -> None:
     """Three overlapping images with their own beams and axes: one fraction, one radius, seams that agree."""
     from position_generator import fraction_of, positions, radius_of
 
-    from spinline.images.reduce import reduce_images
+    from spinline.radiography.reduce import reduce_images
 
     data = positions(
         tmp_path, count=3, rows=24, pixels=220, overlap=8, seed=5, keys={"method": method, "block_rows": 4}
@@ -319,7 +319,7 @@ def test_positions_are_stitched(tmp_path, method, quiet) -> None:
 def test_positions_that_cannot_be_one_jet_are_refused(tmp_path, quiet) -> None:
     from position_generator import positions
 
-    from spinline.images.reduce import reduce_images
+    from spinline.radiography.reduce import reduce_images
 
     data = positions(tmp_path, count=2, rows=24, pixels=220, overlap=8, seed=5)
     for change, words in (

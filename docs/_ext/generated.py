@@ -17,7 +17,7 @@ from sphinx.util.docutils import SphinxDirective
 import spinline
 from spinline.base.units import QUANTITIES
 from spinline.cli import app as command_line
-from spinline.images.reduction_dataset import REDUCTION_VARIABLES
+from spinline.radiography.reduction_dataset import REDUCTION_VARIABLES
 from spinline.rheology import POLYMERS, SOLVENTS, property_source
 from spinline.scene import bundled_scenes, json_schema
 from spinline.solve.results import VARIABLES
@@ -68,11 +68,11 @@ PACKAGES = [
     "spinline.report.fit_figure",
     "spinline.fit.overlay",
     "spinline.images",
-    "spinline.images.reduce",
-    "spinline.images.reduction_dataset",
-    "spinline.images.preview",
-    "spinline.images.exposure",
-    "spinline.images.experiment",
+    "spinline.radiography.reduce",
+    "spinline.radiography.reduction_dataset",
+    "spinline.radiography.preview",
+    "spinline.radiography.exposure",
+    "spinline.radiography.experiment",
     "spinline.images.photons",
     "spinline.images.flat_and_dark",
     "spinline.images.noise",
@@ -82,14 +82,14 @@ PACKAGES = [
     "spinline.images.formats.base",
     "spinline.images.metadata",
     "spinline.images.geometry",
-    "spinline.images.calibration",
-    "spinline.images.detector",
-    "spinline.images.looks",
-    "spinline.images.positions",
-    "spinline.images.stitched",
+    "spinline.radiography.calibration",
+    "spinline.radiography.detector",
+    "spinline.radiography.looks",
+    "spinline.radiography.positions",
+    "spinline.radiography.stitched",
     "spinline.base.checkpoint",
     "spinline.report.images_figure",
-    "spinline.images.methods",
+    "spinline.radiography.methods",
 ]
 
 

@@ -178,7 +178,5 @@ def _differences(
     if on.get("airdrag") and values.get("airdrag amplitude"):
         said.append("random force of the air: left out (JETSPIN's depends on the length step); ask for noise by name")
     if on.get("dynamic refinement"):
-        said.append(
-            f"refinement: an element longer than {s.grid.longest:.4g} m is halved; the others keep their nodes"
-        )
+        said.append(f"refinement: an element longer than {s.grid.longest:.4g} m is halved; the others keep their nodes")
     return tuple(said)

@@ -6,23 +6,22 @@
 
 The four physics packages stand alone (`jetprofile`, `rheology`, `network`, `xray`); the rooms beside this file tie them
 together, each saying in its first lines what lives there: ``base, scene, setup, drying, network_models, plan, solve,
-study, fit, images, report, cli``. Importing this module imports nothing heavy.
+study, fit, recipe, images, radiography, report, cli``. Importing this module imports nothing heavy.
 """
-
-from typing import TYPE_CHECKING
 
 from spinline import moved
 from spinline.base.lazy import lazily
 from spinline.base.version import __version__
 
+TYPE_CHECKING = False  # typing itself would be most of the cost of this import
 if TYPE_CHECKING:
     from spinline import images, jetprofile, network, report, rheology, scene, solve, xray
     from spinline.base import units
     from spinline.base.errors import InputError, SpinlineWarning
-    from spinline.images import exposure, preview, reduce
-    from spinline.images import reduction_dataset as reduction
-    from spinline.images.preview import preview_images
-    from spinline.images.reduce import reduce_images
+    from spinline.radiography import exposure, preview, reduce
+    from spinline.radiography import reduction_dataset as reduction
+    from spinline.radiography.preview import preview_images
+    from spinline.radiography.reduce import reduce_images
     from spinline.recipe.recipe_file import fibre
     from spinline.report import figures
     from spinline.scene.file import Scene, load_scene
@@ -39,7 +38,7 @@ _NAMES = {
     "Scene": "scene.file",
     "SpinlineWarning": "base.errors",
     "compare": "study.compare:",
-    "exposure": "images.exposure:",
+    "exposure": "radiography.exposure:",
     "fibre": "recipe.recipe_file",
     "figures": "report.figures:",
     "images": "images:",
@@ -48,11 +47,11 @@ _NAMES = {
     "load_scene": "scene.file",
     "network": "network:",
     "open_result": "solve.results",
-    "preview": "images.preview:",
-    "preview_images": "images.preview",
-    "reduce": "images.reduce:",
-    "reduce_images": "images.reduce",
-    "reduction": "images.reduction_dataset:",
+    "preview": "radiography.preview:",
+    "preview_images": "radiography.preview",
+    "reduce": "radiography.reduce:",
+    "reduce_images": "radiography.reduce",
+    "reduction": "radiography.reduction_dataset:",
     "report": "report:",
     "results": "solve.results:",
     "rheology": "rheology:",

@@ -1,19 +1,17 @@
 """Where the modules of version 0.1 live now: their old names still import, and give the very same modules."""
 
 import sys
-from collections.abc import Sequence
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
 __all__ = ["MOVED", "install"]
 
 MOVED = {
-    "absorber": "images.absorber",
+    "absorber": "radiography.absorber",
     "air": "setup.air",
     "attributes": "solve.attributes",
-    "blur_check": "images.blur_check",
+    "blur_check": "radiography.blur_check",
     "build": "setup.build",
     "checkpoint": "base.checkpoint",
     "checks": "base.checks",
@@ -25,15 +23,15 @@ MOVED = {
     "cli_trade": "cli.trade",
     "compare": "study.compare",
     "difference": "study.difference",
-    "doubt": "images.given_quantities",
+    "doubt": "radiography.given_quantities",
     "draws": "solve.bands",
     "drying_run": "drying.along_jet",
     "effects": "plan.switches",
     "errors": "base.errors",
     "estimates": "plan.estimates",
     "examine": "plan.remarks",
-    "experiment": "images.experiment",
-    "exposure": "images.exposure",
+    "experiment": "radiography.experiment",
+    "exposure": "radiography.exposure",
     "extra": "solve.moments",
     "fields": "images.photons",
     "figures": "report.figures",
@@ -51,7 +49,7 @@ MOVED = {
     "inference": "fit.least_squares",
     "lazy": "base.lazy",
     "material": "setup.material",
-    "methods": "images.methods",
+    "methods": "radiography.methods",
     "network.chain_coarse": "network.chain.coarse",
     "network.chain_model": "network.chain.model",
     "network.chain_profile": "network.chain.profile",
@@ -69,17 +67,17 @@ MOVED = {
     "observed_map": "fit.observed_map",
     "outputs": "base.files",
     "posterior": "fit.posterior",
-    "preview": "images.preview",
+    "preview": "radiography.preview",
     "radial_map": "drying.radial_map",
-    "reduce": "images.reduce",
-    "reduction": "images.reduction_dataset",
+    "reduce": "radiography.reduce",
+    "reduction": "radiography.reduction_dataset",
     "report_parts": "report.page_parts",
     "results": "solve.results",
     "rungs": "network_models.variables",
     "scene_fields": "scene.quantities",
     "scene_rheology": "scene.air_and_rheology",
     "sensitivity": "study.sensitivity",
-    "simulate": "images.simulate",
+    "simulate": "radiography.simulate",
     "stretching": "network_models.conformation",
     "structure": "solve.frozen_structure",
     "summary": "solve.summary",
@@ -143,15 +141,16 @@ MOVED = {
 }
 
 
-class _Moved(MetaPathFinder, Loader):
+class _Moved:  # a finder and loader by its methods: their base classes cost more to import than all of this package
     """Finds a module under its old name; what it loads is the module of the new one."""
 
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
+    def find_spec(self, fullname: str, path: object = None, target: ModuleType | None = None) -> ModuleSpec | None:
         if not fullname.startswith("spinline.") or fullname[9:] not in MOVED:
             return None
-        return ModuleSpec(fullname, self)
+        return ModuleSpec(fullname, self)  # type: ignore[arg-type]
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """The usual empty module, which `exec_module` replaces."""
 
     def exec_module(self, module: ModuleType) -> None:
         sys.modules[module.__name__] = import_module(f"spinline.{MOVED[module.__name__[9:]]}")

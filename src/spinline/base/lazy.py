@@ -1,9 +1,14 @@
 """Names of a package that load when first asked for (PEP 562): importing the package imports nothing heavy."""
 
+from __future__ import annotations
+
 import sys
-from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any
+
+TYPE_CHECKING = False  # as typing's, which would be most of the cost of importing the package
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from typing import Any
 
 __all__ = ["lazily"]
 

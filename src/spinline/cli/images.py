@@ -47,7 +47,7 @@ def preview(
     picture = None if no_figure else figure or _beside(images, loaded.name, "-preview.png")
     if picture is not None:
         writable(picture, force=force)
-    from spinline.images.preview import preview_images
+    from spinline.radiography.preview import preview_images
 
     seen = preview_images(loaded)
     if picture is not None:
@@ -102,8 +102,8 @@ def reduce(
         raise InputError("--workers", "is not a number of processes", value=workers, allowed=">= 1")
     for file in files:
         writable(file, force=force)
-    from spinline.images import reduction_dataset as reduction
-    from spinline.images.reduce import reduce_images
+    from spinline.radiography import reduction_dataset as reduction
+    from spinline.radiography.reduce import reduce_images
     from spinline.solve import results
 
     kept = target.with_name(f"{target.name}.partial")
@@ -183,7 +183,7 @@ def exposure(
     usual = [r for r in (100e-6, 50e-6, 25e-6, 10e-6) if r > 3.0 * width] or [100.0 * width]
     radii = [parse(r, "length", "--radius").value for r in radius] if radius else usual
     fixed = parse(energy, "energy", "--energy").value / KEV if energy is not None else given_energy
-    from spinline.images.exposure import as_rows, plan_exposure, table
+    from spinline.radiography.exposure import as_rows, plan_exposure, table
 
     ends = [parse(text, "energy", name).value / KEV for text, name in ((lowest, "--lowest"), (highest, "--highest"))]
     with _as_options():

@@ -11,7 +11,7 @@ import typer
 from spinline.base.constants import KEV
 from spinline.base.errors import InputError
 from spinline.cli.speech import say
-from spinline.images.camera import Camera
+from spinline.radiography.camera import Camera
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
 def simulate_image(source: str, **given: Any) -> None:
     """X-ray frames of a computed jet, with the images file that reduces them."""
     from spinline.base.files import writable
-    from spinline.images.simulate import simulate, write_frames
+    from spinline.radiography.simulate import simulate, write_frames
 
     out, force = given.pop("out"), given.pop("force")
     z_from, z_to = given.pop("z_from"), given.pop("z_to")

@@ -1,4 +1,4 @@
-"""X-ray frames: reading, photons, reduction, simulation. The images file itself is data of `spinline.scene`."""
+"""X-ray frames on disk: formats, stacks, flat and dark, photons. The images file itself is data of `spinline.scene`."""
 
 from typing import TYPE_CHECKING
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from spinline.images.reduction_dataset import plausible
+from spinline.radiography.reduction_dataset import plausible
 from spinline.report.style import (
     BLUE,
     GREEN,
@@ -25,7 +25,7 @@ from spinline.report.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from spinline.images.preview import Preview
+    from spinline.radiography.preview import Preview
 
 __all__ = ["preview_sheet", "reduction_sheet", "save_sheet"]
 

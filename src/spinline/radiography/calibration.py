@@ -12,7 +12,7 @@ from spinline.xray.frame.track import Track
 from spinline.xray.row.forward import Absorber
 
 if TYPE_CHECKING:
-    from spinline.images.experiment import Experiment
+    from spinline.radiography.experiment import Experiment
     from spinline.xray.frame.blocks import Frame
     from spinline.xray.matter.medium import Medium
 
@@ -101,8 +101,8 @@ def _in_rows(
     experiment: "Experiment", frame: "Frame", track: Track, first: int, last: int
 ) -> tuple[float, float, float]:
     """Fraction of a uniform jet in the calibration rows, its error, and their scatter over their errors."""
-    from spinline.images.experiment import fit_blocks
-    from spinline.images.looks import part_of
+    from spinline.radiography.experiment import fit_blocks
+    from spinline.radiography.looks import part_of
 
     rows = slice(first, last)
     part = part_of(frame, first, last)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
-from spinline.images.experiment import Experiment, fit_blocks
-from spinline.images.looks import part_of
+from spinline.radiography.experiment import Experiment, fit_blocks
+from spinline.radiography.looks import part_of
 from spinline.xray.frame.blocks import Frame, FrameFit, blocks_of, fit_frame, require_track
 from spinline.xray.frame.lean import Lean, axis_lean
 from spinline.xray.frame.quick import chord_frame

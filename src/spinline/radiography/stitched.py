@@ -7,8 +7,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
-from spinline.images.positions import Place, Seam
-from spinline.images.reduction_dataset import assemble
+from spinline.radiography.positions import Place, Seam
+from spinline.radiography.reduction_dataset import assemble
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import FrameFit
 

@@ -9,10 +9,10 @@ import xarray as xr
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.files import write_text
-from spinline.images.experiment import Experiment
 from spinline.images.geometry import out_of_plane
-from spinline.images.looks import FRINGES
-from spinline.images.methods import METHODS
+from spinline.radiography.experiment import Experiment
+from spinline.radiography.looks import FRINGES
+from spinline.radiography.methods import METHODS
 from spinline.xray.frame.blocks import FRAME_FLAGS, FrameFit
 from spinline.xray.row.chords import shell_weights
 

@@ -15,7 +15,7 @@ import numpy as np
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
 from spinline.base.files import streaming, writable, write_text
-from spinline.images.camera import Camera
+from spinline.radiography.camera import Camera
 from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
 from spinline.xray.matter.spectrum import Spectrum

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.images.detector import blocks_of_frame, shared_detector
-from spinline.images.experiment import Experiment, bent, first_look, fit_blocks, judged, sees_jointly
-from spinline.images.methods import map_frame_fit, map_shifts
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum
+from spinline.radiography.detector import blocks_of_frame, shared_detector
+from spinline.radiography.experiment import Experiment, bent, first_look, fit_blocks, judged, sees_jointly
+from spinline.radiography.methods import map_frame_fit, map_shifts
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, FrameFit
 from spinline.xray.frame.lean import axis_lean

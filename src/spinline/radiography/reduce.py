@@ -30,13 +30,13 @@ import numpy as np
 
 from spinline.base.checkpoint import Checkpoint, fingerprint
 from spinline.base.errors import InputError
-from spinline.images.experiment import Experiment, prepare, require_signal
 from spinline.images.flat_and_dark import open_counts
 from spinline.images.formats.base import split_source
-from spinline.images.looks import FRINGES, fringes_in
-from spinline.images.methods import Kept, require_method
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sum_frames
+from spinline.radiography.experiment import Experiment, prepare, require_signal
+from spinline.radiography.looks import FRINGES, fringes_in
+from spinline.radiography.methods import Kept, require_method
 from spinline.scene.images_file import Images, Position
 from spinline.xray.frame.blocks import FrameFit, blocks_of
 from spinline.xray.frame.track import track_jet
@@ -96,7 +96,7 @@ def reduce_images(
     SpinlineWarning
         One for each remark; they are in the attribute ``warnings`` too.
     """
-    from spinline.images.reduction_dataset import assemble
+    from spinline.radiography.reduction_dataset import assemble
 
     said = progress or (lambda *_: None)
     method = require_method(images.method)
@@ -137,8 +137,8 @@ def _ended(result: "xr.Dataset", job: Checkpoint | None) -> "xr.Dataset":
 
 def _of_positions(images: Images, job: Checkpoint | None, said: Progress) -> "xr.Dataset":
     """Several positions along a jet."""
-    from spinline.images.positions import prepare_positions, reduce_positions
-    from spinline.images.stitched import assemble_positions
+    from spinline.radiography.positions import prepare_positions, reduce_positions
+    from spinline.radiography.stitched import assemble_positions
 
     count = len(images.positions)
     at = iter(range(count))

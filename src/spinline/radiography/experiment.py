@@ -13,14 +13,18 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.images.absorber import build_absorber, given_medium, uncalibrated
-from spinline.images.blur_check import steady_rows
-from spinline.images.calibration import Calibration, calibrated, scaled_medium
-from spinline.images.detector import SharedDetector, blocks_of_frame, shared_detector
 from spinline.images.flat_and_dark import Fields, build_fields, open_counts
 from spinline.images.geometry import path_factor
-from spinline.images.given_quantities import doubt_words, hardened, ideal_mixture, relative_doubts
-from spinline.images.looks import (
+from spinline.images.metadata import with_metadata
+from spinline.images.photons import photons_frame, residual_outliers
+from spinline.images.stacks import Stack
+from spinline.images.sums import FrameSum, one_frame, sample_frames
+from spinline.radiography.absorber import build_absorber, given_medium, uncalibrated
+from spinline.radiography.blur_check import steady_rows
+from spinline.radiography.calibration import Calibration, calibrated, scaled_medium
+from spinline.radiography.detector import SharedDetector, blocks_of_frame, shared_detector
+from spinline.radiography.given_quantities import doubt_words, hardened, ideal_mixture, relative_doubts
+from spinline.radiography.looks import (
     FRINGES,
     expect_fringes,
     find_track,
@@ -32,10 +36,6 @@ from spinline.images.looks import (
     row_law,
     without_nozzle,
 )
-from spinline.images.metadata import with_metadata
-from spinline.images.photons import photons_frame, residual_outliers
-from spinline.images.stacks import Stack
-from spinline.images.sums import FrameSum, one_frame, sample_frames
 from spinline.scene.images_file import Images
 from spinline.setup.build import build_solution
 from spinline.xray.frame.blocks import Frame, FrameFit, fit_frame, require_track

@@ -1,0 +1,1 @@
+"""From X-ray frames to polymer fractions, and back: tracks, attenuation, detectors, methods, results, simulated frames."""
