@@ -145,6 +145,11 @@ def lateral_variables(context: "Context", fields: dict[str, FloatArray]) -> dict
         raise InputError("network.lateral", f"needs alpha_v, which is {coupling.words}", remedy="give network.coupling")
     pace = scene.network.spring.value / coupling.alpha * jet.initial_velocity / jet.initial_radius
     contraction = fields["radial_contraction"]
+    if not contraction[0] > 0:
+        raise InputError(
+            "network.lateral", "needs strands of some width at the nozzle", value=float(contraction[0]),
+            allowed="radial_contraction > 0", remedy="leave network.lateral out",
+        )  # fmt: skip
     try:
         across = lateral_network(
             pace * fields["residence_time"],
