@@ -58,9 +58,17 @@ _SHOOT = 8e-4  # s: relaxation times from which shooting is tried first
 
 
 def straight_blown_jet(
-    solution: BlownSolution, air: Air, length: float, *, law: Law | None = None, drag: TangentialLaw = "ziabicki-kawai",
-    end_tension: float = 0.0, gravity: float = 9.81, inlet_stretch: float | None = None, rtol: float = 1e-8,
-) -> StraightBlownJet:  # fmt: skip
+    solution: BlownSolution,
+    air: Air,
+    length: float,
+    *,
+    law: Law | None = None,
+    drag: TangentialLaw = "ziabicki-kawai",
+    end_tension: float = 0.0,
+    gravity: float = 9.81,
+    inlet_stretch: float | None = None,
+    rtol: float = 1e-8,
+) -> StraightBlownJet:
     """Straight blown jet from the nozzle to `length`.
 
     Parameters
@@ -92,9 +100,14 @@ def straight_blown_jet(
         For a law that the solution does not have the properties for.
     """
     problem = _Problem(
-        solution, air, positive("length", length, "m"), _law(solution, law), DRAG_LAWS[_drag(drag)], gravity,
+        solution,
+        air,
+        positive("length", length, "m"),
+        _law(solution, law),
+        DRAG_LAWS[_drag(drag)],
+        gravity,
         number("rtol", rtol, least=1e-12, most=1e-4),
-    )  # fmt: skip
+    )
     pull = number("end_tension", end_tension, unit="N")
     if inlet_stretch is not None:
         if problem.law != "ucm":
@@ -131,9 +144,15 @@ class _Problem:
     """
 
     def __init__(
-        self, solution: BlownSolution, air: Air, length: float, law: Law, drag: tuple[float, float], gravity: float,
+        self,
+        solution: BlownSolution,
+        air: Air,
+        length: float,
+        law: Law,
+        drag: tuple[float, float],
+        gravity: float,
         rtol: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.s, self.air, self.length, self.law, self.drag, self.rtol = solution, air, length, law, drag, rtol
         self.gravity = number("gravity", gravity, unit="m/s2")
         self.v0 = solution.velocity
@@ -282,9 +301,10 @@ class _Problem:
             if left < 0.05:
                 where = float(last.x[int(np.argmin(self.bracket(last.y)))]) * 1e3
                 return self.nothing(
-                    "critical", f"at {reached:.3g} of the drag the jet comes to its elastic wave speed at {where:.4g} mm; "
+                    "critical",
+                    f"at {reached:.3g} of the drag the jet comes to its elastic wave speed at {where:.4g} mm; "
                     "take a solvent viscosity (oldroyd-b) or a longer relaxation time",
-                )  # fmt: skip
+                )
         if self.work > _BUDGET:
             return self.nothing(
                 "slack", f"the solver has used up its budget at {reached:.3g} of the drag: no profile is given"
@@ -377,9 +397,15 @@ class _Problem:
         for low, high in pairwise(self.kinks):
             try:
                 run = solve_ivp(
-                    counted, (low, high), y, method="DOP853", rtol=max(self.rtol * 1e-2, 1e-12), atol=1e-12,
-                    events=[critical, slow], dense_output=True,
-                )  # fmt: skip
+                    counted,
+                    (low, high),
+                    y,
+                    method="DOP853",
+                    rtol=max(self.rtol * 1e-2, 1e-12),
+                    atol=1e-12,
+                    events=[critical, slow],
+                    dense_output=True,
+                )
             except _TooLongError:
                 return pieces, "stiff"
             pieces.append(run)
