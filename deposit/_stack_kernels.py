@@ -13,9 +13,18 @@ __all__ = ["drape_all"]
 
 @njit(cache=True, error_model="numpy")
 def drape_all(
-    height: FloatArray, z: FloatArray, x: FloatArray, y: FloatArray, radius: FloatArray, offsets: "NDArray[np.int64]",
-    spacing: FloatArray, pixel: float, slope: float, flatten: float, periodic: bool,
-) -> None:  # fmt: skip
+    height: FloatArray,
+    z: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    radius: FloatArray,
+    offsets: "NDArray[np.int64]",
+    spacing: FloatArray,
+    pixel: float,
+    slope: float,
+    flatten: float,
+    periodic: bool,
+) -> None:
     """Lay all passages on `height` (x, y) in order; their axes go to `z`. Lengths in one unit."""
     for k in range(offsets.size - 1):
         start, stop = offsets[k], offsets[k + 1]
@@ -45,9 +54,17 @@ def _direction(x: FloatArray, y: FloatArray, i: int, start: int, stop: int) -> t
 
 @njit(cache=True, error_model="numpy")
 def _support(
-    height: FloatArray, x: float, y: float, cx: float, cy: float, a: float, half: float, pixel: float,
-    flatten: float, periodic: bool,
-) -> float:  # fmt: skip
+    height: FloatArray,
+    x: float,
+    y: float,
+    cx: float,
+    cy: float,
+    a: float,
+    half: float,
+    pixel: float,
+    flatten: float,
+    periodic: bool,
+) -> float:
     """Height of the axis that rests on what lies below this piece; the floor holds it at a."""
     nx, ny = height.shape
     reach = math.hypot(a, half)
@@ -70,9 +87,17 @@ def _support(
 
 @njit(cache=True, error_model="numpy")
 def _cover(
-    height: FloatArray, x: float, y: float, cx: float, cy: float, z: float, a: float, half: float, pixel: float,
+    height: FloatArray,
+    x: float,
+    y: float,
+    cx: float,
+    cy: float,
+    z: float,
+    a: float,
+    half: float,
+    pixel: float,
     periodic: bool,
-) -> None:  # fmt: skip
+) -> None:
     """Raise the surface to the top of this piece."""
     nx, ny = height.shape
     reach = math.hypot(a, half)

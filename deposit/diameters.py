@@ -124,9 +124,15 @@ class Comparison:
 
 
 def compare_diameters(
-    first: ArrayLike, second: ArrayLike, *, first_length: ArrayLike | None = None,
-    second_length: ArrayLike | None = None, resamples: int = 400, seed: int = 0, most: int = 20000,
-) -> Comparison:  # fmt: skip
+    first: ArrayLike,
+    second: ArrayLike,
+    *,
+    first_length: ArrayLike | None = None,
+    second_length: ArrayLike | None = None,
+    resamples: int = 400,
+    seed: int = 0,
+    most: int = 20000,
+) -> Comparison:
     """Compare two samples of diameters, such as a laid mat and a measured one.
 
     Parameters

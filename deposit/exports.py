@@ -29,24 +29,29 @@ def write_vtp(path: str | Path, stack: Stack) -> None:
     points, offsets = _points(stack), stack.passages.offsets
     fibre = np.repeat(stack.passages.fibre, np.diff(offsets)).astype("<i4")
     arrays: list[NDArray[np.generic]] = [
-        stack.passages.radius.astype("<f4"), fibre, points.astype("<f4"),
-        np.arange(len(points), dtype="<i8"), offsets[1:].astype("<i8"),
-    ]  # fmt: skip
+        stack.passages.radius.astype("<f4"),
+        fibre,
+        points.astype("<f4"),
+        np.arange(len(points), dtype="<i8"),
+        offsets[1:].astype("<i8"),
+    ]
     starts = np.cumsum([0] + [8 + array.nbytes for array in arrays])
     kinds = ("Float32", "Int32", "Float32", "Int64", "Int64")
     names = ("radius", "fibre", "points", "connectivity", "offsets")
 
     def entry(k: int, components: int = 1) -> str:
-        return (f'<DataArray type="{kinds[k]}" Name="{names[k]}" NumberOfComponents="{components}" '
-                f'format="appended" offset="{starts[k]}"/>')  # fmt: skip
+        return (
+            f'<DataArray type="{kinds[k]}" Name="{names[k]}" NumberOfComponents="{components}" '
+            f'format="appended" offset="{starts[k]}"/>'
+        )
 
     head = (
         '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
         f'<PolyData><Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="{offsets.size - 1}" '
         'NumberOfStrips="0" NumberOfPolys="0">\n'
-        f"<PointData Scalars=\"radius\">{entry(0)}{entry(1)}</PointData>\n<Points>{entry(2, 3)}</Points>\n"
+        f'<PointData Scalars="radius">{entry(0)}{entry(1)}</PointData>\n<Points>{entry(2, 3)}</Points>\n'
         f'<Lines>{entry(3)}{entry(4)}</Lines>\n</Piece></PolyData>\n<AppendedData encoding="raw">\n_'
-    )  # fmt: skip
+    )
     with streaming(path, force=True) as file:
         file.write(head.encode("ascii"))
         for array in arrays:
@@ -91,9 +96,13 @@ def write_tiff(path: str | Path, solid: BoolArray, voxel: float) -> None:
     per_cm = 0.01 / size
     file = io.BytesIO()
     tifffile.imwrite(
-        file, (~planes).astype(np.uint8), photometric="minisblack", resolution=(per_cm, per_cm),
-        resolutionunit="CENTIMETER", metadata={"spacing": size * 1e6, "unit": "um", "axes": "ZYX"},
-    )  # fmt: skip
+        file,
+        (~planes).astype(np.uint8),
+        photometric="minisblack",
+        resolution=(per_cm, per_cm),
+        resolutionunit="CENTIMETER",
+        metadata={"spacing": size * 1e6, "unit": "um", "axes": "ZYX"},
+    )
     write_bytes(path, file.getbuffer(), force=True)
 
 
@@ -102,8 +111,14 @@ def write_raw(path: str | Path, solid: BoolArray, voxel: float) -> None:
     box = _voxels(solid)
     target = Path(path)
     write_bytes(target, np.transpose(~box, (2, 1, 0)).astype(np.uint8).tobytes(), force=True)
-    about = {"shape": list(box.shape), "order": "x fastest", "type": "uint8", "fibre": 0, "pore": 1,
-             "voxel_m": positive("voxel", voxel, "m")}  # fmt: skip
+    about = {
+        "shape": list(box.shape),
+        "order": "x fastest",
+        "type": "uint8",
+        "fibre": 0,
+        "pore": 1,
+        "voxel_m": positive("voxel", voxel, "m"),
+    }
     write_text(target.with_suffix(".json"), json.dumps(about, indent=1) + "\n", force=True)
 
 

@@ -113,14 +113,18 @@ class FibreFile:
         except OSError:
             missing = not Path(path).exists()
             raise InputError(
-                str(path), "does not exist" if missing else "is not a file of fibres",
+                str(path),
+                "does not exist" if missing else "is not a file of fibres",
                 remedy="write one with `spinline deposit`",
-            ) from None  # fmt: skip
+            ) from None
         lost = [name for name in _COLUMNS if name not in self._file and name != "excess"]
         if lost:
             self._file.close()
-            raise InputError(str(path), f"is not a file of fibres: it has no {', '.join(lost)}",
-                             remedy="write one with `spinline deposit`")  # fmt: skip
+            raise InputError(
+                str(path),
+                f"is not a file of fibres: it has no {', '.join(lost)}",
+                remedy="write one with `spinline deposit`",
+            )
         self.rows = int(self._file["x"].shape[0])
         self.attributes = {
             key: value.item() if isinstance(value, np.generic) else value

@@ -74,8 +74,16 @@ def footprint_of(segments: Segments, *, blocks: int = 20, resamples: int = 400, 
     x, y = segments.x + 0.5 * segments.dx, segments.y + 0.5 * segments.dy
     origin = np.array([x.mean(), y.mean()])  # moments about a near point: nothing cancels far from the origin
     u, v = x - origin[0], y - origin[1]
-    rows = np.stack([w, w * u, w * v, w * (u * u + segments.dx**2 / 12), w * (v * v + segments.dy**2 / 12),
-                     w * (u * v + segments.dx * segments.dy / 12)])  # fmt: skip
+    rows = np.stack(
+        [
+            w,
+            w * u,
+            w * v,
+            w * (u * u + segments.dx**2 / 12),
+            w * (v * v + segments.dy**2 / 12),
+            w * (u * v + segments.dx * segments.dy / 12),
+        ]
+    )
     label = np.minimum((np.cumsum(w) - 0.5 * w) / w.sum() * count, count - 1).astype(int)
     sums = np.stack([np.bincount(label, row, minlength=count) for row in rows])
     used = int((sums[0] > 0).sum())

@@ -76,10 +76,15 @@ def landings_from_frames(frames: Iterable[BeadFrame], collector: Collector) -> L
     # a bead may touch before the one ahead of it: the fibre is laid in the order of its labels
     time = np.maximum.accumulate(time)
     return LandingRecord.from_arrays(
-        time, np.array([row[1] for row in rows]), np.array([row[3] for row in rows]), np.array([row[4] for row in rows]),
-        velocity=np.array([row[2] for row in rows]), polymer_fraction=np.array([row[5] for row in rows]), fibre=fibre,
+        time,
+        np.array([row[1] for row in rows]),
+        np.array([row[3] for row in rows]),
+        np.array([row[4] for row in rows]),
+        velocity=np.array([row[2] for row in rows]),
+        polymer_fraction=np.array([row[5] for row in rows]),
+        fibre=fibre,
         attributes={"source": "frames"},
-    )  # fmt: skip
+    )
 
 
 def landings_from_table(table: "xr.Dataset", *, polymer_fraction: float = 1.0) -> LandingRecord:
@@ -89,8 +94,12 @@ def landings_from_table(table: "xr.Dataset", *, polymer_fraction: float = 1.0) -
     that cannot be (NaN, length 0) break the fibre. Times, single precision there, are made to not run back.
     """
     if "landing" not in table.dims or "element_length" not in table:
-        raise InputError("landings", "are no table of landed beads", value=list(map(str, table.data_vars)),
-                         remedy="give bead.dat of a JETSPIN run, with its log.txt beside it")  # fmt: skip
+        raise InputError(
+            "landings",
+            "are no table of landed beads",
+            value=list(map(str, table.data_vars)),
+            remedy="give bead.dat of a JETSPIN run, with its log.txt beside it",
+        )
     get = {name: np.asarray(table[name].values, dtype=np.float64) for name in table.data_vars}
     place = np.stack([get["x"], get["y"], get["z"]], axis=-1)
     speed = np.stack([get["velocity_x"], get["velocity_y"], get["velocity_z"]], axis=-1)
@@ -103,9 +112,16 @@ def landings_from_table(table: "xr.Dataset", *, polymer_fraction: float = 1.0) -
     if int(good.sum()) < 2:
         raise InputError("landings", "are fewer than two", remedy="run longer")
     return LandingRecord.from_arrays(
-        np.maximum.accumulate(get["time"][good]), place[good], volume[good], length[good], velocity=speed[good],
-        polymer_fraction=polymer_fraction, charge=charge[good], fibre=fibre[good], attributes={"source": "bead.dat"},
-    )  # fmt: skip
+        np.maximum.accumulate(get["time"][good]),
+        place[good],
+        volume[good],
+        length[good],
+        velocity=speed[good],
+        polymer_fraction=polymer_fraction,
+        charge=charge[good],
+        fibre=fibre[good],
+        attributes={"source": "bead.dat"},
+    )
 
 
 class _Frame:
@@ -136,10 +152,14 @@ def _step(
     i, j = [before.row[k] for k in shared], [now.row[k] for k in shared]
     moving = before.velocity is not None and now.velocity is not None
     down = touch_down(
-        collector, before.time, now.time, before.position[i], now.position[j],
+        collector,
+        before.time,
+        now.time,
+        before.position[i],
+        now.position[j],
         before.velocity[i] if moving and before.velocity is not None else None,
         now.velocity[j] if moving and now.velocity is not None else None,
-    )  # fmt: skip
+    )
     for n in np.flatnonzero(down.landed).tolist():
         label = shared[n]
         ahead = label - 1  # its element is the one towards the bead that left before it

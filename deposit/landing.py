@@ -128,9 +128,11 @@ class LandingRecord:
         missing = [name for name in _FLOATS if name not in dataset and name not in ("vx", "vy", "vz", "charge")]
         if missing:
             raise InputError(
-                "landing record", f"has no {', '.join(missing)}", value=list(map(str, dataset.data_vars)),
+                "landing record",
+                f"has no {', '.join(missing)}",
+                value=list(map(str, dataset.data_vars)),
                 remedy="run the jet to the collector with its landings kept, or give stored frames",
-            )  # fmt: skip
+            )
         values = {name: np.asarray(dataset[name].values, dtype=np.float64) for name in _FLOATS if name in dataset}
         n = values["touch_time"].size
         has_velocity = all(name in values and np.isfinite(values[name]).all() for name in ("vx", "vy", "vz"))
@@ -230,9 +232,17 @@ def laid_by(dataset: "xr.Dataset") -> Segments:
         np.int32
     )
     return Segments(
-        get["y0"], get["z0"], get["y1"] - get["y0"], get["z1"] - get["z0"], get["time"], get["radius"],
-        np.minimum(get["polymer_volume"] / volume, 1.0), get["flight_length"], jet, jet,
-    )  # fmt: skip
+        get["y0"],
+        get["z0"],
+        get["y1"] - get["y0"],
+        get["z1"] - get["z0"],
+        get["time"],
+        get["radius"],
+        np.minimum(get["polymer_volume"] / volume, 1.0),
+        get["flight_length"],
+        jet,
+        jet,
+    )
 
 
 def _rows(name: str, value: ArrayLike, n: int) -> FloatArray:

@@ -195,8 +195,10 @@ def pore_box(laid: Stack, mean_radius: float, voxel: float | None) -> tuple[Bool
             edge *= (need / (2 * _PORE_VOXELS)) ** (1 / 3)
             warnings.warn(
                 f"pores are taken at {mean_radius / edge:.2g} voxels a fibre radius (3 are wanted): the mat is thick; give "
-                "mat.voxel to insist", SpinlineWarning, stacklevel=3,
-            )  # fmt: skip
+                "mat.voxel to insist",
+                SpinlineWarning,
+                stacklevel=3,
+            )
     solid = voxelise(laid, edge, thickness=top)
     n = max(round(side / edge), 1)
     i, j = (solid.shape[0] - n) // 2, (solid.shape[1] - n) // 2
@@ -211,8 +213,12 @@ def _cut(fibres: "Segments | Source", windows: list[Window], slope: float) -> li
         low_y, high_y = np.minimum(s.y, s.y + s.dy), np.maximum(s.y, s.y + s.dy)
         for k, w in enumerate(windows):
             pad = 0.5 * w.width
-            keep = ((high_x > w.x - pad) & (low_x < w.x + w.width + pad)
-                    & (high_y > w.y - pad) & (low_y < w.y + w.height + pad))  # fmt: skip
+            keep = (
+                (high_x > w.x - pad)
+                & (low_x < w.x + w.width + pad)
+                & (high_y > w.y - pad)
+                & (low_y < w.y + w.height + pad)
+            )
             if keep.any():
                 parts[k].append(s.take(keep))
     joined = [(w, Segments.join(p)) for w, p in zip(windows, parts, strict=True) if p]
@@ -223,8 +229,12 @@ def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: 
     import xarray as xr
 
     if len(samples) < o.realisations:
-        warnings.warn(f"{o.realisations - len(samples)} of {o.realisations} windows have no fibre and are left out: the mat is "
-                      "thinner than one fibre there", SpinlineWarning, stacklevel=3)  # fmt: skip
+        warnings.warn(
+            f"{o.realisations - len(samples)} of {o.realisations} windows have no fibre and are left out: the mat is "
+            "thinner than one fibre there",
+            SpinlineWarning,
+            stacklevel=3,
+        )
     if not samples:
         raise InputError("mat.window", "no window has a fibre in it", remedy="take larger windows or lay longer")
     solidity = np.array([[s.stack.solidity(e) for e in ENVELOPES] for s in samples])
@@ -256,29 +266,42 @@ def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: 
     put("bubble_point_radius", np.array([s.bubble_point_radius for s in samples]), "m")
     put("pore_cumulative", np.array([s.pore_cumulative for s in samples]), "1", ("pore_radius",))
     bulk = float(_mean(chosen))
-    data["thickness"] = (("x", "y"), content.per_area / bulk, {
-        "units": "m", "long_name": "polymer per area over the mean solidity"})  # fmt: skip
+    data["thickness"] = (
+        ("x", "y"),
+        content.per_area / bulk,
+        {"units": "m", "long_name": "polymer per area over the mean solidity"},
+    )
     data["areal_density_map"] = (("x", "y"), content.per_area * o.polymer_density, {"units": "kg m-2"})
     first = samples[0].stack
     data["height"] = (("u", "v"), first.height, {"units": "m", "long_name": "upper surface in the first window"})
     _whole_mat(data, whole)
     middle = [0.5 * (e[1:] + e[:-1]) for e in (content.x_edges, content.y_edges)]
     coords = {
-        "x": ("x", middle[0], {"units": "m"}), "y": ("y", middle[1], {"units": "m"}),
+        "x": ("x", middle[0], {"units": "m"}),
+        "y": ("y", middle[1], {"units": "m"}),
         "u": ("u", (np.arange(first.height.shape[0]) + 0.5) * first.pixel, {"units": "m"}),
         "v": ("v", (np.arange(first.height.shape[1]) + 0.5) * first.pixel, {"units": "m"}),
         "pore_radius": ("pore_radius", _mean(np.array([s.pore_radius for s in samples])), {"units": "m"}),
-        "law": list(o.permeability), "envelope": list(ENVELOPES),
-    }  # fmt: skip
+        "law": list(o.permeability),
+        "envelope": list(ENVELOPES),
+    }
     data = {name: (dims, value, about) for name, (dims, value, about) in data.items()}
     out = xr.Dataset(data, coords=coords)
     out.attrs |= {
-        "envelope": o.envelope, "slope": o.slope, "flatten": o.flatten, "realisations": len(samples), "seed": o.seed,
-        "window_m": first.passages.window.width, "pixel_m": first.pixel, "voxel_m": samples[0].voxel,
-        "voxels_per_radius": samples[0].mean_radius / samples[0].voxel, "weight": "length",
-        "polymer_density": o.polymer_density, "face_velocity": o.face_velocity,
+        "envelope": o.envelope,
+        "slope": o.slope,
+        "flatten": o.flatten,
+        "realisations": len(samples),
+        "seed": o.seed,
+        "window_m": first.passages.window.width,
+        "pixel_m": first.pixel,
+        "voxel_m": samples[0].voxel,
+        "voxels_per_radius": samples[0].mean_radius / samples[0].voxel,
+        "weight": "length",
+        "polymer_density": o.polymer_density,
+        "face_velocity": o.face_velocity,
         "left_out": "compression, fusion of crossings, slip of fibres after landing",
-    }  # fmt: skip
+    }
     if o.direct and samples[0].solid is not None:
         _direct(out, samples[0])
     return out
@@ -301,13 +324,18 @@ def _whole_mat(data: dict[str, Any], whole: WholeMat) -> None:
     total = max(whole.chord, 1e-300)
     data["orientation_density"] = (("orientation",), whole.angles / total * bins / np.pi, {"units": "rad-1"})
     scalars = {
-        "order_parameter": (whole.order_parameter, "1"), "director": (whole.director, "rad"),
-        "mean_diameter": (whole.mean_diameter(), "m"), "diameter_deviation": (whole.diameter_deviation, "m"),
+        "order_parameter": (whole.order_parameter, "1"),
+        "director": (whole.director, "rad"),
+        "mean_diameter": (whole.mean_diameter(), "m"),
+        "diameter_deviation": (whole.diameter_deviation, "m"),
         "surface_mean_diameter": (whole.mean_diameter("surface"), "m"),
         "volume_mean_diameter": (whole.mean_diameter("volume"), "m"),
-        "laid_length": (whole.chord, "m"), "flight_length": (whole.length, "m"), "polymer_volume": (whole.dry_volume, "m3"),
-        "coiled_share": (whole.coiled / whole.length, "1"), "drawn_share": (whole.drawn / whole.length, "1"),
-    }  # fmt: skip
+        "laid_length": (whole.chord, "m"),
+        "flight_length": (whole.length, "m"),
+        "polymer_volume": (whole.dry_volume, "m3"),
+        "coiled_share": (whole.coiled / whole.length, "1"),
+        "drawn_share": (whole.drawn / whole.length, "1"),
+    }
     for name, (value, unit) in scalars.items():
         data[name] = ((), value, {"units": unit})
 
@@ -321,8 +349,11 @@ def _direct(out: "xr.Dataset", sample: MatSample) -> None:
 
     assert sample.solid is not None
     flow = stokes_permeability(sample.solid)
-    out["permeability_direct"] = ((), flow.permeability * sample.voxel**2, {
-        "units": "m2", "long_name": "Stokes flow through the first window's box, wrapped at its sides"})  # fmt: skip
+    out["permeability_direct"] = (
+        (),
+        flow.permeability * sample.voxel**2,
+        {"units": "m2", "long_name": "Stokes flow through the first window's box, wrapped at its sides"},
+    )
     out["permeability_direct"].attrs |= {"solidity": flow.solidity, "iterations": flow.iterations}
 
 

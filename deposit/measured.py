@@ -92,9 +92,14 @@ def _table(text: str, name: str) -> tuple[list[str], FloatArray]:
     has_header = not all(_is_number(part, decimal) for part in first if part)
     try:
         frame = pd.read_csv(
-            StringIO("\n".join(lines)), sep=mark if mark else r"\s+", decimal=decimal, skiprows=int(has_header),
-            header=None, engine="python" if mark is None else "c", skipinitialspace=True,
-        )  # fmt: skip
+            StringIO("\n".join(lines)),
+            sep=mark if mark else r"\s+",
+            decimal=decimal,
+            skiprows=int(has_header),
+            header=None,
+            engine="python" if mark is None else "c",
+            skipinitialspace=True,
+        )
     except (ValueError, pd.errors.ParserError):
         raise InputError(name, "is not a table of numbers", value=lines[0]) from None
     rows = frame.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=np.float64)

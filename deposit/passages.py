@@ -114,8 +114,12 @@ def passages(segments: Segments, window: Window, step: float, *, margin: float =
     real_ones = chord > 0
     segments, radius, chord = segments.take(real_ones), radius[real_ones], chord[real_ones]
     if not len(segments):
-        raise InputError("mat.window", "no fibre crosses it", value=(window.x, window.y, window.width, window.height),
-                         remedy="move it to where the fibres are, or lay longer")  # fmt: skip
+        raise InputError(
+            "mat.window",
+            "no fibre crosses it",
+            value=(window.x, window.y, window.width, window.height),
+            remedy="move it to where the fibres are, or lay longer",
+        )
     order = np.lexsort((segments.touch_time, segments.fibre, segments.jet))
     s, radius, chord = segments.take(order), radius[order], chord[order]
     tolerance = 1e-3 * radius[1:] + 1e-6 * chord[1:]
@@ -127,24 +131,42 @@ def passages(segments: Segments, window: Window, step: float, *, margin: float =
     lengths = arc[first[1:]] - arc[first[:-1]]
     counts = np.maximum(np.ceil(lengths / ds).astype(np.int64), 1)
     if counts.sum() > _MOST:
-        raise InputError("step", f"asks for {counts.sum():.3g} samples", value=ds,
-                         remedy="take a smaller window, a shorter duration or coarser pixels")  # fmt: skip
+        raise InputError(
+            "step",
+            f"asks for {counts.sum():.3g} samples",
+            value=ds,
+            remedy="take a smaller window, a shorter duration or coarser pixels",
+        )
     offsets = np.r_[0, np.cumsum(counts[by_time])]
     out = np.empty((3, offsets[-1]))
     _sample(out, s.x - window.x, s.y - window.y, s.dx, s.dy, radius, chord, first, by_time, counts)
     if window.periodic:
         inside_volume = float(np.sum(np.pi * radius**2 * chord))
     return Passages(
-        out[0], out[1], out[2], offsets, (lengths / counts)[by_time], s.fibre[first[:-1]][by_time].astype(np.int64),
-        window, inside_volume,
-    )  # fmt: skip
+        out[0],
+        out[1],
+        out[2],
+        offsets,
+        (lengths / counts)[by_time],
+        s.fibre[first[:-1]][by_time].astype(np.int64),
+        window,
+        inside_volume,
+    )
 
 
 @njit(cache=True, error_model="numpy")
 def _sample(
-    out: FloatArray, x: FloatArray, y: FloatArray, dx: FloatArray, dy: FloatArray, radius: FloatArray,
-    chord: FloatArray, first: NDArray[np.int64], by_time: NDArray[np.int64], counts: NDArray[np.int64],
-) -> None:  # fmt: skip
+    out: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    dx: FloatArray,
+    dy: FloatArray,
+    radius: FloatArray,
+    chord: FloatArray,
+    first: NDArray[np.int64],
+    by_time: NDArray[np.int64],
+    counts: NDArray[np.int64],
+) -> None:
     """Middle of each of `counts` equal pieces of every passage."""
     n = 0
     for k in by_time:
@@ -169,9 +191,13 @@ def _clipped(s: Segments, window: Window) -> tuple[Segments, BoolArray]:
     keep = leave > enter
     kept, start, share = s.take(keep), enter[keep], (leave - enter)[keep]
     return replace(
-        kept, x=kept.x + start * kept.dx, y=kept.y + start * kept.dy, dx=share * kept.dx, dy=share * kept.dy,
+        kept,
+        x=kept.x + start * kept.dx,
+        y=kept.y + start * kept.dy,
+        dx=share * kept.dx,
+        dy=share * kept.dy,
         length=share * kept.length,
-    ), keep  # fmt: skip
+    ), keep
 
 
 def share_inside(s: Segments, window: Window) -> FloatArray:

@@ -90,8 +90,9 @@ def permeability_of(law: str, solidity: ArrayLike, radius: ArrayLike) -> FloatAr
         warnings.warn(
             f"solidity {bad:.3g} is outside the range of the permeability law {law}, {rule.least:g} to {rule.most:g}: "
             "no value there",
-            SpinlineWarning, stacklevel=2,
-        )  # fmt: skip
+            SpinlineWarning,
+            stacklevel=2,
+        )
     value = rule.ratio(np.where(inside, phi, 0.5 * (rule.least + rule.most)))
     return np.where(inside, value, np.nan) * a**2
 
@@ -113,8 +114,9 @@ def slip_permeability(solidity: ArrayLike, knudsen: ArrayLike) -> FloatArray:
     """
     phi, kn = real("solidity", solidity, above=0.0, most=0.4), real("knudsen", knudsen, least=0.0, most=10.0)
     if np.any(kn > 0.25):
-        warnings.warn("slip flow holds to Kn = 0.25; beyond, the permeability is extrapolated",
-                      SpinlineWarning, stacklevel=2)  # fmt: skip
+        warnings.warn(
+            "slip flow holds to Kn = 0.25; beyond, the permeability is extrapolated", SpinlineWarning, stacklevel=2
+        )
     slip = 1.996 * kn
     return np.asarray((_kuwabara_number(phi) + slip * (-np.log(phi) / 2 - 0.25 + phi**2 / 4)) / (4 * phi * (1 + slip)))
 

@@ -94,9 +94,17 @@ class Segments:
                 raise InputError("touch_time", "needs one time per corner", value=f"{time.size + len(corners)} times")
         which = np.repeat(np.arange(len(corners), dtype=np.int32), counts)
         return cls(
-            start[:, 0], start[:, 1], step[:, 0], step[:, 1], time, radii[which], np.full(len(start), share),
-            np.hypot(step[:, 0], step[:, 1]), np.zeros_like(which), which,
-        )  # fmt: skip
+            start[:, 0],
+            start[:, 1],
+            step[:, 0],
+            step[:, 1],
+            time,
+            radii[which],
+            np.full(len(start), share),
+            np.hypot(step[:, 0], step[:, 1]),
+            np.zeros_like(which),
+            which,
+        )
 
     def __len__(self) -> int:
         return self.x.size

@@ -107,9 +107,15 @@ class Stack:
 
 
 def lay_stack(
-    segments: Segments, window: Window, *, pixel: float | None = None, slope: float = 0.1, flatten: float = 0.0,
-    margin: float | None = None, dry: bool = True,
-) -> Stack:  # fmt: skip
+    segments: Segments,
+    window: Window,
+    *,
+    pixel: float | None = None,
+    slope: float = 0.1,
+    flatten: float = 0.0,
+    margin: float | None = None,
+    dry: bool = True,
+) -> Stack:
     """Lay fibres on one another in a window.
 
     Parameters

@@ -123,8 +123,11 @@ def stokes_permeability(
         search += residual
         norm = fresh
     if not converged:
-        warnings.warn(f"the Stokes flow has not settled after {step} steps; its permeability is an upper value",
-                      SpinlineWarning, stacklevel=2)  # fmt: skip
+        warnings.warn(
+            f"the Stokes flow has not settled after {step} steps; its permeability is an upper value",
+            SpinlineWarning,
+            stacklevel=2,
+        )
     return StokesResult(history[-1] if history else float("nan"), float(box.mean()), step, converged)
 
 

@@ -72,9 +72,11 @@ class Laydown:
             matrix = matrix * np.eye(2)
         if matrix.shape != (2, 2) or not np.allclose(matrix, matrix.T) or np.linalg.eigvalsh(matrix)[0] <= 0:
             raise InputError(
-                "laydown.covariance", "is no covariance of a footprint", value=np.asarray(self.covariance).tolist(),
+                "laydown.covariance",
+                "is no covariance of a footprint",
+                value=np.asarray(self.covariance).tolist(),
                 allowed="a variance > 0 or a symmetric positive (2, 2) array",
-            )  # fmt: skip
+            )
         object.__setattr__(self, "covariance", matrix)
 
 
@@ -150,11 +152,17 @@ def surrogate_fibre(
         path[:, 1] += centre[1]
         move = np.diff(path, axis=0)
         yield Segments(
-            path[:-1, 0], path[:-1, 1], move[:, 0], move[:, 1], time[1:],
+            path[:-1, 0],
+            path[:-1, 1],
+            move[:, 0],
+            move[:, 1],
+            time[1:],
             np.asarray(laydown.radius * np.exp(laydown.radius_spread * log_radius), dtype=np.float64),
-            np.full(n, float(laydown.polymer_fraction)), np.full(n, ds),
-            np.full(n, jet, dtype=np.int32), np.full(n, jet, dtype=np.int32),
-        )  # fmt: skip
+            np.full(n, float(laydown.polymer_fraction)),
+            np.full(n, ds),
+            np.full(n, jet, dtype=np.int32),
+            np.full(n, jet, dtype=np.int32),
+        )
         done += n
 
 
@@ -165,9 +173,15 @@ def laid_length(laydown: Laydown, duration: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _walk(
-    path: FloatArray, log_radius: FloatArray, state: FloatArray, kicks: FloatArray, shakes: FloatArray,
-    inverse: FloatArray, ds: float, memory: float,
-) -> None:  # fmt: skip
+    path: FloatArray,
+    log_radius: FloatArray,
+    state: FloatArray,
+    kicks: FloatArray,
+    shakes: FloatArray,
+    inverse: FloatArray,
+    ds: float,
+    memory: float,
+) -> None:
     x, y, alpha, r = state[0], state[1], state[2], state[3]
     a, b, d = inverse[0, 0], inverse[0, 1], inverse[1, 1]
     fresh = math.sqrt(1 - memory * memory)

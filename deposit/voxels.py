@@ -22,9 +22,12 @@ _MOST = 1_000_000_000
 
 
 def stamp(
-    start: ArrayLike, end: ArrayLike, radius: ArrayLike, shape: tuple[int, int, int],
+    start: ArrayLike,
+    end: ArrayLike,
+    radius: ArrayLike,
+    shape: tuple[int, int, int],
     periodic: tuple[bool, bool, bool] = (False, False, False),
-) -> BoolArray:  # fmt: skip
+) -> BoolArray:
     """Box of voxels with capsules in it.
 
     Parameters
@@ -77,8 +80,10 @@ def voxelise(stack: Stack, voxel: float, *, thickness: float | None = None, bott
         raise InputError("bottom", "is above the mat", value=low, allowed=f"[0, {float(stack.height.max()):g}) m")
     run = stack.passages
     shape = (
-        max(round(run.window.width / h), 1), max(round(run.window.height / h), 1), max(math.ceil(top / h - 1e-9), 1),
-    )  # fmt: skip
+        max(round(run.window.width / h), 1),
+        max(round(run.window.height / h), 1),
+        max(math.ceil(top / h - 1e-9), 1),
+    )
     points = np.stack([run.x, run.y, stack.axis_height - low], axis=-1) / h
     joined = np.ones(len(points), dtype=bool)
     joined[run.offsets[1:] - 1] = False
@@ -100,9 +105,16 @@ def _stamp(box: BoolArray, p: FloatArray, q: FloatArray, radius: FloatArray, per
         for k in range(pieces):
             a = k / pieces
             _stamp_one(
-                box, p[n, 0] + a * ux, p[n, 1] + a * uy, p[n, 2] + a * uz, ux / pieces, uy / pieces, uz / pieces,
-                radius[n], periodic,
-            )  # fmt: skip
+                box,
+                p[n, 0] + a * ux,
+                p[n, 1] + a * uy,
+                p[n, 2] + a * uz,
+                ux / pieces,
+                uy / pieces,
+                uz / pieces,
+                radius[n],
+                periodic,
+            )
 
 
 @njit(cache=True, error_model="numpy")

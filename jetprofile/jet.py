@@ -81,8 +81,13 @@ def complete(jet: Any) -> "StraightJet | LagrangianJet":
         name for name in ("start", "end") if not np.isreal(getattr(jet, name, None) or 0.0) or not hasattr(jet, name)
     ]
     if lacking:
-        raise InputError("jet", f"is no jet: it has no {', '.join(lacking)}", value=type(jet).__name__,
-                         allowed=", ".join((*METHODS, "start", "end")), remedy="see spinline.jetprofile.Jet")  # fmt: skip
+        raise InputError(
+            "jet",
+            f"is no jet: it has no {', '.join(lacking)}",
+            value=type(jet).__name__,
+            allowed=", ".join((*METHODS, "start", "end")),
+            remedy="see spinline.jetprofile.Jet",
+        )
     from spinline.jetprofile.given_jet import GivenJet
 
     return GivenJet(jet)

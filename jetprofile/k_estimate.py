@@ -80,16 +80,22 @@ def estimate_k(
         free = 4 * pull ** (1 / 3) * mu * velocity / gamma
         if np.any(free < 0.5):
             raise InputError(
-                "surface_tension", "holds the jet: the viscous estimate of k does not apply; 4 A^(1/3) Ca",
-                value=float(np.min(free)), allowed="[0.5, inf)", remedy='give k, or take profile = "needle"',
-            )  # fmt: skip
+                "surface_tension",
+                "holds the jet: the viscous estimate of k does not apply; 4 A^(1/3) Ca",
+                value=float(np.min(free)),
+                allowed="[0.5, inf)",
+                remedy='give k, or take profile = "needle"',
+            )
     if relaxation_time is not None:
         elastic = real("relaxation_time", relaxation_time, least=0.0, unit="s") * velocity / r * pull ** (1 / 3)
         if np.any(elastic > 0.5):
             raise InputError(
-                "relaxation_time", "is long: elasticity, not viscosity, holds the jet back; theta times its strain rate",
-                value=float(np.max(elastic)), allowed="[0, 0.5]", remedy='give k, or take profile = "needle"',
-            )  # fmt: skip
+                "relaxation_time",
+                "is long: elasticity, not viscosity, holds the jet back; theta times its strain rate",
+                value=float(np.max(elastic)),
+                allowed="[0, 0.5]",
+                remedy='give k, or take profile = "needle"',
+            )
     return k
 
 

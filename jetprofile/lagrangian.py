@@ -162,8 +162,16 @@ class LagrangianJet:
         -------
         LagrangianJet
         """
-        kinds = {"x": "length", "y": "length", "z": "length", "radius": "length", "volume": "volume",
-                 "stretch_ratio": "number", "velocity": "velocity", "time": "time"}  # fmt: skip
+        kinds = {
+            "x": "length",
+            "y": "length",
+            "z": "length",
+            "radius": "length",
+            "volume": "volume",
+            "stretch_ratio": "number",
+            "velocity": "velocity",
+            "time": "time",
+        }
         columns = read_columns(path, kinds, required=("x",))
         time = columns.pop("time", None)
         rows = [np.arange(columns["x"].size)] if time is None else _groups(time, str(path))
@@ -196,9 +204,11 @@ class LagrangianJet:
         for name in ("x", "stretch_ratio", "radius", "arc_length"):
             if name not in dataset:
                 raise InputError(
-                    "jet dataset", f"has no variable {name}", value=list(map(str, dataset.data_vars)),
+                    "jet dataset",
+                    f"has no variable {name}",
+                    value=list(map(str, dataset.data_vars)),
                     remedy="use a source that holds bead positions and volumes (traj.dat, save.dat, XYZ with its log)",
-                )  # fmt: skip
+                )
         if "nozzle_radius" not in dataset.attrs:
             raise InputError(
                 "jet dataset", "has no attribute nozzle_radius", remedy="read it with its log or input file"
@@ -216,9 +226,10 @@ class LagrangianJet:
             usable &= np.asarray(dataset["valid_element"].transpose(*dataset["stretch_ratio"].dims).values, dtype=bool)
         if not usable.any():
             raise InputError(
-                "jet dataset", "holds no element with a known radius",
+                "jet dataset",
+                "holds no element with a known radius",
                 remedy="read save.dat or traj.dat style 5-7, which hold the volumes",
-            )  # fmt: skip
+            )
         x = get("x")
         arc = get("element_arc_length") if "element_arc_length" in dataset else _midpoints(dataset)
         time = np.asarray(dataset["time"].values, dtype=np.float64) if "time" in dataset.coords else None
@@ -248,9 +259,18 @@ class LagrangianJet:
             index = int(np.argmin(np.abs(self.time - t)))
         picked = {
             name: getattr(self, name)[index]
-            for name in ("x", "y", "z", "arc_length", "stretch", "element_radius", "element_strain_rate",
-                         "bead_velocity", "usable")
-        }  # fmt: skip
+            for name in (
+                "x",
+                "y",
+                "z",
+                "arc_length",
+                "stretch",
+                "element_radius",
+                "element_strain_rate",
+                "bead_velocity",
+                "usable",
+            )
+        }
         return type(self)(
             initial_radius=self.initial_radius,
             time=None,
@@ -337,8 +357,13 @@ def _beads(field: str, values: ArrayLike, shape: tuple[int, ...] | None = None) 
     if np.isinf(array).any():
         raise InputError(field, "is not finite", value=float("inf"))
     if (np.abs(array) > _FARTHEST).any():
-        raise InputError(field, "lies beyond any laboratory", value=float(np.nanmax(np.abs(array))),
-                         allowed=f"up to {_FARTHEST:g} m", remedy="check the unit of length")  # fmt: skip
+        raise InputError(
+            field,
+            "lies beyond any laboratory",
+            value=float(np.nanmax(np.abs(array))),
+            allowed=f"up to {_FARTHEST:g} m",
+            remedy="check the unit of length",
+        )
     return array
 
 

@@ -96,9 +96,10 @@ def _sheet(path: str | Path) -> list[str]:
         import openpyxl
     except ImportError:
         raise InputError(
-            name, "is an Excel workbook, and openpyxl is not installed",
+            name,
+            "is an Excel workbook, and openpyxl is not installed",
             remedy="pip install openpyxl, or save the sheet as CSV (UTF-8)",
-        ) from None  # fmt: skip
+        ) from None
     if not Path(path).is_file():
         raise InputError(name, "cannot be read (No such file or directory)", remedy="check the path")
     try:
@@ -115,13 +116,20 @@ def _sheet(path: str | Path) -> list[str]:
 def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
     start, title = _first_row(lines)
     if start is None:
-        raise InputError(name, f"is not a CSV table ({kind}: no line but comments)", allowed=allowed,
-                         remedy="give columns with units in the header")  # fmt: skip
+        raise InputError(
+            name,
+            f"is not a CSV table ({kind}: no line but comments)",
+            allowed=allowed,
+            remedy="give columns with units in the header",
+        )
     if title is None:
         raise InputError(
-            name, f"has no header ({kind}): line {start + 1} is numbers already, and no comment above names them",
-            value=lines[start].strip(), allowed=allowed, remedy=f'put a first line above it, for example "{_example(allowed)}"',
-        )  # fmt: skip
+            name,
+            f"has no header ({kind}): line {start + 1} is numbers already, and no comment above names them",
+            value=lines[start].strip(),
+            allowed=allowed,
+            remedy=f'put a first line above it, for example "{_example(allowed)}"',
+        )
     headers, mark = _headers(title, name, kind, allowed)
     body = [(i, line) for i, line in enumerate(lines[start:], start + 1) if line.strip() and not _comment(line)]
     if body and _is_units(body[0][1], mark, len(headers)):
@@ -193,15 +201,25 @@ def _headers(title: str, name: str, kind: str, allowed: str) -> tuple[tuple[Head
     for part in _fields(title, mark) if mark else []:
         match = _TOKEN.fullmatch(part)
         if part.strip() and match is None:
-            raise InputError(name, f"has a column that is not known ({kind})", value=part.strip(), allowed=allowed,
-                             remedy="a header is a name and its unit, z [mm]")  # fmt: skip
+            raise InputError(
+                name,
+                f"has a column that is not known ({kind})",
+                value=part.strip(),
+                allowed=allowed,
+                remedy="a header is a name and its unit, z [mm]",
+            )
         if match is not None:
             headers.append(Header(match["name"], match["unit"] or match["over"] or ""))
     if mark is None:
         tokens = _tokens(title)
         if tokens is None:
-            raise InputError(name, f"is not a CSV table ({kind}): its first line is no header", value=title, allowed=allowed,
-                             remedy="give columns with units in the header")  # fmt: skip
+            raise InputError(
+                name,
+                f"is not a CSV table ({kind}): its first line is no header",
+                value=title,
+                allowed=allowed,
+                remedy="give columns with units in the header",
+            )
         headers = tokens[0]
     return tuple(headers), mark
 
@@ -232,8 +250,11 @@ def _numbers(
     commas = mark != "," and any(_COMMA.fullmatch(field) for _, fields in rows for field in fields)
     if commas and any("." in field for _, fields in rows for field in fields):
         line = next(i for i, fields in rows if any("." in field for field in fields))
-        raise InputError(name, f"has both points and commas in its numbers ({seen}), line {line}: which is the decimal?",
-                         remedy="write decimals one way, and no marks between thousands")  # fmt: skip
+        raise InputError(
+            name,
+            f"has both points and commas in its numbers ({seen}), line {line}: which is the decimal?",
+            remedy="write decimals one way, and no marks between thousands",
+        )
     columns = []
     for j, header in enumerate(headers):
         texts = [fields[j].replace(",", ".") if commas else fields[j] for _, fields in rows]

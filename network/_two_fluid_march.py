@@ -76,9 +76,11 @@ class March:
                 break
         if error > self.rtol:
             raise InputError(
-                "rtol", f"is not reached: the two-fluid network is known to {error:.2g}", value=self.rtol,
+                "rtol",
+                f"is not reached: the two-fluid network is known to {error:.2g}",
+                value=self.rtol,
                 remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
-            )  # fmt: skip
+            )
         return now
 
     def _difference(self, one: Solved, other: Solved) -> float:
@@ -102,9 +104,11 @@ class March:
             state = None if rough is None else self.box.solve(nodes, rough.on(nodes), end)
         if state is None:
             raise InputError(
-                "coupling", "no steady two-fluid network is found (Newton's method fails)",
-                value=float(1 / self.box.eps(nodes[-1:])[0]), remedy="raise alpha_v or shorten the jet",
-            )  # fmt: skip
+                "coupling",
+                "no steady two-fluid network is found (Newton's method fails)",
+                value=float(1 / self.box.eps(nodes[-1:])[0]),
+                remedy="raise alpha_v or shorten the jet",
+            )
         return Solved(nodes, state)
 
     def _roughly(self, guess: Solved, end: float) -> Solved | None:

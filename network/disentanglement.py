@@ -190,9 +190,15 @@ def disentangle(
 
     tables = (t, rates, -np.log(slow), -np.log(fast), 1 / segments, beta, loss)
     found = solve_ivp(
-        lambda at, y: slopes(at, y, *tables), (float(t[0]), float(t[-1])), np.zeros(3), method="LSODA", t_eval=t,
-        rtol=tolerance, atol=tolerance, first_step=min(float(h[0]), 1e-3 * float(np.min(fast))),
-    )  # fmt: skip
+        lambda at, y: slopes(at, y, *tables),
+        (float(t[0]), float(t[-1])),
+        np.zeros(3),
+        method="LSODA",
+        t_eval=t,
+        rtol=tolerance,
+        atol=tolerance,
+        first_step=min(float(h[0]), 1e-3 * float(np.min(fast))),
+    )
     room = np.full(1, np.nan)
     if found.success and np.isfinite(found.y).all():
         axial, radial, nu = np.exp(found.y)
@@ -200,7 +206,9 @@ def disentangle(
         room = 1 - (axial + 2 * radial) / segments * nu
     if not (room > 0).all():
         raise InputError(
-            "time", "cannot be followed: the strands of this history are not resolved", value=float(found.t[-1]),
+            "time",
+            "cannot be followed: the strands of this history are not resolved",
+            value=float(found.t[-1]),
             remedy="sample the history more finely, or raise rouse_time",
-        )  # fmt: skip
+        )
     return Disentangled(t, axial, radial, nu, (1 - 3 * nu / segments) / room)

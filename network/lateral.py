@@ -186,8 +186,12 @@ def lateral_network(
     slip = 0.5 * (v / w)[1:] + 0.5 * (v / w)[:-1]
     shrink = np.exp(np.concatenate(([0.0], -0.5 * np.cumsum(slip * np.diff(np.log(v))))))
     if shrink.min() < 1e-150 or shrink.max() > 1e150:
-        raise InputError("network_velocity_ratio", "is so far from V that the network is crushed", value=float(shrink.min()),
-                         remedy="take the network nearer to the flow, or a shorter jet")  # fmt: skip
+        raise InputError(
+            "network_velocity_ratio",
+            "is so far from V that the network is crushed",
+            value=float(shrink.min()),
+            remedy="take the network nearer to the flow, or a shorter jet",
+        )
     pull, cap = q / shrink, v**-0.5 / shrink
     cap = np.where(np.abs(cap - 1) < 1e-12, 1.0, cap)  # rounding of w = V
     size, steps = int(layers), 1
@@ -257,8 +261,10 @@ def _march(
         step = (time[k] - time[k - 1]) / steps
         if step > 0:
             for j in range(steps):
-                ends = [(1 - pull[k - 1] - (pull[k] - pull[k - 1]) * u, 1 - cap[k - 1] - (cap[k] - cap[k - 1]) * u)
-                        for u in ((j + f) / steps for f in (0.0, _GAMMA, 1.0))]  # fmt: skip
+                ends = [
+                    (1 - pull[k - 1] - (pull[k] - pull[k - 1]) * u, 1 - cap[k - 1] - (cap[k] - cap[k - 1]) * u)
+                    for u in ((j + f) / steps for f in (0.0, _GAMMA, 1.0))
+                ]
                 now, detached = _step(now, step, bands, source, ends)
         lag[k, 1:], free[k] = now, detached
     return lag, distance, free

@@ -230,9 +230,12 @@ def steady_network(
     upstream = eps > mass
     if not upstream and (chosen.bounded or eps == mass):
         raise InputError(
-            "inertia", "is as large as the elastic coupling: no march of the steady network is stable", value=mass,
-            allowed=f"< c/alpha_v = {eps:g}", remedy="use the chain in time, or lower I",
-        )  # fmt: skip
+            "inertia",
+            "is as large as the elastic coupling: no march of the steady network is stable",
+            value=mass,
+            allowed=f"< c/alpha_v = {eps:g}",
+            remedy="use the chain in time, or lower I",
+        )
     begin = far_end.elastic_reach(profile, far, eps, chosen) if upstream and held != "free" else far
     named = set(real("breaks", breaks).ravel().tolist())
     edges = [0.0, *sorted(b for b in named if 0 < b < begin), begin]
@@ -245,8 +248,16 @@ def steady_network(
         panels = march.panels[::-1] if upstream else march.panels
         places = np.array([panels[0][0], *(panel[1] for panel in panels)])
         locked = _locked_from(panels, chosen)
-        return Manifold(far, eps, mass, chosen, places, np.array([panel[2] for panel in panels]),
-                        locked if locked <= far else float("nan"), held)  # fmt: skip
+        return Manifold(
+            far,
+            eps,
+            mass,
+            chosen,
+            places,
+            np.array([panel[2] for panel in panels]),
+            locked if locked <= far else float("nan"),
+            held,
+        )
 
     free = chosen.tension_at_rest
     if not upstream:  # held at the nozzle
@@ -322,9 +333,11 @@ class _March:
             if solved is None or solved[1] > 1 or self.trials < 0:
                 if step < 1e-15 * done + 1e-30 * distance or self.trials < 0:
                     raise InputError(
-                        "rtol", f"the steady network cannot be resolved at s = {a:.9g}", value=self.rtol,
+                        "rtol",
+                        f"the steady network cannot be resolved at s = {a:.9g}",
+                        value=self.rtol,
                         remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
-                    )  # fmt: skip
+                    )
                 step *= 0.5
                 continue
             coefficients, error = solved

@@ -91,9 +91,10 @@ def march(
             taken += 1
             if taken > _MOST_STEPS or h < max(16 * np.spacing(abs(x)), _SHORTEST * (end - start)):
                 raise InputError(
-                    "jet", f"cannot be dried beyond {x:.6g} m: the fraction across it changes too fast there",
+                    "jet",
+                    f"cannot be dried beyond {x:.6g} m: the fraction across it changes too fast there",
                     remedy="more cells, a smoother D(phi), or effects.radial = false",
-                )  # fmt: skip
+                )
             last = x + h >= stop or stop - x - h < 0.05 * h
             step = stop - x if last else h
             places = along(np.concatenate(([x], x + NODES[:2] * step, [x + (1 - 1e-12) * step])))  # this side of a kink

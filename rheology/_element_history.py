@@ -53,8 +53,11 @@ class ElementHistory:
         if t.ndim != 1 or t.size < 2 or (np.diff(t) <= 0).any():
             raise InputError("time", "must be two samples or more that strictly increase", value=f"shape {t.shape}")
         level = np.log(_like("stretch_ratio", stretch_ratio, t, above=0.0, unit=""))
-        theta = np.broadcast_to(real("relaxation_time", relaxation_time, above=0.0, unit="s"), t.shape).copy() if np.ndim(
-            relaxation_time) == 0 else _like("relaxation_time", relaxation_time, t, above=0.0, unit="s")  # fmt: skip
+        theta = (
+            np.broadcast_to(real("relaxation_time", relaxation_time, above=0.0, unit="s"), t.shape).copy()
+            if np.ndim(relaxation_time) == 0
+            else _like("relaxation_time", relaxation_time, t, above=0.0, unit="s")
+        )
         secant = np.diff(level) / np.diff(t)
         first, last = secant, secant
         if strain_rate is not None:
@@ -69,9 +72,12 @@ class ElementHistory:
         """Steps from `first` up to `last`, which is not among them."""
         samples, steps = slice(first, last + 1), slice(first, last)
         return ElementHistory(
-            self.time[samples], self.log_stretch[samples], self.relaxation_time[samples], self.first_rate[steps],
+            self.time[samples],
+            self.log_stretch[samples],
+            self.relaxation_time[samples],
+            self.first_rate[steps],
             self.last_rate[steps],
-        )  # fmt: skip
+        )
 
     @property
     def strain(self) -> FloatArray:

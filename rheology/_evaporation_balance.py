@@ -33,9 +33,14 @@ class Balance:
     floor, law = 0.0, "kase-matsuo"
 
     def __init__(
-        self, path: ElementPath, phi0: float, volatiles: Sequence[Volatile], start: FloatArray, activity: str,
+        self,
+        path: ElementPath,
+        phi0: float,
+        volatiles: Sequence[Volatile],
+        start: FloatArray,
+        activity: str,
         polymer_volume: float | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         if not isinstance(activity, str) or activity not in get_args(Activity):
             raise InputError("activity", "is not known", value=activity, allowed=", ".join(get_args(Activity)))
         if activity == "raoult" and polymer_volume is None:
@@ -213,9 +218,15 @@ class Balance:
 
         size = float(np.abs(scaled(0.0, np.zeros(self.start.size))).max())
         found = solve_ivp(
-            scaled, (0.0, 1.0), np.zeros(self.start.size), method="LSODA", t_eval=(marks[after] - begin) / span,
-            rtol=_RTOL, atol=1e-13 * min(1.0, max(size, 1e-200)), max_step=longest / span,
-        )  # fmt: skip
+            scaled,
+            (0.0, 1.0),
+            np.zeros(self.start.size),
+            method="LSODA",
+            t_eval=(marks[after] - begin) / span,
+            rtol=_RTOL,
+            atol=1e-13 * min(1.0, max(size, 1e-200)),
+            max_step=longest / span,
+        )
         if not found.success:
             raise _cannot(found.message)
         reached = np.zeros((self.start.size, marks.size))

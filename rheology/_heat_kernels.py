@@ -220,9 +220,14 @@ def _eliminate(a: FloatArray, b: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy")
 def _jacobian(
-    y: FloatArray, first: FloatArray, sub: FloatArray, tables: FloatArray, pairs: FloatArray, air: FloatArray, place:
-    FloatArray,
-) -> FloatArray:  # fmt: skip
+    y: FloatArray,
+    first: FloatArray,
+    sub: FloatArray,
+    tables: FloatArray,
+    pairs: FloatArray,
+    air: FloatArray,
+    place: FloatArray,
+) -> FloatArray:
     n = y.size
     matrix, moved, ledger, at = np.zeros((n, n)), np.empty(n), np.empty(LEDGER), y.copy()
     for j in range(n):

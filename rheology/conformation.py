@@ -252,9 +252,7 @@ def conformation(
     rate = 0.5 * (
         np.append(history.first_rate, history.last_rate[-1]) + np.insert(history.last_rate, 0, history.first_rate[0])
     )
-    return ElementConformation(
-        history.time, axial, radial, stiffening, rate * history.relaxation_time, rate, chosen
-    )  # fmt: skip
+    return ElementConformation(history.time, axial, radial, stiffening, rate * history.relaxation_time, rate, chosen)
 
 
 @finite_result("tensile force", "N")
@@ -340,8 +338,10 @@ def _followed(history: ElementHistory, kind: int, parameter: float, first: Float
     )
     if reached < history.time.size:
         raise InputError(
-            "time", f"cannot be followed beyond sample {reached - 1}", value=float(history.time[reached - 1]),
+            "time",
+            f"cannot be followed beyond sample {reached - 1}",
+            value=float(history.time[reached - 1]),
             remedy="sample the history more finely",
-        )  # fmt: skip
+        )
     value: FloatArray = values.T
     return value

@@ -173,10 +173,21 @@ def dry_radially(
     first = (1 - phi0) / phi0
     state = np.concatenate((np.full(cells, first), [0.0]))
     amount = phi0 * path.initial_radius**2
-    air = np.array([
-        volatile.diffusivity, volatile.saturation, volatile.ambient, volatile.chi, 0.495 * np.sqrt(balance.schmidt[0]),
-        balance.floor, phi0, path.initial_radius, balance.wind, balance.nu, float(balance.kept),
-    ])  # fmt: skip
+    air = np.array(
+        [
+            volatile.diffusivity,
+            volatile.saturation,
+            volatile.ambient,
+            volatile.chi,
+            0.495 * np.sqrt(balance.schmidt[0]),
+            balance.floor,
+            phi0,
+            path.initial_radius,
+            balance.wind,
+            balance.nu,
+            float(balance.kept),
+        ]
+    )
 
     def along(x: FloatArray) -> FloatArray:
         # a cross-flow counts as so much more speed along the jet, as Kase and Matsuo have it
@@ -186,9 +197,18 @@ def dry_radially(
 
     dry = 1 / glass - 1 if np.isfinite(glass) else -np.inf
     marched = march(
-        path.start, path.position, path.breaks, state, share, tabulated(diffusion), air, along, accuracy,
-        np.full(cells + 1, 1e-3 * accuracy * first), ((cells - 1, dry), (0, dry)),
-    )  # fmt: skip
+        path.start,
+        path.position,
+        path.breaks,
+        state,
+        share,
+        tabulated(diffusion),
+        air,
+        along,
+        accuracy,
+        np.full(cells + 1, 1e-3 * accuracy * first),
+        ((cells - 1, dry), (0, dry)),
+    )
     values = marched.values.T
     u = values[:cells]
     volume = np.concatenate(
@@ -197,10 +217,17 @@ def dry_radially(
     left = phi0 * volume[-1]
     stretch = path.stretch(path.position) * (left if balance.kept else 1.0)
     return RadialDrying(
-        path.position, marched.time, (1 / (1 + u)).T, path.initial_radius * np.sqrt(phi0 * volume / stretch).T, share,
-        1 / volume[-1], left, phi0 * values[cells], (marched.events[0][0], marched.events[1][0]),
+        path.position,
+        marched.time,
+        (1 / (1 + u)).T,
+        path.initial_radius * np.sqrt(phi0 * volume / stretch).T,
+        share,
+        1 / volume[-1],
+        left,
+        phi0 * values[cells],
+        (marched.events[0][0], marched.events[1][0]),
         (marched.events[0][1], marched.events[1][1]),
-    )  # fmt: skip
+    )
 
 
 def check_cells(cells: int) -> int:

@@ -132,9 +132,11 @@ class ElementPath:
             if done.all():
                 break
             low, high, owner, whole = (
-                np.concatenate((low[~done], middle[~done])), np.concatenate((middle[~done], high[~done])),
-                np.concatenate((owner[~done], owner[~done])), np.concatenate((left[~done], right[~done])),
-            )  # fmt: skip
+                np.concatenate((low[~done], middle[~done])),
+                np.concatenate((middle[~done], high[~done])),
+                np.concatenate((owner[~done], owner[~done])),
+                np.concatenate((left[~done], right[~done])),
+            )
         else:
             np.add.at(sums, owner, whole)
         total = np.concatenate(([0.0], np.cumsum(sums)))

@@ -162,10 +162,16 @@ def entanglement(
         "dilute" if phi < overlap else "entangled" if phi >= onset else "semidilute"
     )
     return Entanglement(
-        overlap_fraction=overlap, entanglement_fraction=onset, segments_per_chain=n, segments_per_strand=strand,
-        strands_per_chain=n / strand, mesh_size=b * mesh, contour_length=b * strand,
-        entanglements=number("entanglements", reach, remedy="check the molar masses"), regime=regime,
-    )  # fmt: skip
+        overlap_fraction=overlap,
+        entanglement_fraction=onset,
+        segments_per_chain=n,
+        segments_per_strand=strand,
+        strands_per_chain=n / strand,
+        mesh_size=b * mesh,
+        contour_length=b * strand,
+        entanglements=number("entanglements", reach, remedy="check the molar masses"),
+        regime=regime,
+    )
 
 
 def _quality(name: str) -> Quality:

@@ -22,9 +22,13 @@ __all__ = ["GRID", "Evaporant"]
 GRID = np.arange(thermal.COLDEST, thermal.HOTTEST + 1.0, 3.0)  # K
 REFERENCE = 298.15  # K of the diffusivity
 _TYPICAL = {
-    "density": "700 to 1600 kg/m3", "molar_mass": "0.02 to 0.2 kg/mol", "vapour_pressure": "0.1 to 60 kPa",
-    "latent_heat": "0.2 to 2.4 MJ/kg", "heat_capacity": "1000 to 2500 J/kg/K", "diffusivity": "0.7e-5 to 2.5e-5 m2/s",
-}  # fmt: skip
+    "density": "700 to 1600 kg/m3",
+    "molar_mass": "0.02 to 0.2 kg/mol",
+    "vapour_pressure": "0.1 to 60 kPa",
+    "latent_heat": "0.2 to 2.4 MJ/kg",
+    "heat_capacity": "1000 to 2500 J/kg/K",
+    "diffusivity": "0.7e-5 to 2.5e-5 m2/s",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +111,13 @@ class Evaporant:
         known = known_as(name, vapour.VAPOURS)
         if known is None:
             needed = {
-                "density": density, "molar_mass": molar_mass, "vapour_pressure": vapour_pressure,
-                "latent_heat": latent_heat, "heat_capacity": heat_capacity, "diffusivity": diffusivity,
-            }  # fmt: skip
+                "density": density,
+                "molar_mass": molar_mass,
+                "vapour_pressure": vapour_pressure,
+                "latent_heat": latent_heat,
+                "heat_capacity": heat_capacity,
+                "diffusivity": diffusivity,
+            }
             for key, value in needed.items():
                 if value is None:
                     raise InputError(f"{key} of {name}", "is not built in", remedy=f"give it: {_TYPICAL[key]} is usual")
@@ -121,14 +129,20 @@ class Evaporant:
 
             density = solvent_density(name, kelvin)
         return cls(
-            name=known or name, molar_mass=mass, density=positive("density", density, "kg/m3"), heat_capacity=heat,
+            name=known or name,
+            molar_mass=mass,
+            density=positive("density", density, "kg/m3"),
+            heat_capacity=heat,
             vapour_heat_capacity=(
-                0.6 * heat if vapour_heat_capacity is None and known is None
+                0.6 * heat
+                if vapour_heat_capacity is None and known is None
                 else _or(vapour_heat_capacity, lambda: thermal.vapour_heat_capacity(name), "vapour_heat_capacity")
             ),
-            diffusivity=spread * (REFERENCE / kelvin) ** 1.75, chi=chi, ambient_pressure=ambient_pressure,
+            diffusivity=spread * (REFERENCE / kelvin) ** 1.75,
+            chi=chi,
+            ambient_pressure=ambient_pressure,
             laws=_laws(known, kelvin, mass, vapour_pressure, latent_heat),
-        )  # fmt: skip
+        )
 
     def in_air(self, ambient_pressure: float) -> Self:
         """The same in air with another partial pressure of it (Pa)."""

@@ -205,7 +205,14 @@ def _result(balance: Balance, y: FloatArray) -> Evaporation:
         notes = (text,)
     radius = path.initial_radius * np.sqrt((1.0 if balance.kept else left) / stretch)
     return Evaporation(
-        position=path.position, remaining=left, lost=change.sum(axis=0), solvent_volume=u,
-        polymer_fraction=balance.phi0 / left, radius=radius, velocity=speed * (left if balance.kept else 1.0),
-        reynolds=number, sherwood=balance.sherwood(path.position, left), notes=notes,
-    )  # fmt: skip
+        position=path.position,
+        remaining=left,
+        lost=change.sum(axis=0),
+        solvent_volume=u,
+        polymer_fraction=balance.phi0 / left,
+        radius=radius,
+        velocity=speed * (left if balance.kept else 1.0),
+        reynolds=number,
+        sherwood=balance.sherwood(path.position, left),
+        notes=notes,
+    )

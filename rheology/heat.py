@@ -162,11 +162,21 @@ def dry_with_heat(
     phi0 = number("volume_fraction", volume_fraction, above=0.0, below=1.0)
     accuracy = number("rtol", rtol, least=1e-12, most=1e-3)
     given = gather(
-        path, phi0, evaporants, shares, air_temperature if air_temperature is not None else temperature, pressure,
+        path,
+        phi0,
+        evaporants,
+        shares,
+        air_temperature if air_temperature is not None else temperature,
+        pressure,
         positive("polymer_density", polymer_density, "kg/m3")
         * positive("polymer_heat_capacity", polymer_heat_capacity, "J/kg/K"),
-        transfer, sherwood_floor, air_velocity, polymer_molar_volume, pair_interactions, stefan,
-    )  # fmt: skip
+        transfer,
+        sherwood_floor,
+        air_velocity,
+        polymer_molar_volume,
+        pair_interactions,
+        stefan,
+    )
     kelvin = number("temperature", temperature, least=GRID[0], most=GRID[-1], unit="K")
     y = np.append(np.zeros(len(evaporants)), kelvin)
     values, ledger = _solve(path, given, y, accuracy)
@@ -174,10 +184,20 @@ def dry_with_heat(
 
 
 def gather(
-    path: ElementPath, phi0: float, evaporants: Sequence[Evaporant], shares: ArrayLike, air_temperature: float, pressure: float,
-    polymer_heat: float, transfer: str, floor: float, wind: float, molar_volume: float | None,
-    pairs: ArrayLike | None, stefan: bool,
-) -> Inputs:  # fmt: skip
+    path: ElementPath,
+    phi0: float,
+    evaporants: Sequence[Evaporant],
+    shares: ArrayLike,
+    air_temperature: float,
+    pressure: float,
+    polymer_heat: float,
+    transfer: str,
+    floor: float,
+    wind: float,
+    molar_volume: float | None,
+    pairs: ArrayLike | None,
+    stefan: bool,
+) -> Inputs:
     """Check what a jet dries into, and lay it out for the compiled loops."""
     if not isinstance(evaporants, Sequence) or not all(isinstance(e, Evaporant) for e in evaporants):
         raise InputError("evaporants", "is not a sequence of Evaporant", value=evaporants)
@@ -194,22 +214,43 @@ def gather(
         raise InputError("ambient_pressure", "is all the air there is", value=far, allowed=f"[0, {p:g}) Pa")
     inside = start > 0
     origin = np.log(np.where(inside, start, 1.0))
-    sub = np.array([
-        (e.density, e.molar_mass, e.heat_capacity, e.vapour_heat_capacity, e.diffusivity, e.chi, e.ambient_pressure,
-         float(i), o, e.molar_mass / e.density)
-        for e, i, o in zip(evaporants, inside, origin, strict=True)
-    ])  # fmt: skip
+    sub = np.array(
+        [
+            (
+                e.density,
+                e.molar_mass,
+                e.heat_capacity,
+                e.vapour_heat_capacity,
+                e.diffusivity,
+                e.chi,
+                e.ambient_pressure,
+                float(i),
+                o,
+                e.molar_mass / e.density,
+            )
+            for e, i, o in zip(evaporants, inside, origin, strict=True)
+        ]
+    )
     n = len(evaporants)
     mutual = np.zeros((n, n)) if pairs is None else real("pair_interactions", pairs, unit="mol/m3")
     if mutual.shape != (n, n) or not np.allclose(mutual, mutual.T):
         raise InputError("pair_interactions", "must be symmetric, one row per liquid", value=f"shape {mutual.shape}")
     unit = 0.0 if molar_volume is None else positive("polymer_molar_volume", molar_volume, "m3/mol")
-    air = np.array([
-        p, warm, number("sherwood_floor", floor, least=0.0, most=1e12), phi0, path.initial_radius,
-        number("air_velocity", wind, least=-1e20, most=1e20, unit="m/s"), float(path.given == "radius"),
-        float(law_index(transfer)), number("polymer heat capacity by volume", polymer_heat, above=0.0, most=1e30), unit,
-        float(stefan),
-    ])  # fmt: skip
+    air = np.array(
+        [
+            p,
+            warm,
+            number("sherwood_floor", floor, least=0.0, most=1e12),
+            phi0,
+            path.initial_radius,
+            number("air_velocity", wind, least=-1e20, most=1e20, unit="m/s"),
+            float(path.given == "radius"),
+            float(law_index(transfer)),
+            number("polymer heat capacity by volume", polymer_heat, above=0.0, most=1e30),
+            unit,
+            float(stefan),
+        ]
+    )
     return Inputs(sub, np.ascontiguousarray(np.stack([e.laws for e in evaporants])), np.ascontiguousarray(mutual), air)
 
 
@@ -243,9 +284,15 @@ def _places(path: ElementPath, x: FloatArray, yarin: bool) -> FloatArray:
 
 
 def _march(
-    start: float, marks: FloatArray, breaks: tuple[float, ...], y: FloatArray, given: Inputs, path: ElementPath | None,
-    places: FloatArray, rtol: float,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    start: float,
+    marks: FloatArray,
+    breaks: tuple[float, ...],
+    y: FloatArray,
+    given: Inputs,
+    path: ElementPath | None,
+    places: FloatArray,
+    rtol: float,
+) -> tuple[FloatArray, FloatArray]:
     """Steps with error control from `start` to the last mark; `places` stay as they are without a path."""
     n = y.size
     values, ledgers = np.tile(y, (marks.size, 1)), np.zeros((marks.size, LEDGER))
@@ -307,20 +354,30 @@ def _first(x: float, stop: float, y: FloatArray, given: Inputs, path: ElementPat
 def _cannot(y: FloatArray, given: Inputs, x: float, path: ElementPath | None) -> InputError:
     where = f" beyond {x:.4g} m" if path is not None else ""
     kelvin = float(y[-1])
-    boils = np.array([np.exp(np.polyval(t[0, :, min(int((kelvin - GRID[0]) / 3), GRID.size - 2)], (kelvin - GRID[0]) % 3))
-                      for t in given.tables])  # fmt: skip
+    boils = np.array(
+        [
+            np.exp(np.polyval(t[0, :, min(int((kelvin - GRID[0]) / 3), GRID.size - 2)], (kelvin - GRID[0]) % 3))
+            for t in given.tables
+        ]
+    )
     if float(boils.max()) >= given.air[0]:
         return InputError("temperature", "is above the boiling point of a solvent", value=kelvin, remedy="lower it")
     return InputError(
-        "jet", f"cannot be dried{where}: its temperature or composition changes too fast, or leaves 120 to 480 K",
-        value=kelvin, remedy="check the temperatures, and the properties of the solvents",
-    )  # fmt: skip
+        "jet",
+        f"cannot be dried{where}: its temperature or composition changes too fast, or leaves 120 to 480 K",
+        value=kelvin,
+        remedy="check the temperatures, and the properties of the solvents",
+    )
 
 
 def _result(
-    path: ElementPath, evaporants: Sequence[Evaporant], given: Inputs, values: FloatArray, ledger: FloatArray,
+    path: ElementPath,
+    evaporants: Sequence[Evaporant],
+    given: Inputs,
+    values: FloatArray,
+    ledger: FloatArray,
     transfer: Transfer,
-) -> HeatedJet:  # fmt: skip
+) -> HeatedJet:
     sub, air, phi0 = given.sub, given.air, float(given.air[3])
     y, kelvin = values[:, :-1].T, values[:, -1]
     inside, origin = sub[:, 7:8] > 0, sub[:, 8:9]
@@ -343,11 +400,22 @@ def _result(
     total = np.hypot(along, side) if transfer == "churchill-bernstein" else along
     note = transfer_range(transfer, total, float(schmidt[0].min()))
     return HeatedJet(
-        position=path.position, remaining=left, lost=lost, solvent_volume=u, polymer_fraction=phi0 / left, radius=radius,
-        velocity=velocity, temperature=kelvin, reynolds=total, sherwood=np.array(numbers[:-1]), nusselt=numbers[-1],
-        mass_given_off=ledger[:, 0], enthalpy_taken_up=ledger[:, 1], activity=_activity(given, u, left),
+        position=path.position,
+        remaining=left,
+        lost=lost,
+        solvent_volume=u,
+        polymer_fraction=phi0 / left,
+        radius=radius,
+        velocity=velocity,
+        temperature=kelvin,
+        reynolds=total,
+        sherwood=np.array(numbers[:-1]),
+        nusselt=numbers[-1],
+        mass_given_off=ledger[:, 0],
+        enthalpy_taken_up=ledger[:, 1],
+        activity=_activity(given, u, left),
         notes=(note,) if note else (),
-    )  # fmt: skip
+    )
 
 
 def _activity(given: Inputs, u: FloatArray, left: FloatArray) -> FloatArray:

@@ -75,11 +75,21 @@ def dry_radially_with_heat(
     if vitrification_fraction is not None:
         glass = number("vitrification_fraction", vitrification_fraction, above=phi0, below=1.0)
     given = gather(
-        path, phi0, [evaporant], 1.0, kelvin if air_temperature is None else air_temperature, pressure,
+        path,
+        phi0,
+        [evaporant],
+        1.0,
+        kelvin if air_temperature is None else air_temperature,
+        pressure,
         positive("polymer_density", polymer_density, "kg/m3")
         * positive("polymer_heat_capacity", polymer_heat_capacity, "J/kg/K"),
-        transfer, sherwood_floor, air_velocity, None, None, stefan,
-    )  # fmt: skip
+        transfer,
+        sherwood_floor,
+        air_velocity,
+        None,
+        None,
+        stefan,
+    )
     if evaporant.pressure(kelvin) >= pressure:
         raise InputError(
             "temperature", f"is above the boiling point of {evaporant.name}", value=kelvin, remedy="lower it"
@@ -121,16 +131,34 @@ def dry_radially_with_heat(
 
     dry = 1 / glass - 1 if np.isfinite(glass) else -np.inf
     marched = march(
-        path.start, path.position, path.breaks, state, share, tabulated(diffusion), still, along, accuracy,
-        np.append(np.full(count + 1, 1e-3 * accuracy * first), 1e-3 * accuracy * first), ((count - 1, dry), (0, dry)), attempt,
-    )  # fmt: skip
+        path.start,
+        path.position,
+        path.breaks,
+        state,
+        share,
+        tabulated(diffusion),
+        still,
+        along,
+        accuracy,
+        np.append(np.full(count + 1, 1e-3 * accuracy * first), 1e-3 * accuracy * first),
+        ((count - 1, dry), (0, dry)),
+        attempt,
+    )
     values = marched.values.T
     u = values[:count]
     volume = np.concatenate((np.zeros((1, u.shape[1])), np.cumsum(share[:, np.newaxis] * (1 + u), axis=0)))
     left = phi0 * volume[-1]
     stretch = path.stretch(path.position) * (left if kept else 1.0)
     return RadialDrying(
-        path.position, marched.time, (1 / (1 + u)).T, path.initial_radius * np.sqrt(phi0 * volume / stretch).T, share,
-        1 / volume[-1], left, phi0 * values[count + 1], (marched.events[0][0], marched.events[1][0]),
-        (marched.events[0][1], marched.events[1][1]), values[count],
-    )  # fmt: skip
+        path.position,
+        marched.time,
+        (1 / (1 + u)).T,
+        path.initial_radius * np.sqrt(phi0 * volume / stretch).T,
+        share,
+        1 / volume[-1],
+        left,
+        phi0 * values[count + 1],
+        (marched.events[0][0], marched.events[1][0]),
+        (marched.events[0][1], marched.events[1][1]),
+        values[count],
+    )

@@ -160,9 +160,18 @@ _MELT = 0.94  # density at 413 K over that near room temperature: 0.95, 0.92, 0.
 
 
 def _polymer(
-    name: str, density: float, unit: str, mass: float, bonds: int, source: str, kuhn: float, glass: float,
-    entanglement: float | None = None, crystal: tuple[float, float] = (float("nan"),) * 2, heat: float = float("nan"),
-) -> Polymer:  # fmt: skip
+    name: str,
+    density: float,
+    unit: str,
+    mass: float,
+    bonds: int,
+    source: str,
+    kuhn: float,
+    glass: float,
+    entanglement: float | None = None,
+    crystal: tuple[float, float] = (float("nan"),) * 2,
+    heat: float = float("nan"),
+) -> Polymer:
     packed = entanglement
     if packed is None:
         packed = packing_entanglement_molar_mass(_MELT * density, mass, bonds, kuhn)
@@ -199,30 +208,45 @@ _PACKED = f"estimate from the packing length, within a factor of 3: {_OWN}"
 _RATIO = f"handbook value from the characteristic ratio, within a third: {_OWN}"
 _SOURCES: Mapping[str, Mapping[str, str]] = {
     "kuhn_length": {
-        "PEO": _COLBY, "PMMA": _COLBY, "PS": _COLBY,
+        "PEO": _COLBY,
+        "PMMA": _COLBY,
+        "PS": _COLBY,
         "gelatin": "twice the persistence length of Pezron, Djabourov, Leblond, Polymer 32, 3201 (1991)",
         "cellulose acetate": f"twice a persistence length of 5 to 7 nm, an estimate: {_OWN}",
     },
     "entanglement_molar_mass": {
-        "PEO": _FETTERS, "PMMA": _FETTERS, "PS": _FETTERS,
+        "PEO": _FETTERS,
+        "PMMA": _FETTERS,
+        "PS": _FETTERS,
         "PLA": "Dorgan, Williams, Lewis, J. Rheol. 43, 1141 (1999)",
     },
     "melting_temperature": {
-        "PEO": "Buckley, Kovacs, Colloid Polym. Sci. 254, 695 (1976)", "PVA": _TUBBS,
+        "PEO": "Buckley, Kovacs, Colloid Polym. Sci. 254, 695 (1976)",
+        "PVA": _TUBBS,
         "PCL": f"equilibrium values in print range from 337 to 352 K: {_OWN}",
         "PLA": "Kalb, Pennings, Polymer 21, 607 (1980); 480 to 488 K in print",
-        "PVDF": "Nakagawa, Ishida, J. Polym. Sci. B 11, 2153 (1973)", "nylon 6": _ATHAS, "PET": _ATHAS,
+        "PVDF": "Nakagawa, Ishida, J. Polym. Sci. B 11, 2153 (1973)",
+        "nylon 6": _ATHAS,
+        "PET": _ATHAS,
     },
     "melting_enthalpy": {
-        "PEO": _ATHAS, "PVA": _TUBBS, "PCL": "Crescenzi et al., Eur. Polym. J. 8, 449 (1972)",
+        "PEO": _ATHAS,
+        "PVA": _TUBBS,
+        "PCL": "Crescenzi et al., Eur. Polym. J. 8, 449 (1972)",
         "PLA": "Fischer, Sterzel, Wegner, Kolloid Z. Z. Polym. 251, 980 (1973)",
-        "PVDF": "Nakagawa, Ishida, J. Polym. Sci. B 11, 2153 (1973)", "nylon 6": _ATHAS, "PET": _ATHAS,
+        "PVDF": "Nakagawa, Ishida, J. Polym. Sci. B 11, 2153 (1973)",
+        "nylon 6": _ATHAS,
+        "PET": _ATHAS,
     },
     "glass_transition": {
-        "PEO": _HANDBOOK, "PMMA": _BICERANO, "PVP": f"{_BICERANO}; up to 450 K when very dry and long", "PAN": _BICERANO,
-        "PS": _BICERANO, "PVA": _BICERANO,
+        "PEO": _HANDBOOK,
+        "PMMA": _BICERANO,
+        "PVP": f"{_BICERANO}; up to 450 K when very dry and long",
+        "PAN": _BICERANO,
+        "PS": _BICERANO,
+        "PVA": _BICERANO,
     },
-}  # fmt: skip
+}
 _OTHERWISE = {
     "melting_temperature": "not known",
     "melting_enthalpy": "not known",
@@ -272,9 +296,10 @@ def polymer_property(data: Polymer | str, name: str) -> float:
     value = float(getattr(known, name))
     if not value > 0:  # NaN, or 0 bonds
         raise InputError(
-            f"{name} of {known.name}", "is not built in",
+            f"{name} of {known.name}",
+            "is not built in",
             remedy=f"give it ({_UNITS[name]}): dataclasses.replace(polymer, {name}=...)",
-        )  # fmt: skip
+        )
     return value
 
 
@@ -328,9 +353,11 @@ def vitrification_fraction(
     kelvin = positive("temperature", temperature, "K")
     if not low < kelvin < glass:
         raise InputError(
-            "temperature", f"makes dry {known.name} a melt, or its solvent a glass: no fraction between turns to glass",
-            value=kelvin, allowed=f"({low:g}, {glass:g}) K",
-        )  # fmt: skip
+            "temperature",
+            f"makes dry {known.name} a melt, or its solvent a glass: no fraction between turns to glass",
+            value=kelvin,
+            allowed=f"({low:g}, {glass:g}) K",
+        )
     mass = (1 - low / kelvin) / (1 - low / glass)
     volume = mass / known.density
     return volume / (volume + (1 - mass) / positive("solvent_density", solvent_density, "kg/m3"))

@@ -169,12 +169,21 @@ class Solution:
                 "solution", "needs one of mass_fraction, volume_fraction and molar_fraction", remedy="give exactly one"
             )
         draft = cls(
-            polymer=known, solvent=parts, volume_fraction=0.5 if volume_fraction is None else volume_fraction,
-            temperature=temperature, solvent_density=density, kuhn_length=kuhn_length, molar_mass=molar_mass,
-            viscosity=viscosity, relaxation_time=relaxation_time, surface_tension=surface_tension,
-            conductivity=conductivity, solvent_viscosity=solvent_viscosity,
-            solvent_surface_tension=solvent_surface_tension, solvent_molar_mass=solvent_molar_mass,
-        )  # fmt: skip
+            polymer=known,
+            solvent=parts,
+            volume_fraction=0.5 if volume_fraction is None else volume_fraction,
+            temperature=temperature,
+            solvent_density=density,
+            kuhn_length=kuhn_length,
+            molar_mass=molar_mass,
+            viscosity=viscosity,
+            relaxation_time=relaxation_time,
+            surface_tension=surface_tension,
+            conductivity=conductivity,
+            solvent_viscosity=solvent_viscosity,
+            solvent_surface_tension=solvent_surface_tension,
+            solvent_molar_mass=solvent_molar_mass,
+        )
         if molar_fraction is not None:
             x = number("molar_fraction", molar_fraction, above=0.0, below=1.0)
             chain, small = draft.require("molar_mass"), draft.require("solvent_molar_mass")

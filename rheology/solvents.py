@@ -73,9 +73,13 @@ _HFIP_DENSITY = 1596.0
 _CAL_PER_MOL_A2 = 4.184 / 6.02214076e23 / 1e-20  # N/m
 # N/m at 298 K
 _NEAR_ROOM = {
-    "DMF": 49.56 * _CAL_PER_MOL_A2, "THF": 39.44 * _CAL_PER_MOL_A2, "HFIP": 16.1e-3, "DMSO": 61.78 * _CAL_PER_MOL_A2,
-    "DMAc": 47.62 * _CAL_PER_MOL_A2, "NMP": 40.7e-3,
-}  # fmt: skip
+    "DMF": 49.56 * _CAL_PER_MOL_A2,
+    "THF": 39.44 * _CAL_PER_MOL_A2,
+    "HFIP": 16.1e-3,
+    "DMSO": 61.78 * _CAL_PER_MOL_A2,
+    "DMAc": 47.62 * _CAL_PER_MOL_A2,
+    "NMP": 40.7e-3,
+}
 _GLASS = {"water": 136.0, "ethanol": 97.0}
 
 
@@ -140,9 +144,12 @@ def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> 
 
         row = mu_data_VN3.loc[SOLVENTS[known][0]]
         kelvin = _within(
-            f"range of the viscosity of {known}", temperature, float(row["Tmin"]), float(row["Tmax"]),
+            f"range of the viscosity of {known}",
+            temperature,
+            float(row["Tmin"]),
+            float(row["Tmax"]),
             "give solvent_viscosity (Pa s)",
-        )  # fmt: skip
+        )
         return float(Viswanath_Natarajan_3(kelvin, row["A"], row["B"], row["C"]))
     from chemicals.dippr import EQ101
     from chemicals.viscosity import mu_data_Perrys_8E_2_313

@@ -104,11 +104,13 @@ class Ternary:
         g12, g13, g23 = self._g
         number_density = one / v1 + two / v2 + p / v3
         pairs = g12 * one * two + g13 * one * p + g23 * two * p
-        return np.stack([
-            (np.log(one) + 1) / v1 - number_density + g12 * two + g13 * p - pairs,
-            (np.log(two) + 1) / v2 - number_density + g12 * one + g23 * p - pairs,
-            (np.log(p) + 1) / v3 - number_density + g13 * one + g23 * two - pairs,
-        ])  # fmt: skip
+        return np.stack(
+            [
+                (np.log(one) + 1) / v1 - number_density + g12 * two + g13 * p - pairs,
+                (np.log(two) + 1) / v2 - number_density + g12 * one + g23 * p - pairs,
+                (np.log(p) + 1) / v3 - number_density + g13 * one + g23 * two - pairs,
+            ]
+        )
 
     def tangent_distance(self, water: float, polymer: float, points: int = 60) -> float:
         """Least distance of the free energy from the tangent plane at a composition: < 0 where it can lower it by
@@ -172,9 +174,10 @@ class Ternary:
     @property
     def _g(self) -> tuple[float, float, float]:
         return (
-            self.water_solvent / self.water_volume, self.water_polymer / self.water_volume,
+            self.water_solvent / self.water_volume,
+            self.water_polymer / self.water_volume,
             self.solvent_polymer / self.solvent_volume,
-        )  # fmt: skip
+        )
 
     @staticmethod
     def _fractions(water: ArrayLike, polymer: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -45,19 +45,47 @@ AIR_HEAT_CAPACITY = 1006.0  # J/kg/K
 COLDEST, HOTTEST = 120.0, 480.0  # K, of jets and air
 # range of the vapour pressure within which it is used as it is, K
 _KNOWN = {
-    "water": (273.16, 640.0), "HFIP": (294.0, 331.0), "NMP": (336.0, 477.0), "TFA": (264.0, 345.0), "DMAc": (273.15, 438.15),
-}  # fmt: skip
+    "water": (273.16, 640.0),
+    "HFIP": (294.0, 331.0),
+    "NMP": (336.0, 477.0),
+    "TFA": (264.0, 345.0),
+    "DMAc": (273.15, 438.15),
+}
 # J/kg/K near 298 K
 _LIQUID = {
-    "water": 4180.0, "ethanol": 2438.0, "acetone": 2175.0, "DMF": 2060.0, "DCM": 1192.0, "chloroform": 957.0, "THF": 1720.0,
-    "formic acid": 2151.0, "HFIP": 1300.0, "DMSO": 1958.0, "DMAc": 2016.0, "acetic acid": 2053.0, "TFA": 1250.0, "NMP": 1680.0,
+    "water": 4180.0,
+    "ethanol": 2438.0,
+    "acetone": 2175.0,
+    "DMF": 2060.0,
+    "DCM": 1192.0,
+    "chloroform": 957.0,
+    "THF": 1720.0,
+    "formic acid": 2151.0,
+    "HFIP": 1300.0,
+    "DMSO": 1958.0,
+    "DMAc": 2016.0,
+    "acetic acid": 2053.0,
+    "TFA": 1250.0,
+    "NMP": 1680.0,
     "toluene": 1707.0,
-}  # fmt: skip
+}
 _VAPOUR = {
-    "water": 1864.0, "ethanol": 1416.0, "acetone": 1283.0, "DMF": 1240.0, "DCM": 599.0, "chloroform": 548.0, "THF": 1061.0,
-    "formic acid": 1161.0, "HFIP": 745.0, "DMSO": 1140.0, "DMAc": 1260.0, "acetic acid": 1056.0, "TFA": 690.0, "NMP": 1310.0,
+    "water": 1864.0,
+    "ethanol": 1416.0,
+    "acetone": 1283.0,
+    "DMF": 1240.0,
+    "DCM": 599.0,
+    "chloroform": 548.0,
+    "THF": 1061.0,
+    "formic acid": 1161.0,
+    "HFIP": 745.0,
+    "DMSO": 1140.0,
+    "DMAc": 1260.0,
+    "acetic acid": 1056.0,
+    "TFA": 690.0,
+    "NMP": 1310.0,
     "toluene": 1126.0,
-}  # fmt: skip
+}
 # log10 of the dissociation constant p_1^2/p_2 in mmHg: a - b/T
 _DIMERS = {"formic acid": (10.755, 3083.0), "acetic acid": (10.4205, 3166.0)}
 _MMHG = 133.322

@@ -325,6 +325,9 @@ def _name(name: str, what: str) -> str:
 def _within(name: str, temperature: float, low: float, high: float) -> None:
     if not low <= temperature <= high:
         raise InputError(
-            "temperature", f"is outside the range of the vapour pressure of {name}", value=temperature,
-            allowed=f"[{low:g}, {high:g}] K", remedy="give vapour_pressure (Pa)",
-        )  # fmt: skip
+            "temperature",
+            f"is outside the range of the vapour pressure of {name}",
+            value=temperature,
+            allowed=f"[{low:g}, {high:g}] K",
+            remedy="give vapour_pressure (Pa)",
+        )

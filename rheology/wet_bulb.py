@@ -90,8 +90,22 @@ def wet_bulb(
             "ambient_pressure", "is above saturation: nothing evaporates", value=evaporant.ambient_pressure
         )
     e = evaporant
-    sub = np.array([[e.density, e.molar_mass, e.heat_capacity, e.vapour_heat_capacity, e.diffusivity, e.chi, e.ambient_pressure,
-                     1.0, 0.0, e.molar_mass / e.density]])  # fmt: skip
+    sub = np.array(
+        [
+            [
+                e.density,
+                e.molar_mass,
+                e.heat_capacity,
+                e.vapour_heat_capacity,
+                e.diffusivity,
+                e.chi,
+                e.ambient_pressure,
+                1.0,
+                0.0,
+                e.molar_mass / e.density,
+            ]
+        ]
+    )
     tables, one, flux = e.laws[np.newaxis], np.ones(1), np.empty(1)
     nu = float(thermal.air_viscosity(warm)) * 8.31446261815324 * warm / (_AIR_MASS * pressure)
     place = np.array([1.0, reynolds * nu / 2, 0.0, 1.0])

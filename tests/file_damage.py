@@ -165,7 +165,10 @@ def same(a: Any, b: Any) -> bool:
 
 def _arrays(dataset: Any) -> dict[str, Any]:
     found: dict[str, Any] = {str(name): np.asarray(v.values) for name, v in dataset.variables.items()}
-    found = {name: value if value.dtype.kind != "O" else value.astype(str) for name, value in found.items()}
+    found = {
+        name: np.array(value.tolist(), dtype=str) if value.dtype.kind in "OT" else value
+        for name, value in found.items()
+    }
     return found | {f"@{key}": str(value) for key, value in dataset.attrs.items()}
 
 

@@ -14,11 +14,13 @@ FILES = sorted(
 )
 LOOP = "one compiled loop: its state would be passed through every part"
 LIST = "options of one command, or settings of one call, in one place"
-LONG = {  # function: lines without its docstring may pass 60, because
-    "march_explicit": LOOP, "march_implicit": LOOP, "_solve": LOOP, "step": LOOP, "follow": LOOP, "attempt": LOOP, "march": LOOP,
-    "attempt_heat": LOOP, "attempt_map": LOOP, "row_curvature": LOOP, "dry_radially_with_heat": LOOP, "parse_rows": LOOP,
-    "run": LIST, "simulate_image": LIST, "window": LIST, "fit_sections": LIST, "operating_window": LIST, "fit_frame": LIST,
-    "fit_row_phase": LIST, "assemble": "one variable a line", "lateral_network": LOOP, "_uniform_part": LOOP, "row_outcome": LIST,
+STAGES = "the stages of one march, in their order"
+STEPS = 45  # statements: a function of fewer is only tall, one argument a line as the formatter sets them
+LONG = {
+    "_land": LOOP, "_solve": LOOP, "_uniform_part": LOOP, "advance": LOOP, "assemble": LOOP, "attempt": LOOP, "attempt_heat": LOOP,
+    "attempt_map": LOOP, "march": LOOP, "march_explicit": LOOP, "march_implicit": LOOP, "parse_rows": LOOP, "rates": LOOP,
+    "row_curvature": LOOP, "step": LOOP, "deposit": LIST, "fit_frame": LIST, "fit_row_phase": LIST, "follow": STAGES,
+    "stokes_permeability": STAGES,
 }  # fmt: skip
 
 
@@ -48,7 +50,8 @@ def test_long_functions_are_long_for_a_reason():
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.FunctionDef):
                 words = len((ast.get_docstring(node, clean=False) or "").splitlines())
-                if node.end_lineno - node.lineno + 1 - words > 60:
+                steps = sum(isinstance(part, ast.stmt) for part in ast.walk(node))
+                if node.end_lineno - node.lineno + 1 - words > 60 and steps > STEPS:
                     found[node.name] = f"{file.relative_to(ROOT)}:{node.lineno}"
     assert {name: place for name, place in found.items() if name not in LONG} == {}
     assert set(LONG) <= set(found), "no longer long"

@@ -54,9 +54,20 @@ def air_at(
 
 @njit(cache=True, error_model="numpy")
 def rates(
-    n: int, t: float, q: FloatArray, e: FloatArray, dq: FloatArray, de: FloatArray, flight: FloatArray, landed: int,
-    p: FloatArray, air: FloatArray, gust: FloatArray, inlet: FloatArray, counts: FloatArray,
-) -> None:  # fmt: skip
+    n: int,
+    t: float,
+    q: FloatArray,
+    e: FloatArray,
+    dq: FloatArray,
+    de: FloatArray,
+    flight: FloatArray,
+    landed: int,
+    p: FloatArray,
+    air: FloatArray,
+    gust: FloatArray,
+    inlet: FloatArray,
+    counts: FloatArray,
+) -> None:
     """Rates of beads q (n, 6) and elements e (n - 1, 4): polymer + solvent volume, A_zz, A_rr, polymer volume."""
     rho, g_mod, theta, mu_s, sigma = p[0], p[1], p[2], p[3], p[4]
     rho_g, nu, factor, power, gravity = p[5], p[6], p[7], p[8], p[9]
@@ -198,10 +209,23 @@ def _carried(x: float, y: float, surface: FloatArray, out: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy")
 def advance(
-    n: int, t: float, end: float, q: FloatArray, e: FloatArray, flight: FloatArray, landed: int, p: FloatArray, air: FloatArray,
-    gust: FloatArray, start: FloatArray, inlet: FloatArray, surface: FloatArray, rows: FloatArray, filled: int,
+    n: int,
+    t: float,
+    end: float,
+    q: FloatArray,
+    e: FloatArray,
+    flight: FloatArray,
+    landed: int,
+    p: FloatArray,
+    air: FloatArray,
+    gust: FloatArray,
+    start: FloatArray,
+    inlet: FloatArray,
+    surface: FloatArray,
+    rows: FloatArray,
+    filled: int,
     counts: FloatArray,
-) -> tuple[int, float, int, int, int]:  # fmt: skip
+) -> tuple[int, float, int, int, int]:
     """Steps up to `end` or until the landing rows are full; returns n, t, landed, rows filled, and 0, or 1 where room ran out.
 
     `start`: place (3), velocity (3), volume of an element, longest element, CFL, amplitude, angular frequency of its circle.
@@ -263,9 +287,19 @@ def advance(
 
 @njit(cache=True, error_model="numpy")
 def _land(
-    n: int, t: float, dt: float, q: FloatArray, q1: FloatArray, e: FloatArray, flight: FloatArray, landed: int,
-    surface: FloatArray, surf: FloatArray, rows: FloatArray, filled: int,
-) -> tuple[int, int, int]:  # fmt: skip
+    n: int,
+    t: float,
+    dt: float,
+    q: FloatArray,
+    q1: FloatArray,
+    e: FloatArray,
+    flight: FloatArray,
+    landed: int,
+    surface: FloatArray,
+    surf: FloatArray,
+    rows: FloatArray,
+    filled: int,
+) -> tuple[int, int, int]:
     """Beads next to the end that touched within the step are clamped; elements whose both ends did leave the chain."""
     while n > 2:
         i = landed  # the bead whose turn it is: 0, or 1 behind a clamped one

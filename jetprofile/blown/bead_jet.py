@@ -120,8 +120,12 @@ class BlownBeads:
         number("polymer_fraction", self.polymer_fraction, above=0.0, most=1.0)
         number("drying", self.drying, least=0.0, unit="m2/s")
         if self.longest is not None and not self.longest >= 2 * self.element:
-            raise InputError("longest", "is below two elements: halves would be halved again", value=self.longest,
-                             allowed=f"[{2 * self.element:g}, inf) m")  # fmt: skip
+            raise InputError(
+                "longest",
+                "is below two elements: halves would be halved again",
+                value=self.longest,
+                allowed=f"[{2 * self.element:g}, inf) m",
+            )
         if self.drag not in DRAG_LAWS:
             raise InputError("drag", "is not known", value=self.drag, allowed=", ".join(DRAG_LAWS))
 
@@ -201,8 +205,17 @@ class BeadRun:
         rows[:, 0] = (
             np.maximum.accumulate(rows[:, 0]) if len(rows) else rows[:, 0]
         )  # several in one step: in the fibre's order
-        names = (("touch_time", 0, "s"), ("x", 1, "m"), ("y", 2, "m"), ("z", 3, "m"), ("vx", 4, "m/s"), ("vy", 5, "m/s"),
-                 ("vz", 6, "m/s"), ("volume", 7, "m3"), ("flight_length", 8, "m"))  # fmt: skip
+        names = (
+            ("touch_time", 0, "s"),
+            ("x", 1, "m"),
+            ("y", 2, "m"),
+            ("z", 3, "m"),
+            ("vx", 4, "m/s"),
+            ("vy", 5, "m/s"),
+            ("vz", 6, "m/s"),
+            ("volume", 7, "m3"),
+            ("flight_length", 8, "m"),
+        )
         data: dict[str, Any] = {name: ("landing", rows[:, k], {"units": unit}) for name, k, unit in names}
         with np.errstate(invalid="ignore", divide="ignore"):
             data["polymer_fraction"] = (
@@ -255,12 +268,27 @@ def blown_beads(
     azz = positive("axial_conformation", start.axial_conformation)
     arr = azz**-0.5 if start.radial_conformation is None else positive("radial_conformation", start.radial_conformation)
     table, far_gaussian = _air_table(air, z0, surface)
-    p = np.array([
-        solution.density, solution.modulus if elastic else 0.0, solution.relaxation_time if elastic else 0.0,
-        solution.solvent_viscosity if elastic else solution.viscosity, solution.surface_tension, air.density,
-        air.kinematic_viscosity, *DRAG_LAWS[run.drag], run.gravity, float(run.lift), solution.flow_rate,
-        run.drying, run.polymer_fraction, 0.0, far_gaussian, *run.hardening, 0.0,
-    ])  # fmt: skip
+    p = np.array(
+        [
+            solution.density,
+            solution.modulus if elastic else 0.0,
+            solution.relaxation_time if elastic else 0.0,
+            solution.solvent_viscosity if elastic else solution.viscosity,
+            solution.surface_tension,
+            air.density,
+            air.kinematic_viscosity,
+            *DRAG_LAWS[run.drag],
+            run.gravity,
+            float(run.lift),
+            solution.flow_rate,
+            run.drying,
+            run.polymer_fraction,
+            0.0,
+            far_gaussian,
+            *run.hardening,
+            0.0,
+        ]
+    )
     gusts = gust_field(air, table[:, 0], modes=run.modes, seed=run.seed, index=run.index)
     if not run.gusts:
         table[:, 4] = 0.0
@@ -284,19 +312,44 @@ def blown_beads(
     laid = float(landings[:, 7].sum())
     inside = float(e[: n - 1, 0].sum())
     if below > 0.2:
-        warnings.warn(f"{below:.0%} of the elements have c_b^2 < 0, where bending grows with the mesh: begin farther down, or "
-                      "take this run's bending as not converged", SpinlineWarning, stacklevel=2)  # fmt: skip
+        warnings.warn(
+            f"{below:.0%} of the elements have c_b^2 < 0, where bending grows with the mesh: begin farther down, or "
+            "take this run's bending as not converged",
+            SpinlineWarning,
+            stacklevel=2,
+        )
     return BeadRun(
-        t, q[:n, :3].copy(), q[:n, 3:].copy(), e[: n - 1, 0].copy(), e[: n - 1, 3].copy(), e[: n - 1, 1].copy(),
-        e[: n - 1, 2].copy(), landings, fed, fed * run.polymer_fraction, fed - laid - inside if run.drying else 0.0, below,
-        stored, {"seed": run.seed, "jet": run.index, "collector_kind": str(collector.kind)},
-    )  # fmt: skip
+        t,
+        q[:n, :3].copy(),
+        q[:n, 3:].copy(),
+        e[: n - 1, 0].copy(),
+        e[: n - 1, 3].copy(),
+        e[: n - 1, 1].copy(),
+        e[: n - 1, 2].copy(),
+        landings,
+        fed,
+        fed * run.polymer_fraction,
+        fed - laid - inside if run.drying else 0.0,
+        below,
+        stored,
+        {"seed": run.seed, "jet": run.index, "collector_kind": str(collector.kind)},
+    )
 
 
 def _drive(
-    run: BlownBeads, n: int, q: FloatArray, e: FloatArray, flight: FloatArray, p: FloatArray, table: FloatArray,
-    modes: FloatArray, place: FloatArray, inlet: FloatArray, surface: FloatArray, frames: int,
-) -> tuple[float, int, FloatArray, list[tuple[float, FloatArray]], FloatArray]:  # fmt: skip
+    run: BlownBeads,
+    n: int,
+    q: FloatArray,
+    e: FloatArray,
+    flight: FloatArray,
+    p: FloatArray,
+    table: FloatArray,
+    modes: FloatArray,
+    place: FloatArray,
+    inlet: FloatArray,
+    surface: FloatArray,
+    frames: int,
+) -> tuple[float, int, FloatArray, list[tuple[float, FloatArray]], FloatArray]:
     """The loop over stored moments and full tables of landings."""
     from spinline.jetprofile.blown._bead_kernels import advance
 
@@ -310,11 +363,19 @@ def _drive(
             )
             parts.append(rows[:filled].copy())
             if full or n < 2:
-                raise InputError("mesh", f"asks for more than {_ROOM} beads at {t:.4g} s", value=run.element,
-                                 remedy="take longer elements, a nearer collector or a shorter time")  # fmt: skip
+                raise InputError(
+                    "mesh",
+                    f"asks for more than {_ROOM} beads at {t:.4g} s",
+                    value=run.element,
+                    remedy="take longer elements, a nearer collector or a shorter time",
+                )
             if float(np.linalg.norm(q[n - 1, :3] - q[n - 2, :3])) > 2 * place[7]:
-                raise InputError("mesh", f"is too coarse for the stretching at the start, at {t:.4g} s", value=run.element,
-                                 remedy="take shorter elements, or begin farther down")  # fmt: skip
+                raise InputError(
+                    "mesh",
+                    f"is too coarse for the stretching at the start, at {t:.4g} s",
+                    value=run.element,
+                    remedy="take shorter elements, or begin farther down",
+                )
             if not np.isfinite(q[:n]).all():
                 raise InputError(
                     "cfl", f"lets the run diverge at {t:.4g} s", value=run.cfl, remedy="take a smaller one"

@@ -23,9 +23,13 @@ __all__ = ["bending_growth", "fastest_bend", "mesh_growth", "wave_speed_squared"
 
 
 def wave_speed_squared(
-    axial_stress: ArrayLike, radius: ArrayLike, slip: ArrayLike, density: ArrayLike, surface_tension: ArrayLike,
+    axial_stress: ArrayLike,
+    radius: ArrayLike,
+    slip: ArrayLike,
+    density: ArrayLike,
+    surface_tension: ArrayLike,
     air_density: ArrayLike = 1.205,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """c_b^2, m2/s2, of either sign; stress in Pa, slip w_t in m/s."""
     a, rho = real("radius", radius, above=0.0), real("density", density, above=0.0)
     lift = real("air_density", air_density, least=0.0) * real("slip", slip) ** 2

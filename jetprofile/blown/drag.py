@@ -43,9 +43,12 @@ def tangential_coefficient(reynolds: ArrayLike, law: TangentialLaw = "ziabicki-k
 
 
 def tangential_drag(
-    slip: ArrayLike, radius: ArrayLike, density: ArrayLike, kinematic_viscosity: ArrayLike,
+    slip: ArrayLike,
+    radius: ArrayLike,
+    density: ArrayLike,
+    kinematic_viscosity: ArrayLike,
     law: TangentialLaw = "ziabicki-kawai",
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """q_t in N/m, towards the air's motion; slip w in m/s of any sign, radius a in m.
 
     Notes

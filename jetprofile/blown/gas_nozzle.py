@@ -79,8 +79,10 @@ def nozzle_exit(pressure_ratio: float, reservoir_temperature: float = 293.15, pr
         area = (2 / (_GAMMA + 1) * (1 + (_GAMMA - 1) / 2 * mach**2)) ** ((_GAMMA + 1) / (2 * (_GAMMA - 1))) / mach
         warnings.warn(
             f"the gas nozzle is choked (pressure ratio {ratio:.3g} above {choking_ratio():.4g}): the jet is taken as fully "
-            "expanded, right some ten diameters downstream", SpinlineWarning, stacklevel=2,
-        )  # fmt: skip
+            "expanded, right some ten diameters downstream",
+            SpinlineWarning,
+            stacklevel=2,
+        )
     return NozzleExit(mach, temperature, velocity, p / (_GAS * temperature), choked, float(np.sqrt(area)))
 
 
@@ -101,7 +103,10 @@ def subsonic(velocity: float, reservoir_temperature: float = 293.15) -> float:
     value = number("air_velocity", velocity, least=0.0, unit="m/s")
     if value > most:
         raise InputError(
-            "air_velocity", "is above what a plain nozzle's exit can have", value=value, allowed=f"[0, {most:.4g}] m/s",
+            "air_velocity",
+            "is above what a plain nozzle's exit can have",
+            value=value,
+            allowed=f"[0, {most:.4g}] m/s",
             remedy="give the pressure ratio of the reservoir instead",
-        )  # fmt: skip
+        )
     return value

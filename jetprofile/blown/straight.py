@@ -34,9 +34,8 @@ Yarin, Sinha-Ray, Pourdeyhimi, J. Appl. Phys. 108, 034913 (2010); Sinha-Ray, Sin
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 from scipy.integrate import solve_bvp, solve_ivp
@@ -47,11 +46,10 @@ from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.quadrature import gauss
 from spinline.jetprofile.blown.air import Air
 from spinline.jetprofile.blown.drag import DRAG_LAWS, TangentialLaw
+from spinline.jetprofile.blown.straight_results import BlownSolution, Law, StraightBlownJet, Verdict
 
-__all__ = ["BlownSolution", "StraightBlownJet", "straight_blown_jet"]
+__all__ = ["BlownSolution", "Law", "StraightBlownJet", "Verdict", "straight_blown_jet"]
 
-Law = Literal["newton", "ucm", "oldroyd-b"]
-Verdict = Literal["converged", "compressed", "critical", "slack"]
 _POINTS = 400
 _MOST_STEPS, _MOST_NODES = 80, 60_000
 _MOST_CALLS = 12_000  # of one march
@@ -59,107 +57,18 @@ _BUDGET, _CALL = 1e8, 200  # places evaluated in all, and what a call counts bes
 _SHOOT = 8e-4  # s: relaxation times from which shooting is tried first
 
 
-@dataclass(frozen=True)
-class BlownSolution:
-    """Solution that is blown.
-
-    Attributes
-    ----------
-    flow_rate : float
-        Q, m3/s.
-    radius : float
-        At the nozzle, m.
-    density, viscosity, surface_tension : float
-        kg/m3, Pa s (zero shear, solvent included), N/m.
-    relaxation_time : float
-        theta, s; 0 for a Newtonian solution.
-    solvent_viscosity : float
-        mu_s, Pa s, below the viscosity.
-    """
-
-    flow_rate: float
-    radius: float
-    density: float
-    viscosity: float
-    surface_tension: float
-    relaxation_time: float = 0.0
-    solvent_viscosity: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name, unit in (("flow_rate", "m3/s"), ("radius", "m"), ("density", "kg/m3"), ("viscosity", "Pa s")):
-            positive(name, getattr(self, name), unit)
-        number("surface_tension", self.surface_tension, least=0.0, unit="N/m")
-        number("relaxation_time", self.relaxation_time, least=0.0, unit="s")
-        number("solvent_viscosity", self.solvent_viscosity, least=0.0, below=self.viscosity, unit="Pa s")
-
-    @property
-    def velocity(self) -> float:
-        """At the nozzle, m/s."""
-        return self.flow_rate / (np.pi * self.radius**2)
-
-    @property
-    def modulus(self) -> float:
-        """``(mu - mu_s)/theta``, Pa; inf without relaxation."""
-        return (self.viscosity - self.solvent_viscosity) / self.relaxation_time if self.relaxation_time else np.inf
-
-
-@dataclass(frozen=True, eq=False)
-class StraightBlownJet:
-    """Profile along z; arrays (n,), SI. Without a profile (verdict critical, slack) they are empty.
-
-    Attributes
-    ----------
-    z, velocity, radius, air_velocity : ndarray
-    tension : ndarray
-        F, N, capillarity included.
-    axial_stress : ndarray
-        ``(F - pi a sigma)/f``, Pa.
-    axial_conformation, radial_conformation : ndarray
-        A_zz, A_rr; 1 for newton.
-    wave_speed_squared : ndarray
-        c_b^2 of bending waves, m2/s2: below 0 bending grows on any mesh (`bending_onset`).
-    verdict, message : str
-    force_balance : float
-        What the integrated momentum leaves over, relative to the largest force.
-    bending_start : float
-        z* in m: first place with c_b^2 > 0; NaN if there is none.
-    """
-
-    z: FloatArray
-    velocity: FloatArray
-    radius: FloatArray
-    air_velocity: FloatArray
-    tension: FloatArray
-    axial_stress: FloatArray
-    axial_conformation: FloatArray
-    radial_conformation: FloatArray
-    wave_speed_squared: FloatArray
-    verdict: Verdict
-    message: str
-    force_balance: float
-    bending_start: float
-
-    def at(self, z: float) -> dict[str, float]:
-        """Every field at one place, by cubic interpolation between the points."""
-        from scipy.interpolate import CubicSpline
-
-        place = number("z", z, least=float(self.z[0]), most=float(self.z[-1]), unit="m")
-        names = (
-            "radius",
-            "velocity",
-            "air_velocity",
-            "tension",
-            "axial_stress",
-            "axial_conformation",
-            "radial_conformation",
-        )
-        return {name: float(CubicSpline(self.z, getattr(self, name))(place)) for name in names}
-
-
 def straight_blown_jet(
-    solution: BlownSolution, air: Air, length: float, *, law: Law | None = None, drag: TangentialLaw = "ziabicki-kawai",
-    end_tension: float = 0.0, gravity: float = 9.81, inlet_stretch: float | None = None, rtol: float = 1e-8,
-) -> StraightBlownJet:  # fmt: skip
+    solution: BlownSolution,
+    air: Air,
+    length: float,
+    *,
+    law: Law | None = None,
+    drag: TangentialLaw = "ziabicki-kawai",
+    end_tension: float = 0.0,
+    gravity: float = 9.81,
+    inlet_stretch: float | None = None,
+    rtol: float = 1e-8,
+) -> StraightBlownJet:
     """Straight blown jet from the nozzle to `length`.
 
     Parameters
@@ -191,9 +100,14 @@ def straight_blown_jet(
         For a law that the solution does not have the properties for.
     """
     problem = _Problem(
-        solution, air, positive("length", length, "m"), _law(solution, law), DRAG_LAWS[_drag(drag)], gravity,
+        solution,
+        air,
+        positive("length", length, "m"),
+        _law(solution, law),
+        DRAG_LAWS[_drag(drag)],
+        gravity,
         number("rtol", rtol, least=1e-12, most=1e-4),
-    )  # fmt: skip
+    )
     pull = number("end_tension", end_tension, unit="N")
     if inlet_stretch is not None:
         if problem.law != "ucm":
@@ -230,9 +144,15 @@ class _Problem:
     """
 
     def __init__(
-        self, solution: BlownSolution, air: Air, length: float, law: Law, drag: tuple[float, float], gravity: float,
+        self,
+        solution: BlownSolution,
+        air: Air,
+        length: float,
+        law: Law,
+        drag: tuple[float, float],
+        gravity: float,
         rtol: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.s, self.air, self.length, self.law, self.drag, self.rtol = solution, air, length, law, drag, rtol
         self.gravity = number("gravity", gravity, unit="m/s2")
         self.v0 = solution.velocity
@@ -381,9 +301,10 @@ class _Problem:
             if left < 0.05:
                 where = float(last.x[int(np.argmin(self.bracket(last.y)))]) * 1e3
                 return self.nothing(
-                    "critical", f"at {reached:.3g} of the drag the jet comes to its elastic wave speed at {where:.4g} mm; "
+                    "critical",
+                    f"at {reached:.3g} of the drag the jet comes to its elastic wave speed at {where:.4g} mm; "
                     "take a solvent viscosity (oldroyd-b) or a longer relaxation time",
-                )  # fmt: skip
+                )
         if self.work > _BUDGET:
             return self.nothing(
                 "slack", f"the solver has used up its budget at {reached:.3g} of the drag: no profile is given"
@@ -476,9 +397,15 @@ class _Problem:
         for low, high in pairwise(self.kinks):
             try:
                 run = solve_ivp(
-                    counted, (low, high), y, method="DOP853", rtol=max(self.rtol * 1e-2, 1e-12), atol=1e-12,
-                    events=[critical, slow], dense_output=True,
-                )  # fmt: skip
+                    counted,
+                    (low, high),
+                    y,
+                    method="DOP853",
+                    rtol=max(self.rtol * 1e-2, 1e-12),
+                    atol=1e-12,
+                    events=[critical, slow],
+                    dense_output=True,
+                )
             except _TooLongError:
                 return pieces, "stiff"
             pieces.append(run)

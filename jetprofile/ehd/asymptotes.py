@@ -69,9 +69,13 @@ def elastic_velocity_ratio(
 
 
 def viscous_prefactor(
-    *, radius: ArrayLike, initial_velocity: ArrayLike, conductivity: ArrayLike, viscosity: ArrayLike,
+    *,
+    radius: ArrayLike,
+    initial_velocity: ArrayLike,
+    conductivity: ArrayLike,
+    viscosity: ArrayLike,
     electric_field: ArrayLike,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+) -> tuple[FloatArray, FloatArray]:
     """Lower and upper k of the viscous law in a uniform field: ``c_k A^(5/12) B^(1/4)``, it belongs to beta = 1."""
     velocity = np.asarray(initial_velocity)
     pull = EPS0 * np.asarray(electric_field) ** 2 * np.asarray(radius) / (np.asarray(viscosity) * velocity)
@@ -98,9 +102,15 @@ class InertialJet(StraightJet):
     """
 
     def __init__(
-        self, *, radius: float, flow_rate: float, current: float, density: float, field: AppliedField,
+        self,
+        *,
+        radius: float,
+        flow_rate: float,
+        current: float,
+        density: float,
+        field: AppliedField,
         gravity: float = 9.81,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(radius, flow_rate)
         self.current, self.density = positive("current", current, "A"), positive("density", density, "kg/m3")
         self.gravity, self.field = number("gravity", gravity, least=0.0, unit="m/s2"), field
@@ -108,9 +118,13 @@ class InertialJet(StraightJet):
 
     def _parameters(self) -> dict[str, object]:
         return {
-            "radius": self.initial_radius, "flow_rate": self.flow_rate, "current": self.current, "density": self.density,
-            "field": self.field, "gravity": self.gravity,
-        }  # fmt: skip
+            "radius": self.initial_radius,
+            "flow_rate": self.flow_rate,
+            "current": self.current,
+            "density": self.density,
+            "field": self.field,
+            "gravity": self.gravity,
+        }
 
     @cached_property
     def _work(self) -> CubicHermiteSpline:
@@ -198,9 +212,12 @@ class ViscousJet(StraightJet):
 
     def _parameters(self) -> dict[str, object]:
         return {
-            "radius": self.initial_radius, "flow_rate": self.flow_rate, "current": self.current,
-            "electric_field": self.electric_field, "viscosity": self.viscosity,
-        }  # fmt: skip
+            "radius": self.initial_radius,
+            "flow_rate": self.flow_rate,
+            "current": self.current,
+            "electric_field": self.electric_field,
+            "viscosity": self.viscosity,
+        }
 
     def _ratio(self, s: FloatArray) -> FloatArray:
         return hyperbolic.ratio(s, 1 / self.k)
@@ -244,16 +261,21 @@ class ElasticJet(StraightJet):
         self.jump = number("jump", jump)
         if self.jump < 1:
             raise InputError(
-                "jump", "is below 1: the pull does not draw a thread from the needle", value=self.jump, allowed="[1, inf)",
+                "jump",
+                "is below 1: the pull does not draw a thread from the needle",
+                value=self.jump,
+                allowed="[1, inf)",
                 remedy="a higher voltage; or the boundary-value problem",
-            )  # fmt: skip
+            )
         self._deborah = self.relaxation_time * self.initial_velocity / self.initial_radius
 
     def _parameters(self) -> dict[str, object]:
         return {
-            "radius": self.initial_radius, "flow_rate": self.flow_rate, "relaxation_time": self.relaxation_time,
+            "radius": self.initial_radius,
+            "flow_rate": self.flow_rate,
+            "relaxation_time": self.relaxation_time,
             "jump": self.jump,
-        }  # fmt: skip
+        }
 
     def _ratio(self, s: FloatArray) -> FloatArray:
         value: FloatArray = self.jump + s / self._deborah

@@ -71,9 +71,14 @@ def logarithm(x: ArrayLike) -> FloatArray:
 
 
 def bending_drive(
-    radius: ArrayLike, line_charge: ArrayLike, tension: ArrayLike, *, density: float, surface_tension: float,
+    radius: ArrayLike,
+    line_charge: ArrayLike,
+    tension: ArrayLike,
+    *,
+    density: float,
+    surface_tension: float,
     logarithm: ArrayLike,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """C of the module in 1/s2: what bends the jet where positive.
 
     Parameters
@@ -152,9 +157,18 @@ class BendingOnset:
 
 
 def bending_onset(
-    z: FloatArray, *, radius: FloatArray, velocity: FloatArray, line_charge: FloatArray, tension: FloatArray,
-    density: float, surface_tension: float, viscosity: float, length: float | None = None, waves: int = 200,
-) -> BendingOnset:  # fmt: skip
+    z: FloatArray,
+    *,
+    radius: FloatArray,
+    velocity: FloatArray,
+    line_charge: FloatArray,
+    tension: FloatArray,
+    density: float,
+    surface_tension: float,
+    viscosity: float,
+    length: float | None = None,
+    waves: int = 200,
+) -> BendingOnset:
     """First place where a material wave has grown a hundredfold (ten- to thousandfold) along a straight jet.
 
     Parameters
@@ -176,9 +190,7 @@ def bending_onset(
     first = np.geomspace(LARGEST_WAVENUMBER * 1e-3, LARGEST_WAVENUMBER / stretch.min(), waves)
     x = first[:, np.newaxis] * stretch
     log = logarithm(x) if length is None else np.log(length / radius)
-    drive = bending_drive(
-        radius, line_charge, tension, density=density, surface_tension=surface_tension, logarithm=log
-    )  # fmt: skip
+    drive = bending_drive(radius, line_charge, tension, density=density, surface_tension=surface_tension, logarithm=log)
     rate = bending_growth(x, drive, radius=radius, viscosity=viscosity, density=density)
     wavelength = 2 * np.pi * radius / x
     rate = np.where((wavelength < z) & (x < LARGEST_WAVENUMBER), rate, 0.0) / velocity

@@ -121,8 +121,12 @@ class Linear:
         self._low, self._high = count + m - 1, 2 * m - 1 - count
         self._shape = (n, m)
         self._args = (
-            problem.field(s), problem.field(0.5 * (s[1:] + s[:-1])), problem.parameters, problem.flags, problem.left,
-        )  # fmt: skip
+            problem.field(s),
+            problem.field(0.5 * (s[1:] + s[:-1])),
+            problem.parameters,
+            problem.flags,
+            problem.left,
+        )
         self._s = s
         self.value = self.residual(y)
         self.ok = bool(np.isfinite(self.value).all())

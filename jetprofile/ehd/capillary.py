@@ -51,9 +51,15 @@ def capillary_growth(radius: ArrayLike, *, viscosity: float, density: float, sur
 
 
 def axisymmetric_growth(
-    x: float, *, oh: float, charge: float = 0.0, field: float = 0.0, conductivity: float = np.inf,
-    permittivity: float = 1.0, log: str = "local",
-) -> complex:  # fmt: skip
+    x: float,
+    *,
+    oh: float,
+    charge: float = 0.0,
+    field: float = 0.0,
+    conductivity: float = np.inf,
+    permittivity: float = 1.0,
+    log: str = "local",
+) -> complex:
     """Growth rate (the fastest of three) of an axisymmetric wave of a charged leaky thread.
 
     Parameters
@@ -99,10 +105,12 @@ def axisymmetric_growth(
         s_v = -1j * x * charge + 0.5j * x * charge
         s_s = -1j * x * k * e_s
         pull_r, pull_s = 2 * charge * (e_r - field), 2 * (field + charge * e_s)
-        matrix = np.array([
-            [0, -0.5j * x, 0],
-            [-1j * x * p_r + pull_r, -3 * oh * x**2, -1j * x * p_s + pull_s],
-            [s_r, s_v, s_s],
-        ])  # fmt: skip
+        matrix = np.array(
+            [
+                [0, -0.5j * x, 0],
+                [-1j * x * p_r + pull_r, -3 * oh * x**2, -1j * x * p_s + pull_s],
+                [s_r, s_v, s_s],
+            ]
+        )
     rates = np.linalg.eigvals(matrix)
     return complex(rates[np.argmax(rates.real)])

@@ -116,9 +116,12 @@ def dielectric_cone(permittivity: float) -> DielectricCone:
     eps = positive("permittivity", permittivity)
     if eps < LEAST_PERMITTIVITY:
         raise InputError(
-            "permittivity", "is too low: no cone of a dielectric stands", value=eps,
-            allowed=f"[{LEAST_PERMITTIVITY:.10g}, 1e15]", remedy="the drop keeps a rounded end",
-        )  # fmt: skip
+            "permittivity",
+            "is too low: no cone of a dielectric stands",
+            value=eps,
+            allowed=f"[{LEAST_PERMITTIVITY:.10g}, 1e15]",
+            remedy="the drop keeps a rounded end",
+        )
     real("permittivity", eps, most=1e15)
 
     def excess(angle: float) -> float:  # well-behaved at both ends, unlike eps(angle)

@@ -87,9 +87,14 @@ def follow(
 
 
 def _follow(
-    problem_at: Callable[[float], Problem], start: Discrete, first: float, largest: float, most: int, beyond_folds: bool,
+    problem_at: Callable[[float], Problem],
+    start: Discrete,
+    first: float,
+    largest: float,
+    most: int,
+    beyond_folds: bool,
     trail: list[Path],
-) -> Path:  # fmt: skip
+) -> Path:
     nodes = start.s.size
     s, y, t = start.s, start.y, 0.0
     dy, dt = np.zeros_like(y), 1.0

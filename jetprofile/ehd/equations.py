@@ -43,9 +43,21 @@ __all__ = ["PARAMETERS", "jacobian", "residual", "slopes"]
 # Order of the parameter vector; `share` = rs, `gain` = (1 - rs) / De, `extensibility` = 1 / L2 (0: Oldroyd-B),
 # `mobility` = the Giesekus a, `end_slope` = V' / V at the end
 PARAMETERS = (
-    "reynolds", "weber", "inverse_froude", "peclet", "euler", "beta", "log_chi", "inverse_deborah", "share", "gain",
-    "extensibility", "mobility", "end_slope", "last_field",
-)  # fmt: skip
+    "reynolds",
+    "weber",
+    "inverse_froude",
+    "peclet",
+    "euler",
+    "beta",
+    "log_chi",
+    "inverse_deborah",
+    "share",
+    "gain",
+    "extensibility",
+    "mobility",
+    "end_slope",
+    "last_field",
+)
 
 
 @njit(cache=True, error_model="numpy")

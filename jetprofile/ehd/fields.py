@@ -308,9 +308,14 @@ def _solve_rings(voltage: float, gap: float, radius: float, length: float) -> tu
     shaft = length - 2 * radius
     steps = 40
     growth = radius / 26 * np.expm1(np.linspace(0, np.log1p(26 * 0.5 * shaft / radius), steps + 1))
-    edges = np.concatenate((
-        cap, cap[-1] + growth[1:], cap[-1] + shaft - growth[-2::-1][:-1], cap[-1] + shaft + cap,
-    ))  # fmt: skip
+    edges = np.concatenate(
+        (
+            cap,
+            cap[-1] + growth[1:],
+            cap[-1] + shaft - growth[-2::-1][:-1],
+            cap[-1] + shaft + cap,
+        )
+    )
     edges = np.unique(edges)
     total = edges[-1]
 

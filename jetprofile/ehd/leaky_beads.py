@@ -38,7 +38,7 @@ FIG21 = {
     "conductivity": 270 * 4 * np.pi * EPS0,  # S/m: 270 1/s
     "current": 5.4 / 2.99792458e9,  # A
     "relaxation_time": 3.11e-3,  # s
-}  # fmt: skip
+}
 
 
 def effective_charge(
@@ -107,9 +107,12 @@ class LeakyBeads:
         if share < 0:
             most = self.current / (np.pi * self.radius**2 * self.conductivity)
             raise InputError(
-                "electric_field", "conducts more than the whole current through the jet at the nozzle",
-                value=self.electric_field, allowed=f"(0, {most:.6g}] V/m", remedy="a thinner start, or the measured current",
-            )  # fmt: skip
+                "electric_field",
+                "conducts more than the whole current through the jet at the nozzle",
+                value=self.electric_field,
+                allowed=f"(0, {most:.6g}] V/m",
+                remedy="a thinner start, or the measured current",
+            )
 
     def path(self, end: float, points: int = 200) -> dict[str, FloatArray]:
         """Follow the lower bead to `end` (m).
@@ -142,9 +145,15 @@ class LeakyBeads:
         speed = self.flow_rate / (np.pi * self.radius**2)
         longest = 1e3 * end / speed
         done: Any = solve_ivp(
-            rate, (0, longest), [self.length, speed, 0.0], method="LSODA", events=there, rtol=1e-9, atol=1e-12,
+            rate,
+            (0, longest),
+            [self.length, speed, 0.0],
+            method="LSODA",
+            events=there,
+            rtol=1e-9,
+            atol=1e-12,
             dense_output=True,
-        )  # fmt: skip
+        )
         if not done.t_events[0].size:
             raise InputError("end", "is not reached by the bead: the pull is too weak", value=end)
         time = np.linspace(0, done.t_events[0][0], points)

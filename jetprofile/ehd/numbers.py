@@ -72,9 +72,14 @@ def elongational_capillary(
 
 
 def jian_deborah(
-    *, relaxation_time: float, radius: float, density: float, elongational_viscosity: float, elastic_over_solvent: float,
+    *,
+    relaxation_time: float,
+    radius: float,
+    density: float,
+    elongational_viscosity: float,
+    elastic_over_solvent: float,
     capillary: float,
-) -> float:  # fmt: skip
+) -> float:
     """Elastic time over the capillary growth time as V.B.2 builds it, ``theta x* / t*`` (Jian et al. 2006).
 
     Parameters

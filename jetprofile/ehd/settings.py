@@ -112,9 +112,12 @@ class NeedleSettings:
             raise InputError("field", "is not known", value=self.field, allowed=", ".join(FIELDS))
         if self.polymer:
             number(
-                "solvent_share", self.solvent_share, least=0.005, below=1.0,
+                "solvent_share",
+                self.solvent_share,
+                least=0.005,
+                below=1.0,
                 remedy="a jet without any solvent viscosity has no bounded strain rate at the needle",
-            )  # fmt: skip
+            )
             if self.law == "fene-p":
                 if self.extensibility is None:
                     raise InputError("extensibility", "is missing: FENE-P needs it", remedy="phi^-2 for a network")
@@ -128,9 +131,12 @@ class NeedleSettings:
         length = self.end_position
         if length > self.applied_field.gap * (1 + 1e-9):
             raise InputError(
-                "end", "lies beyond the plate", value=length, allowed=f"up to {self.applied_field.gap:g} m",
+                "end",
+                "lies beyond the plate",
+                value=length,
+                allowed=f"up to {self.applied_field.gap:g} m",
                 remedy="the default is the gap",
-            )  # fmt: skip
+            )
         real("end", length / self.radius, least=3.0, most=1e6, remedy="end over radius: the jet must be slender")
 
     @property
@@ -212,12 +218,24 @@ class NeedleSettings:
         de = self.deborah * slack
         share = self.solvent_share if polymer else 1.0
         limit = 1 / self.extensibility if polymer and self.law == "fene-p" and self.extensibility else 0.0
-        parameters = np.array([
-            n["reynolds"], n["weber"] / pull, n["inverse_froude"] * pull, n["peclet"], n["euler"] * pull,
-            self.permittivity - 1, np.log(chi), 1 / de if polymer else 0.0, share, (1 - share) / de if polymer else 0.0,
-            limit, self.mobility if self.law == "giesekus" else 0.0, self.end_factor / (2 * chi),
-            float(field.axial(self.end_position)) / scale,
-        ])  # fmt: skip
+        parameters = np.array(
+            [
+                n["reynolds"],
+                n["weber"] / pull,
+                n["inverse_froude"] * pull,
+                n["peclet"],
+                n["euler"] * pull,
+                self.permittivity - 1,
+                np.log(chi),
+                1 / de if polymer else 0.0,
+                share,
+                (1 - share) / de if polymer else 0.0,
+                limit,
+                self.mobility if self.law == "giesekus" else 0.0,
+                self.end_factor / (2 * chi),
+                float(field.axial(self.end_position)) / scale,
+            ]
+        )
 
         def applied(s: FloatArray) -> FloatArray:
             return field.axial(np.minimum(s * radius, self.end_position)) / scale

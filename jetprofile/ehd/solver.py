@@ -270,9 +270,15 @@ def solve(
 
 
 def raise_pull(
-    settings: NeedleSettings, *, charge: bool, predicted: bool, slack: float = 1.0, nodes: int = _COARSE,
-    upwind: bool = False, work: Work | None = None,
-) -> tuple[Path, float]:  # fmt: skip
+    settings: NeedleSettings,
+    *,
+    charge: bool,
+    predicted: bool,
+    slack: float = 1.0,
+    nodes: int = _COARSE,
+    upwind: bool = False,
+    work: Work | None = None,
+) -> tuple[Path, float]:
     """Follow the jet from a thread without forces to the settings; the path, and the pull it started from."""
     n, chi = settings.numbers, settings.numbers["slenderness"]
     electric = n["pull"] * (settings.gap / settings.radius) ** 2  # eps_0 V^2 over the unit of force

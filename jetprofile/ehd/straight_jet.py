@@ -78,9 +78,13 @@ class StraightEhdJet(StraightJet):
     given = "velocity"
 
     def __init__(
-        self, settings: NeedleSettings, *, length: float | None = None, tolerance: float = 1e-6,
+        self,
+        settings: NeedleSettings,
+        *,
+        length: float | None = None,
+        tolerance: float = 1e-6,
         near: "StraightEhdJet | None" = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(settings.radius, settings.flow_rate)
         self.settings = settings
         found = solve(settings, tolerance=tolerance, near=None if near is None else near.solved)
@@ -199,17 +203,21 @@ class StraightEhdJet(StraightJet):
     def fields(self, z: ArrayLike) -> dict[str, FloatArray]:
         """Further variables along it, by their names in a result."""
         return {
-            "tension": self.tension(z), "tensile_stress": self.tensile_stress(z), "line_charge": self.line_charge(z),
+            "tension": self.tension(z),
+            "tensile_stress": self.tensile_stress(z),
+            "line_charge": self.line_charge(z),
             "conduction_share": self.conduction_share(z),
-        }  # fmt: skip
+        }
 
     def numbers(self) -> dict[str, float]:
         """Current (A) and onset of bending with its spread (m)."""
         onset = self.bending
         return {
-            "current": self.current, "bending_onset": onset.position, "bending_onset_early": onset.earliest,
+            "current": self.current,
+            "bending_onset": onset.position,
+            "bending_onset_early": onset.earliest,
             "bending_onset_late": onset.latest,
-        }  # fmt: skip
+        }
 
     def words(self) -> dict[str, str]:
         """Model, verdicts and errors in words."""
@@ -240,9 +248,11 @@ class StraightEhdJet(StraightJet):
         end, self.end = self.end, self.settings.end_position
         try:
             columns: Any = {
-                "radius": self.radius(z), "velocity": self.velocity(z), "line_charge": self.line_charge(z),
+                "radius": self.radius(z),
+                "velocity": self.velocity(z),
+                "line_charge": self.line_charge(z),
                 "tension": self.tension(z),
-            }  # fmt: skip
+            }
         finally:
             self.end = end
         x = self.settings
@@ -301,12 +311,22 @@ def _verdicts(x: NeedleSettings, found: Solved) -> tuple[Verdict, ...]:
     fold = found.time_share * x.relaxation_time
     stretch = np.sqrt(x.extensibility) if x.extensibility else np.inf
     return judge(
-        z=z, velocity_ratio=ratio, tension=x.force_scale * pull, conducted=share, capillary_growth=growth,
-        relaxation_time=x.relaxation_time if found.problem.polymer else 0.0, viscous_strain_rate=float(viscous),
-        modulus=x.modulus, radius=x.radius, initial_velocity=x.initial_velocity, surface_tension=x.surface_tension,
-        reynolds=n["reynolds"], relaxation_length=0.5 * p[5] * p[3] * ratio * x.radius, full_stretch=float(stretch),
+        z=z,
+        velocity_ratio=ratio,
+        tension=x.force_scale * pull,
+        conducted=share,
+        capillary_growth=growth,
+        relaxation_time=x.relaxation_time if found.problem.polymer else 0.0,
+        viscous_strain_rate=float(viscous),
+        modulus=x.modulus,
+        radius=x.radius,
+        initial_velocity=x.initial_velocity,
+        surface_tension=x.surface_tension,
+        reynolds=n["reynolds"],
+        relaxation_length=0.5 * p[5] * p[3] * ratio * x.radius,
+        full_stretch=float(stretch),
         fold=fold,
-    )  # fmt: skip
+    )
 
 
 def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:

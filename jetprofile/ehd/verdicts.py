@@ -53,10 +53,23 @@ def _pick(value: float, limit: float, above: str, below: str) -> str:
 
 
 def judge(
-    *, z: FloatArray, velocity_ratio: FloatArray, tension: FloatArray, conducted: FloatArray, capillary_growth: FloatArray,
-    relaxation_time: float, viscous_strain_rate: float, modulus: float, radius: float, initial_velocity: float,
-    surface_tension: float, reynolds: float, relaxation_length: FloatArray, full_stretch: float, fold: float,
-) -> tuple[Verdict, ...]:  # fmt: skip
+    *,
+    z: FloatArray,
+    velocity_ratio: FloatArray,
+    tension: FloatArray,
+    conducted: FloatArray,
+    capillary_growth: FloatArray,
+    relaxation_time: float,
+    viscous_strain_rate: float,
+    modulus: float,
+    radius: float,
+    initial_velocity: float,
+    surface_tension: float,
+    reynolds: float,
+    relaxation_length: FloatArray,
+    full_stretch: float,
+    fold: float,
+) -> tuple[Verdict, ...]:
     """Verdicts of a computed jet, from its columns along z (m) and the numbers of its settings (SI)."""
     found = []
     elastic = relaxation_time * viscous_strain_rate

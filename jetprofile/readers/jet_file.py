@@ -25,6 +25,10 @@ class JetFile:
                 "unit", f"is not asked for: a {self.name} carries its units", value=unit, remedy="leave it out"
             )
         if initial_radius is not None:
-            raise InputError("initial_radius", f"is not asked for: a {self.name} carries it", value=initial_radius,
-                             remedy="leave it out")  # fmt: skip
+            raise InputError(
+                "initial_radius",
+                f"is not asked for: a {self.name} carries it",
+                value=initial_radius,
+                remedy="leave it out",
+            )
         return LagrangianJet.from_dataset(open_dataset(path))

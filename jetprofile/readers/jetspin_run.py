@@ -31,8 +31,12 @@ class JetspinRun:
     ) -> LagrangianJet:
         """`source` names the file of the run to read."""
         if initial_radius is not None:
-            raise InputError("initial_radius", f"is not asked for: a {self.name} carries it", value=initial_radius,
-                             remedy="leave it out")  # fmt: skip
+            raise InputError(
+                "initial_radius",
+                f"is not asked for: a {self.name} carries it",
+                value=initial_radius,
+                remedy="leave it out",
+            )
         if path.is_file() and zipfile.is_zipfile(path):
             with tempfile.TemporaryDirectory(prefix="spinline-") as folder:
                 return LagrangianJet.from_dataset(read_jetspin(_unpacked(path, Path(folder)), source=source, unit=unit))
@@ -53,8 +57,12 @@ def _unpacked(path: Path, folder: Path) -> Path:
                 if not entry.is_dir() and _ours(PurePosixPath(entry.filename).name)
             ]
             if not entries:
-                raise InputError(str(path), "is a zip that holds no file of a JETSPIN run", allowed=", ".join(_FILES),
-                                 remedy="zip the folder that JETSPIN ran in")  # fmt: skip
+                raise InputError(
+                    str(path),
+                    "is a zip that holds no file of a JETSPIN run",
+                    allowed=", ".join(_FILES),
+                    remedy="zip the folder that JETSPIN ran in",
+                )
             if len(entries) > _MOST or sum(entry.file_size for entry in entries) > _LARGEST:
                 raise InputError(str(path), "unpacks to more than 20 GiB or 100,000 files", remedy="unpack it yourself")
             homes = {PurePosixPath(entry.filename).parent for entry in entries}

@@ -15,9 +15,13 @@ __all__ = ["LammpsDump"]
 
 # docs.lammps.org, "units": length in m, velocity in m/s
 _UNITS = {
-    "si": (1.0, 1.0), "cgs": (1e-2, 1e-2), "micro": (1e-6, 1.0), "nano": (1e-9, 1.0), "real": (1e-10, 1e5),
+    "si": (1.0, 1.0),
+    "cgs": (1e-2, 1e-2),
+    "micro": (1e-6, 1.0),
+    "nano": (1e-9, 1.0),
+    "real": (1e-10, 1e5),
     "metal": (1e-10, 1e2),
-}  # fmt: skip
+}
 _PLACES = (("xu", "yu", "zu"), ("x", "y", "z"), ("xs", "ys", "zs"), ("xsu", "ysu", "zsu"))
 
 
@@ -56,9 +60,16 @@ class LammpsDump:
             data["velocity"] = np.column_stack(parts)
         time = float(last["TIME"][0]) if "TIME" in last else None
         return jet_of_points(
-            _places(columns, last, name, kind), data, {}, name=name, kind=kind, scale=scale, speed=speed,
-            initial_radius=initial_radius, time=time,
-        )  # fmt: skip
+            _places(columns, last, name, kind),
+            data,
+            {},
+            name=name,
+            kind=kind,
+            scale=scale,
+            speed=speed,
+            initial_radius=initial_radius,
+            time=time,
+        )
 
 
 def _moments(lines: list[str], name: str) -> Iterator[dict[str, list[str]]]:

@@ -16,9 +16,20 @@ from spinline.jetprofile.readers.polyline import jet_of_points, length_scale
 __all__ = ["VtkLegacy", "line_order"]
 
 _TYPES = {
-    "float": "f4", "double": "f8", "int": "i4", "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8", "short": "i2",
-    "unsigned_short": "u2", "char": "i1", "unsigned_char": "u1", "vtktypeint64": "i8", "vtktypeint32": "i4", "vtkidtype": "i8",
-}  # fmt: skip
+    "float": "f4",
+    "double": "f8",
+    "int": "i4",
+    "unsigned_int": "u4",
+    "long": "i8",
+    "unsigned_long": "u8",
+    "short": "i2",
+    "unsigned_short": "u2",
+    "char": "i1",
+    "unsigned_char": "u1",
+    "vtktypeint64": "i8",
+    "vtktypeint32": "i4",
+    "vtkidtype": "i8",
+}
 _LARGEST = 50_000_000  # values of one array
 
 
@@ -47,9 +58,16 @@ class VtkLegacy:
         return jet_of_points(
             points[order],
             {key: values[order] for key, values in data.items()},
-            {key: values[elements] for key, values in cells.items() if elements is not None and len(values) > elements.max()},
-            name=str(path), kind=self.name, scale=scale, initial_radius=initial_radius,
-        )  # fmt: skip
+            {
+                key: values[elements]
+                for key, values in cells.items()
+                if elements is not None and len(values) > elements.max()
+            },
+            name=str(path),
+            kind=self.name,
+            scale=scale,
+            initial_radius=initial_radius,
+        )
 
 
 def line_order(lines: list[list[int]], count: int, name: str, kind: str) -> tuple[np.ndarray, np.ndarray | None]:

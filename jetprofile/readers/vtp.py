@@ -40,9 +40,16 @@ class VtkXml:
         return jet_of_points(
             points[order],
             {key: values[order] for key, values in data.items()},
-            {key: values[elements] for key, values in cells.items() if elements is not None and len(values) > elements.max()},
-            name=str(path), kind=self.name, scale=scale, initial_radius=initial_radius,
-        )  # fmt: skip
+            {
+                key: values[elements]
+                for key, values in cells.items()
+                if elements is not None and len(values) > elements.max()
+            },
+            name=str(path),
+            kind=self.name,
+            scale=scale,
+            initial_radius=initial_radius,
+        )
 
 
 class _Xml:

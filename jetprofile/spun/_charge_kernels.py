@@ -44,8 +44,9 @@ __all__ = ["balance", "potential_matrix"]
 
 
 @njit(cache=True, error_model="numpy")
-def _electromotive(j: int, t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray,
-                   w: FloatArray) -> float:  # fmt: skip
+def _electromotive(
+    j: int, t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray, w: FloatArray
+) -> float:
     """Applied field along the thread from the middle of element j to that of element j - 1, V."""
     ex, ey, ez = applied_field(t, y[j, X], y[j, X + 1], y[j, X + 2], p, k, tables)
     total = 0.0
@@ -110,9 +111,17 @@ def _line_capacity(p: FloatArray, k: IntArray) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _tridiagonal(
-    n: int, gh: float, front: float, given: bool, known: FloatArray, resist: FloatArray, drive: FloatArray,
-    p: FloatArray, k: IntArray, w: FloatArray,
-) -> FloatArray:  # fmt: skip
+    n: int,
+    gh: float,
+    front: float,
+    given: bool,
+    known: FloatArray,
+    resist: FloatArray,
+    drive: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    w: FloatArray,
+) -> FloatArray:
     """Currents with the local logarithm, ``Psi = 2 k lambda ln(L/r)``."""
     level = np.zeros(n)
     if k[REPULSION] == LOCAL:
@@ -146,9 +155,18 @@ def _tridiagonal(
 
 @njit(cache=True, error_model="numpy")
 def _dense(
-    n: int, gh: float, front: float, given: bool, known: FloatArray, resist: FloatArray, drive: FloatArray,
-    y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray,
-) -> FloatArray:  # fmt: skip
+    n: int,
+    gh: float,
+    front: float,
+    given: bool,
+    known: FloatArray,
+    resist: FloatArray,
+    drive: FloatArray,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    w: FloatArray,
+) -> FloatArray:
     """Currents with every charge seeing every other: Cholesky of ``R + g h B P B^T``."""
     matrix, outer = np.zeros((n, n)), np.zeros(n)
     potential_matrix(n, y, p, k, w, matrix, outer)

@@ -63,9 +63,16 @@ def repulsion(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, 
 
 @njit(cache=True, error_model="numpy")
 def near_pairs(
-    n: int, reach: int, lumped: bool, a2: FloatArray, radial: FloatArray, y: FloatArray, p: FloatArray, k: IntArray,
+    n: int,
+    reach: int,
+    lumped: bool,
+    a2: FloatArray,
+    radial: FloatArray,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
     w: FloatArray,
-) -> None:  # fmt: skip
+) -> None:
     """Tensions of all pairs of segments up to `reach` apart: exact, less the lumped where wanted.
 
     `radial` takes the energy's derivatives with the nodes' squared radii.
@@ -128,9 +135,16 @@ def _lumped_pair(
 
 @njit(cache=True, error_model="numpy")
 def _feed_pairs(
-    n: int, reach: int, lumped: bool, a2: FloatArray, radial: FloatArray, y: FloatArray, p: FloatArray, k: IntArray,
+    n: int,
+    reach: int,
+    lumped: bool,
+    a2: FloatArray,
+    radial: FloatArray,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
     w: FloatArray,
-) -> None:  # fmt: skip
+) -> None:
     """Tensions of the segments with the feed line, exact along the arc, less the lumped where wanted."""
     length, e = p[FEED_LENGTH], p[FEED_CHARGE]
     if e == 0.0 or length == 0.0:
@@ -192,9 +206,15 @@ def feed_field(
 
 @njit(cache=True, error_model="numpy")
 def _bead_forces(
-    n: int, x: FloatArray, charge: FloatArray, a2: FloatArray, radial: FloatArray, p: FloatArray, k: IntArray,
+    n: int,
+    x: FloatArray,
+    charge: FloatArray,
+    a2: FloatArray,
+    radial: FloatArray,
+    p: FloatArray,
+    k: IntArray,
     f: FloatArray,
-) -> None:  # fmt: skip
+) -> None:
     """Forces of all pairs of lumped charges, of the feed line and of the images; radii's share to `radial`."""
     m = n + 1
     field, inverse, potential = np.zeros((m, 3)), np.zeros(m), np.zeros(m)

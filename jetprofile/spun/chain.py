@@ -30,17 +30,29 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     p, k = np.zeros(c.PARAMETERS), np.zeros(c.SWITCHES, dtype=np.int64)
     law, inlet, loads, grid = s.law, s.inlet, s.loads, s.grid
     p[[c.RHO, c.SURFACE, c.MODULUS, c.THETA, c.SOLVENT]] = (
-        s.density, s.surface_tension, law.modulus, law.relaxation_time, law.solvent_viscosity,
-    )  # fmt: skip
+        s.density,
+        s.surface_tension,
+        law.modulus,
+        law.relaxation_time,
+        law.solvent_viscosity,
+    )
     p[[c.EXTENT, c.MOBILITY, c.YIELD, c.CONSISTENCY, c.INDEX]] = (
-        law.extensibility, law.mobility, law.yield_stress, law.consistency, law.index,
-    )  # fmt: skip
+        law.extensibility,
+        law.mobility,
+        law.yield_stress,
+        law.consistency,
+        law.index,
+    )
     p[[c.FLOW, c.RADIUS, c.AZZ_IN, c.ARR_IN]] = inlet.flow_rate, inlet.radius, inlet.axial, inlet.radial
     p[[c.COMPLIANCE, c.TENSION_IN, c.CHARGE_DENSITY]] = inlet.compliance, inlet.tension, inlet.charge_density
     p[[c.AMPLITUDE, c.OMEGA, c.PHASE, c.RAMP]] = inlet.amplitude, inlet.frequency, inlet.phase, inlet.ramp
     p[[c.GRAVITY, c.FIELD, c.VOLTAGE, c.GAP, c.TIP]] = (
-        loads.gravity, loads.field, loads.voltage, loads.gap, loads.tip,
-    )  # fmt: skip
+        loads.gravity,
+        loads.field,
+        loads.voltage,
+        loads.gap,
+        loads.tip,
+    )
     p[[c.SIDE_FIELD, c.SIDE_OMEGA, c.LOAD_RAMP]] = loads.side_field, loads.side_frequency, loads.ramp
     p[c.B_X : c.B_X + 3] = loads.magnetic
     p[[c.LOG_LENGTH, c.FEED_LENGTH, c.FEED_CHARGE]] = grid.log_length, grid.feed_length, grid.feed_charge
@@ -73,8 +85,12 @@ def _air_and_drying(s: SpunSettings, p: FloatArray, k: c.IntArray) -> None:
     if air is not None:
         k[c.AIR], k[c.LIFT] = 1, int(air.lift)
         p[[c.AIR_DENSITY, c.AIR_VISCOSITY, c.DRAG_XI, c.DRAG_ZETA, c.DRAG_ETA]] = (
-            air.density, air.viscosity, air.xi, air.zeta, air.eta,
-        )  # fmt: skip
+            air.density,
+            air.viscosity,
+            air.xi,
+            air.zeta,
+            air.eta,
+        )
         p[c.AIR_X : c.AIR_X + 3] = air.velocity
         p[c.NOISE] = air.noise
     p[c.START_TEMPERATURE] = p[c.AIR_TEMPERATURE] = 293.15
@@ -84,17 +100,30 @@ def _air_and_drying(s: SpunSettings, p: FloatArray, k: c.IntArray) -> None:
         return
     k[c.DRYING] = 1
     p[[c.FRACTION, c.VAPOUR_DIFFUSION, c.VAPOUR_EQ, c.VAPOUR_FAR]] = (
-        d.fraction, d.vapour_diffusion, d.equilibrium, d.far,
-    )  # fmt: skip
+        d.fraction,
+        d.vapour_diffusion,
+        d.equilibrium,
+        d.far,
+    )
     p[[c.INTERACTION, c.SHERWOOD_LEAST, c.DRY_B, c.DRY_M, c.DRY_N]] = (
-        d.interaction, d.least_sherwood, d.viscosity_factor, d.viscosity_power, d.time_power,
-    )  # fmt: skip
+        d.interaction,
+        d.least_sherwood,
+        d.viscosity_factor,
+        d.viscosity_power,
+        d.time_power,
+    )
     p[[c.HEAT_CAPACITY, c.LATENT, c.LATENT_SLOPE, c.ACTIVATION]] = (
-        d.heat_capacity, d.latent, d.latent_slope, d.activation,
-    )  # fmt: skip
+        d.heat_capacity,
+        d.latent,
+        d.latent_slope,
+        d.activation,
+    )
     p[[c.AIR_CONDUCTIVITY, c.PRANDTL, c.AIR_TEMPERATURE, c.START_TEMPERATURE]] = (
-        d.air_conductivity, d.prandtl, d.air_temperature, d.temperature,
-    )  # fmt: skip
+        d.air_conductivity,
+        d.prandtl,
+        d.air_temperature,
+        d.temperature,
+    )
 
 
 @dataclass
@@ -138,9 +167,10 @@ class Chain:
                 self._grow()
             elif status in (c.BROKEN, c.STALLED):
                 raise InputError(
-                    "jet", f"cannot be followed beyond {self.time:.6g} s: an element collapses or its chains overstretch",
+                    "jet",
+                    f"cannot be followed beyond {self.time:.6g} s: an element collapses or its chains overstretch",
                     remedy="refine the elements, look at the charge (a frozen charge may be impossible), or at the law",
-                )  # fmt: skip
+                )
 
     def _kernel(
         self, end: float, p: FloatArray, k: c.IntArray, tables: FloatArray, grid: object
@@ -148,13 +178,38 @@ class Chain:
         g = self.settings.grid
         if self.settings.implicit:
             return march_implicit(
-                self.time, end, self.n, self.step, g.fixed_step, g.cfl, self.clock, self.state, self.held, self.marks,
-                self.landed, p, k, tables,
-            )  # fmt: skip
+                self.time,
+                end,
+                self.n,
+                self.step,
+                g.fixed_step,
+                g.cfl,
+                self.clock,
+                self.state,
+                self.held,
+                self.marks,
+                self.landed,
+                p,
+                k,
+                tables,
+            )
         return march_explicit(
-            self.time, end, self.n, self.step, g.fixed_step, g.tolerance, self.reach, self.clock, self.state, self.held,
-            self.marks, self.landed, p, k, tables,
-        )  # fmt: skip
+            self.time,
+            end,
+            self.n,
+            self.step,
+            g.fixed_step,
+            g.tolerance,
+            self.reach,
+            self.clock,
+            self.state,
+            self.held,
+            self.marks,
+            self.landed,
+            p,
+            k,
+            tables,
+        )
 
     def _grow(self) -> None:
         """Twice the room."""
@@ -212,6 +267,13 @@ def start_cylinder(settings: SpunSettings, capacity: int = 512) -> Chain:
     clock[0] = area * step
     clock[2] = (1.5 * step - pieces[-1]) / inlet.speed
     return Chain(
-        settings, 0.0, n, state, np.zeros(rows, dtype=np.int64), np.zeros((rows, 9)), clock,
-        np.zeros((rows, c.DEPOSITS)), 0.01 * step / inlet.speed,
-    )  # fmt: skip
+        settings,
+        0.0,
+        n,
+        state,
+        np.zeros(rows, dtype=np.int64),
+        np.zeros((rows, 9)),
+        clock,
+        np.zeros((rows, c.DEPOSITS)),
+        0.01 * step / inlet.speed,
+    )

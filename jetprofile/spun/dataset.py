@@ -105,9 +105,14 @@ def _about(words: tuple[str, str]) -> dict[str, str]:
 
 
 def _fill(
-    row: int, stored: FloatArray, r0: float, p: FloatArray, k: c.IntArray, bead: dict[str, FloatArray],
+    row: int,
+    stored: FloatArray,
+    r0: float,
+    p: FloatArray,
+    k: c.IntArray,
+    bead: dict[str, FloatArray],
     element: dict[str, FloatArray],
-) -> None:  # fmt: skip
+) -> None:
     """One frame, from the nozzle on."""
     n = stored.shape[0] - 1
     work = np.zeros((c.WORK, n + 1))
@@ -126,12 +131,19 @@ def _fill(
     pull = work[c.POLYMER, :n] + 3 * work[c.SOLVENT_HERE, :n] * work[c.RATE, :n] * area
     held = stored[:, c.COLUMNS] == 1.0
     own = {
-        "element_length": work[c.LENGTH, :n], "radius": np.sqrt(area / math.pi),
-        "stretch_ratio": work[c.LENGTH, :n] * math.pi * r0**2 / state[:n, c.LABEL], "strain_rate": work[c.RATE, :n],
-        "stress": pull / area, "tension": pull, "axial_conformation": state[:n, c.AZZ],
-        "radial_conformation": state[:n, c.ARR], "volume": state[:n, c.VOLUME], "charge": state[:n, c.CHARGE],
-        "temperature": state[:n, c.TEMP], "valid_element": (~held[1:] & ~held[:-1]).astype(float),
-    }  # fmt: skip
+        "element_length": work[c.LENGTH, :n],
+        "radius": np.sqrt(area / math.pi),
+        "stretch_ratio": work[c.LENGTH, :n] * math.pi * r0**2 / state[:n, c.LABEL],
+        "strain_rate": work[c.RATE, :n],
+        "stress": pull / area,
+        "tension": pull,
+        "axial_conformation": state[:n, c.AZZ],
+        "radial_conformation": state[:n, c.ARR],
+        "volume": state[:n, c.VOLUME],
+        "charge": state[:n, c.CHARGE],
+        "temperature": state[:n, c.TEMP],
+        "valid_element": (~held[1:] & ~held[:-1]).astype(float),
+    }
     for name, values in own.items():
         element[name][row, :n] = values[back]
     element["element_arc_length"][row, :n] = 0.5 * (arc[1:] + arc[:-1])
@@ -144,16 +156,26 @@ def _landings(run: SpunRun, r0: float) -> dict[str, FloatArray]:
     flight, volume, label = rows[:, c.D_FLIGHT], rows[:, c.D_VOLUME], rows[:, c.D_LABEL_VOLUME]
     drying = run.chain.settings.drying
     return {
-        "deposit_time": rows[:, c.D_TIME], "deposit_time_front": rows[:, c.D_FRONT],
-        "deposit_x": middle[:, 0], "deposit_y": middle[:, 1], "deposit_z": middle[:, 2],
-        "deposit_y0": rows[:, c.D_Y0], "deposit_z0": rows[:, c.D_Z0],
-        "deposit_y1": rows[:, c.D_Y1], "deposit_z1": rows[:, c.D_Z1],
-        "deposit_radius": np.sqrt(volume / (math.pi * flight)), "deposit_stretch": flight * math.pi * r0**2 / label,
-        "deposit_volume": volume, "deposit_polymer_volume": label * (drying.fraction if drying else 1.0),
-        "deposit_charge": rows[:, c.D_CHARGE], "deposit_length": chord, "deposit_flight_length": flight,
-        "deposit_speed": np.linalg.norm(rows[:, c.D_VX : c.D_VZ + 1], axis=1), "deposit_label": rows[:, c.D_LABEL],
+        "deposit_time": rows[:, c.D_TIME],
+        "deposit_time_front": rows[:, c.D_FRONT],
+        "deposit_x": middle[:, 0],
+        "deposit_y": middle[:, 1],
+        "deposit_z": middle[:, 2],
+        "deposit_y0": rows[:, c.D_Y0],
+        "deposit_z0": rows[:, c.D_Z0],
+        "deposit_y1": rows[:, c.D_Y1],
+        "deposit_z1": rows[:, c.D_Z1],
+        "deposit_radius": np.sqrt(volume / (math.pi * flight)),
+        "deposit_stretch": flight * math.pi * r0**2 / label,
+        "deposit_volume": volume,
+        "deposit_polymer_volume": label * (drying.fraction if drying else 1.0),
+        "deposit_charge": rows[:, c.D_CHARGE],
+        "deposit_length": chord,
+        "deposit_flight_length": flight,
+        "deposit_speed": np.linalg.norm(rows[:, c.D_VX : c.D_VZ + 1], axis=1),
+        "deposit_label": rows[:, c.D_LABEL],
         "deposit_jet": np.zeros(len(rows), dtype=np.int64),
-    }  # fmt: skip
+    }
 
 
 def _balance(run: SpunRun) -> dict[str, float]:
@@ -187,12 +209,15 @@ def landings(run: SpunRun) -> "xr.Dataset":
     dry = s.drying.fraction if s.drying else 1.0
     richer = rows[:, c.D_LABEL_VOLUME] / rows[:, c.D_VOLUME] if s.drying else np.ones(len(rows))
     data = {
-        "touch_time": time, "x": place[:, 0], "y": place[:, 1], "z": place[:, 2],
+        "touch_time": time,
+        "x": place[:, 0],
+        "y": place[:, 1],
+        "z": place[:, 2],
         "volume": np.concatenate((0 * unknown, rows[:, c.D_VOLUME])),
         "polymer_fraction": np.concatenate((unknown, dry * richer)),
         "flight_length": np.concatenate((unknown, rows[:, c.D_FLIGHT])),
         "charge": np.concatenate((0 * unknown, rows[:, c.D_CHARGE])),
-    }  # fmt: skip
+    }
     data["volume"][: len(first)] = data["charge"][: len(first)] = 0.0
     for axis in range(3):
         data["v" + "xyz"[axis]] = np.concatenate((unknown, rows[:, c.D_VX + axis]))
@@ -202,9 +227,13 @@ def landings(run: SpunRun) -> "xr.Dataset":
     flying = float(y[:n, c.VOLUME].sum())
     fed = float(y[:n, c.LABEL].sum() + rows[:, c.D_LABEL_VOLUME].sum())
     about = {
-        "collector_kind": s.collector.kind, "collector_distance": s.loads.gap, "nozzle_radius": s.inlet.radius,
-        "liquid_density": s.density, "volume_fed": fed, "volume_in_flight": flying,
+        "collector_kind": s.collector.kind,
+        "collector_distance": s.loads.gap,
+        "nozzle_radius": s.inlet.radius,
+        "liquid_density": s.density,
+        "volume_fed": fed,
+        "volume_in_flight": flying,
         "volume_evaporated": fed - flying - float(rows[:, c.D_VOLUME].sum()),
         "charge_in_flight": float(y[:n, c.CHARGE].sum()),
-    }  # fmt: skip
+    }
     return xr.Dataset(out, attrs=about)

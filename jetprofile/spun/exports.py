@@ -28,15 +28,22 @@ def vtk_text(dataset: "xr.Dataset", index: int = -1) -> str:
     if len(points) < 2:
         raise InputError("time", "holds no jet", value=index)
     lines = [
-        "# vtk DataFile Version 3.0", f"spun jet at {float(frame['time']):.9g} s, SI units", "ASCII", "DATASET POLYDATA",
-        f"POINTS {len(points)} double", *(f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points),
-        f"LINES 1 {len(points) + 1}", " ".join(map(str, [len(points), *range(len(points))])), f"POINT_DATA {len(points)}",
-    ]  # fmt: skip
+        "# vtk DataFile Version 3.0",
+        f"spun jet at {float(frame['time']):.9g} s, SI units",
+        "ASCII",
+        "DATASET POLYDATA",
+        f"POINTS {len(points)} double",
+        *(f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points),
+        f"LINES 1 {len(points) + 1}",
+        " ".join(map(str, [len(points), *range(len(points))])),
+        f"POINT_DATA {len(points)}",
+    ]
     length = frame["element_length"].values[: len(points) - 1]
     fields = {
-        "radius": frame["radius"].values, "stretch_ratio": frame["stretch_ratio"].values,
+        "radius": frame["radius"].values,
+        "stretch_ratio": frame["stretch_ratio"].values,
         "line_charge": frame["charge"].values[: len(points) - 1] / length,
-    }  # fmt: skip
+    }
     for name, values in fields.items():
         own = values[: len(points) - 1]
         at = np.concatenate((own[:1], 0.5 * (own[1:] + own[:-1]), own[-1:]))

@@ -17,17 +17,61 @@ __all__ = ["Translated", "translate"]
 
 # key: factor to SI
 _NUMBERS = {
-    "timestep": 1.0, "print time": 1.0, "final time": 1.0, "seed": 1.0, "points": 1.0, "initial length": CM, "resolution": CM,
-    "nozzle velocity": CM, "nozzle stress": 0.1, "yield stress": 0.1, "nozzle cross section": CM, "nozzle cross": CM,
-    "density mass": 1e3, "density charge": STATCOULOMB * 1e6, "viscosity": 0.1, "elastic modulus": 0.1,
-    "collector distance": CM, "external potential": STATVOLT, "surface tension": 1e-3, "perturbation frequency": 1.0,
-    "perturbation amplitude": CM, "airdrag airdensity": 1e3, "airdrag airviscosity": 1e-4, "airdrag amplitude": 1.0,
-    "airdrag airvelocity": CM, "dynamic refinement threshold": CM, "system": 1.0, "integrator": 1.0,
-}  # fmt: skip
-_SWITCHES = ("inserting", "removing", "gravity", "perturbation", "airdrag", "dynamic refinement", "multiple step", "kvfluid",
-             "dragvel", "restart")  # fmt: skip
-_OUTPUT = ("print list", "printstat", "print xyz", "print pdb", "print binary", "print time", "finish", "primary cutoff",
-           "maximum displ", "maximum displacement", "multiple step every", "dynamic refinement every")  # fmt: skip
+    "timestep": 1.0,
+    "print time": 1.0,
+    "final time": 1.0,
+    "seed": 1.0,
+    "points": 1.0,
+    "initial length": CM,
+    "resolution": CM,
+    "nozzle velocity": CM,
+    "nozzle stress": 0.1,
+    "yield stress": 0.1,
+    "nozzle cross section": CM,
+    "nozzle cross": CM,
+    "density mass": 1e3,
+    "density charge": STATCOULOMB * 1e6,
+    "viscosity": 0.1,
+    "elastic modulus": 0.1,
+    "collector distance": CM,
+    "external potential": STATVOLT,
+    "surface tension": 1e-3,
+    "perturbation frequency": 1.0,
+    "perturbation amplitude": CM,
+    "airdrag airdensity": 1e3,
+    "airdrag airviscosity": 1e-4,
+    "airdrag amplitude": 1.0,
+    "airdrag airvelocity": CM,
+    "dynamic refinement threshold": CM,
+    "system": 1.0,
+    "integrator": 1.0,
+}
+_SWITCHES = (
+    "inserting",
+    "removing",
+    "gravity",
+    "perturbation",
+    "airdrag",
+    "dynamic refinement",
+    "multiple step",
+    "kvfluid",
+    "dragvel",
+    "restart",
+)
+_OUTPUT = (
+    "print list",
+    "printstat",
+    "print xyz",
+    "print pdb",
+    "print binary",
+    "print time",
+    "finish",
+    "primary cutoff",
+    "maximum displ",
+    "maximum displacement",
+    "multiple step every",
+    "dynamic refinement every",
+)
 
 
 @dataclass(frozen=True)
@@ -88,15 +132,19 @@ def translate(text: str, *, flow_rate: float | None = None, law: str = "ucm") ->
     air = None
     if on.get("airdrag"):
         air = Air(
-            density=values.get("airdrag airdensity", 1.21), viscosity=values.get("airdrag airviscosity", 1.51e-5),
+            density=values.get("airdrag airdensity", 1.21),
+            viscosity=values.get("airdrag airviscosity", 1.51e-5),
             velocity=(values.get("airdrag airvelocity", 0.0), 0.0, 0.0),
-        )  # fmt: skip
+        )
     shaken = on.get("perturbation", False) and three
     settings = SpunSettings(
         density=values["density mass"],
         law=_law(law, values),
         inlet=Inlet(
-            flow, radius, charge_density=density, length=2.0 * step if points == 1 else points * step,
+            flow,
+            radius,
+            charge_density=density,
+            length=2.0 * step if points == 1 else points * step,
             amplitude=values.get("perturbation amplitude", 0.0) if shaken else 0.0,
             frequency=values.get("perturbation frequency", 0.0) if shaken else 0.0,
             ramp=5 / values["perturbation frequency"] if shaken and values.get("perturbation frequency") else 0.0,
@@ -105,7 +153,11 @@ def translate(text: str, *, flow_rate: float | None = None, law: str = "ucm") ->
             gap, field=values.get("external potential", 0.0) / gap, gravity=9.80665 if on.get("gravity") else 0.0
         ),
         grid=Grid(
-            step, repulsion="hybrid" if density else "none", near=8, pressure=False, feed_length=gap,
+            step,
+            repulsion="hybrid" if density else "none",
+            near=8,
+            pressure=False,
+            feed_length=gap,
             feed_charge=density * area,
             longest=values.get("dynamic refinement threshold", 0.0) if on.get("dynamic refinement") else 0.0,
         ),
@@ -113,7 +165,7 @@ def translate(text: str, *, flow_rate: float | None = None, law: str = "ucm") ->
         air=air,
         collector=Collector("plate" if on.get("removing") else "none"),
         seed=int(values.get("seed", 0)),
-    )  # fmt: skip
+    )
     time = values.get("final time", 0.0)
     return Translated(
         settings,

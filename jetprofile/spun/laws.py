@@ -67,9 +67,11 @@ class JetLaw:
         number("solvent_viscosity", self.solvent_viscosity, least=0.0, unit="Pa s")
         if self.name in ("ucm", "linear-maxwell") and self.solvent_viscosity > 0.0:
             raise InputError(
-                "solvent_viscosity", f"has no place in the law {self.name}", value=self.solvent_viscosity,
+                "solvent_viscosity",
+                f"has no place in the law {self.name}",
+                value=self.solvent_viscosity,
                 remedy='take "oldroyd-b", "giesekus" or "fene-p"',
-            )  # fmt: skip
+            )
         if self.name == "fene-p":
             number("extensibility", self.extensibility, above=3.0)
         elif self.extensibility != math.inf:

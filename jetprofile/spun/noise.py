@@ -40,9 +40,16 @@ def normals(seed: int, moment: int, cells: NDArray[np.int64]) -> FloatArray:
 
 
 def impulses(
-    state: FloatArray, n: int, origin: float, density: float, noise: float, grain: float, interval: float, seed: int,
+    state: FloatArray,
+    n: int,
+    origin: float,
+    density: float,
+    noise: float,
+    grain: float,
+    interval: float,
+    seed: int,
     moment: int,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """Changes of velocity of the nodes 0 to n - 1, m/s, (n, 3).
 
     Parameters

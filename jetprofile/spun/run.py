@@ -60,9 +60,16 @@ class SpunRun:
                 done += 1
                 chain.march(done * air.interval)
                 kick = impulses(
-                    chain.state, chain.n, float(chain.clock[3]), chain.settings.density, air.noise, air.grain,
-                    air.interval, chain.settings.seed, done,
-                )  # fmt: skip
+                    chain.state,
+                    chain.n,
+                    float(chain.clock[3]),
+                    chain.settings.density,
+                    air.noise,
+                    air.grain,
+                    air.interval,
+                    chain.settings.seed,
+                    done,
+                )
                 free = chain.held[: chain.n] == 0
                 chain.state[: chain.n, c.VX : c.VX + 3][free] += kick[free]
         chain.march(end)
@@ -86,18 +93,32 @@ class SpunRun:
         sizes = np.array([f.shape[0] for f in self.frames], dtype=np.int64)
         width = c.COLUMNS + 1
         return {
-            "state": chain.state, "held": chain.held, "marks": chain.marks, "clock": chain.clock, "landed": chain.landed,
-            "now": np.array([chain.time, chain.step]), "n": np.array([chain.n]), "times": np.array(self.times),
-            "sizes": sizes, "frames": np.concatenate(self.frames) if self.frames else np.zeros((0, width)),
-        }  # fmt: skip
+            "state": chain.state,
+            "held": chain.held,
+            "marks": chain.marks,
+            "clock": chain.clock,
+            "landed": chain.landed,
+            "now": np.array([chain.time, chain.step]),
+            "n": np.array([chain.n]),
+            "times": np.array(self.times),
+            "sizes": sizes,
+            "frames": np.concatenate(self.frames) if self.frames else np.zeros((0, width)),
+        }
 
     @classmethod
     def unpack(cls, settings: SpunSettings, held: dict[str, Any]) -> "SpunRun":
         """The run that `pack` stored."""
         chain = Chain(
-            settings, float(held["now"][0]), int(held["n"][0]), np.array(held["state"]), np.array(held["held"]),
-            np.array(held["marks"]), np.array(held["clock"]), np.array(held["landed"]), float(held["now"][1]),
-        )  # fmt: skip
+            settings,
+            float(held["now"][0]),
+            int(held["n"][0]),
+            np.array(held["state"]),
+            np.array(held["held"]),
+            np.array(held["marks"]),
+            np.array(held["clock"]),
+            np.array(held["landed"]),
+            float(held["now"][1]),
+        )
         cuts = np.cumsum(held["sizes"])[:-1]
         frames = [np.array(f) for f in np.split(np.array(held["frames"]), cuts)] if held["sizes"].size else []
         return cls(chain, frames, [float(t) for t in held["times"]])

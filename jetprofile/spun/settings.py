@@ -325,10 +325,11 @@ class SpunSettings:
             number("current", self.current, unit="A")
         if self.conductivity > 0.0 and (self.grid.repulsion not in ("local", "none") or not self.end_axis):
             raise InputError(
-                "conductivity", "lets charge move, which is offered for straight jets cut at an end whose pull is known",
+                "conductivity",
+                "lets charge move, which is offered for straight jets cut at an end whose pull is known",
                 value=self.conductivity,
                 remedy='repulsion "local" with end_axis, end_tension and end_share; a whole, bent jet only with frozen charge',
-            )  # fmt: skip
+            )
         sizes = {len(self.end_axis), len(self.end_tension), len(self.end_share)}
         if len(sizes) != 1:
             raise InputError("end_axis", "needs as many positions as tensions and shares")

@@ -125,12 +125,17 @@ def steady_jet(
     if at.ndim != 1 or not at.size or (np.diff(at) <= 0).any():
         raise InputError("z", "must increase and hold one position or more")
     model = _Model(
-        positive("density", density, "kg/m3"), positive("modulus", modulus, "Pa"),
-        positive("relaxation_time", relaxation_time, "s"), positive("flow_rate", flow_rate, "m3/s"),
-        number("current", current), number("field", field), number("gravity", gravity),
-        number("surface_tension", surface_tension, least=0.0), number("log_length", log_length, least=0.0),
+        positive("density", density, "kg/m3"),
+        positive("modulus", modulus, "Pa"),
+        positive("relaxation_time", relaxation_time, "s"),
+        positive("flow_rate", flow_rate, "m3/s"),
+        number("current", current),
+        number("field", field),
+        number("gravity", gravity),
+        number("surface_tension", surface_tension, least=0.0),
+        number("log_length", log_length, least=0.0),
         float(pressure),
-    )  # fmt: skip
+    )
     v0 = flow_rate / (math.pi * positive("radius", radius, "m") ** 2)
     arr = positive("radial", radial)
     start = np.array([math.log(v0), positive("axial", axial), arr])
@@ -189,9 +194,11 @@ def _inlet(model: _Model, v0: float, arr: float, far: float, rtol: float) -> flo
     turns = [i for i in range(len(fates) - 1) if fates[i] != 1 and fates[i + 1] == 1]
     if not turns:
         raise InputError(
-            "flow_rate", "gives no jet that passes its wave speed: the far end decides its tension",
-            value=model.flow, remedy="solve the moving jet, or give the tension at its end",
-        )  # fmt: skip
+            "flow_rate",
+            "gives no jet that passes its wave speed: the far end decides its tension",
+            value=model.flow,
+            remedy="solve the moving jet, or give the tension at its end",
+        )
     low, high = float(grid[turns[0]]), float(grid[turns[0] + 1])
     method: Literal["DOP853", "LSODA"] = "LSODA"
     while True:
@@ -216,8 +223,9 @@ def _through(model: _Model, at: FloatArray, end: float, v0: float, arr: float, r
         return _room(model, y) + 0.05
 
     short.terminal = True  # type: ignore[attr-defined]
-    first = solve_ivp(model.rates, (0.0, far), start, method="DOP853", rtol=rtol, atol=1e-13, events=short,
-                      dense_output=True)  # fmt: skip
+    first = solve_ivp(
+        model.rates, (0.0, far), start, method="DOP853", rtol=rtol, atol=1e-13, events=short, dense_output=True
+    )
     path = first.sol
     assert path is not None
     stop = float(first.t[-1])
@@ -225,9 +233,11 @@ def _through(model: _Model, at: FloatArray, end: float, v0: float, arr: float, r
     width = stop - _place(model, path, stop, -0.25)
     if first.status != 1 or not width > 0.0:
         raise InputError(
-            "radius", "lets the jet leave so near its wave speed that the passage lies at the inlet",
-            value=math.sqrt(model.flow / (math.pi * v0)), remedy="solve the moving jet",
-        )  # fmt: skip
+            "radius",
+            "lets the jet leave so near its wave speed that the passage lies at the inlet",
+            value=math.sqrt(model.flow / (math.pi * v0)),
+            remedy="solve the moving jet",
+        )
     nodes = stop - width * back
     fit = [np.polynomial.Polynomial.fit((nodes - stop) / width, path(nodes)[row], 4) for row in range(3)]
 
@@ -244,8 +254,9 @@ def _through(model: _Model, at: FloatArray, end: float, v0: float, arr: float, r
         states[:, i] = path(x) if x <= stop else crossing(float(x))
     rest = at > beyond
     if rest.any():
-        found = solve_ivp(model.rates, (beyond, end), crossing(beyond), method="DOP853", t_eval=at[rest], rtol=rtol,
-                          atol=1e-13)  # fmt: skip
+        found = solve_ivp(
+            model.rates, (beyond, end), crossing(beyond), method="DOP853", t_eval=at[rest], rtol=rtol, atol=1e-13
+        )
         states[:, rest] = found.y
     low, high = stop, beyond
     for _ in range(60):
@@ -270,7 +281,12 @@ def _result(model: _Model, at: FloatArray, y: FloatArray, sonic: float) -> Stead
     area = model.flow / v
     stiff = np.array([model.parts(column)[3] for column in y.T])
     return SteadyJet(
-        z=at, radius=np.sqrt(area / np.pi), velocity=v, axial=y[1], radial=y[2],
-        tension=area * model.modulus * (y[1] - y[2]), wave_speed=np.sqrt(np.maximum(stiff, 0) / (model.density * area)),
+        z=at,
+        radius=np.sqrt(area / np.pi),
+        velocity=v,
+        axial=y[1],
+        radial=y[2],
+        tension=area * model.modulus * (y[1] - y[2]),
+        wave_speed=np.sqrt(np.maximum(stiff, 0) / (model.density * area)),
         sonic=sonic,
-    )  # fmt: skip
+    )

@@ -308,9 +308,25 @@ def step(
     for i in range(lead):
         tension[i] = law[3]
     first = _solve(
-        x_edges, cells, shares[0], x, tension, known, push, free[0], lead, part, g, pull, inertia, spacing, law,
-        tolerance, most, work,
-    )  # fmt: skip
+        x_edges,
+        cells,
+        shares[0],
+        x,
+        tension,
+        known,
+        push,
+        free[0],
+        lead,
+        part,
+        g,
+        pull,
+        inertia,
+        spacing,
+        law,
+        tolerance,
+        most,
+        work,
+    )
     if first < 0:
         return -1, lead, math.inf
 
@@ -342,9 +358,25 @@ def step(
     for i in range(lead):
         tension[i] = law[3]
     second = _solve(
-        x_edges, cells, shares[1], x, tension, known, push, free[1], lead, part, g, pull, inertia, spacing, law,
-        tolerance, most, work,
-    )  # fmt: skip
+        x_edges,
+        cells,
+        shares[1],
+        x,
+        tension,
+        known,
+        push,
+        free[1],
+        lead,
+        part,
+        g,
+        pull,
+        inertia,
+        spacing,
+        law,
+        tolerance,
+        most,
+        work,
+    )
     if second < 0:
         return -1, lead, math.inf
 

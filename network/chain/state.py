@@ -148,8 +148,12 @@ def load_states(path: str | Path, fingerprint: str) -> list[ChainState]:
     except OSError as error:
         raise InputError("checkpoint", f"cannot be read ({error.strerror})", value=str(path)) from None
     if content is None or not {"fingerprint", "count"} <= set(content):
-        raise InputError("checkpoint", "cannot be read: it is damaged, or no checkpoint", value=str(path),
-                         remedy="remove it: the run then starts again")  # fmt: skip
+        raise InputError(
+            "checkpoint",
+            "cannot be read: it is damaged, or no checkpoint",
+            value=str(path),
+            remedy="remove it: the run then starts again",
+        )
     owner, count = str(content["fingerprint"]), int(content["count"])
     if owner != fingerprint:
         remedy = "use another file, or the same chain, tolerances and times"

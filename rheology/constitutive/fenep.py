@@ -15,9 +15,12 @@ def _make(values: Mapping[str, float], surroundings: Surroundings) -> Any:
     limit = values.get("extensibility", surroundings.full_stretch**2)
     if not limit > 3:
         raise InputError(
-            "rheology.extensibility", "is that of strands too short for FENE-P", value=limit, allowed="(3, 1e12]",
+            "rheology.extensibility",
+            "is that of strands too short for FENE-P",
+            value=limit,
+            allowed="(3, 1e12]",
             remedy='take constitutive = "UCM" and closure = "force", or give it',
-        )  # fmt: skip
+        )
     return FENEP(limit)
 
 

@@ -74,9 +74,11 @@ class Frame:
         for name in ("flat", "dark", "good"):
             if np.shape(getattr(self, name)) != shape:
                 raise InputError(
-                    name, "has another shape than counts", value=f"array of shape {np.shape(getattr(self, name))}",
+                    name,
+                    "has another shape than counts",
+                    value=f"array of shape {np.shape(getattr(self, name))}",
                     allowed=str(shape),
-                )  # fmt: skip
+                )
         positive("pixel", self.pixel, "m")
 
     def block(self, start: int, stop: int, slope: float = 0.0) -> tuple[FloatArray, Detector, BoolArray]:
@@ -101,9 +103,14 @@ class Frame:
         share = np.where(lags == 0, 1.0, 2.0) * np.maximum(1.0 - lags / rows, 0.0)
         scatter = max(float(share @ np.array(self.scatter)), 1e-3)
         return Detector(
-            flat, self.pixel, dark, blur=self.blur, tail_share=self.tail_share, tail_length=self.tail_length,
+            flat,
+            self.pixel,
+            dark,
+            blur=self.blur,
+            tail_share=self.tail_share,
+            tail_length=self.tail_length,
             scatter=scatter,
-        )  # fmt: skip
+        )
 
 
 def row_steps(rows: int, slope: float) -> NDArray[np.int64]:
@@ -188,10 +195,21 @@ class FrameFit:
 
         names = ("radius", "axis", "amplitude", "slope", "blur", *more)
         return cls(
-            method, edges, rows, nan(shells), nan(shells, shells), nan(), nan(), nan(), {n: nan() for n in names},
-            {n: nan() for n in names}, nan(), np.zeros(blocks, dtype=np.int64), shifts=np.zeros((blocks, shells, shared)),
+            method,
+            edges,
+            rows,
+            nan(shells),
+            nan(shells, shells),
+            nan(),
+            nan(),
+            nan(),
+            {n: nan() for n in names},
+            {n: nan() for n in names},
+            nan(),
+            np.zeros(blocks, dtype=np.int64),
+            shifts=np.zeros((blocks, shells, shared)),
             excess=np.ones(blocks),
-        )  # fmt: skip
+        )
 
     def flag(self, block: int, name: str) -> None:
         """Set a flag of a block."""
@@ -213,9 +231,10 @@ def require_track(frame: Frame) -> Track:
     track = track_jet(frame.counts, frame.flat, frame.dark, frame.good)
     if track is None:
         raise InputError(
-            "counts", "show no jet along the rows: its radius is not found to 30 %, even in the sum of all rows",
+            "counts",
+            "show no jet along the rows: its radius is not found to 30 %, even in the sum of all rows",
             remedy="check flat and transpose with `spinline preview`, or expose for longer",
-        )  # fmt: skip
+        )
     return track
 
 
@@ -309,9 +328,16 @@ def fit_frame(
             place = (radius * frame.pixel, axis * frame.pixel, cosine, smear * frame.pixel if smear > _SHARP else 0.0)
             block = Block(counts, good, detector, *place)
             row = one(
-                counts, absorber.along(cosine), block.seen(), shells=edges, nuisances=nuisances, good=good,
-                radius=block.radius, axis=block.axis, **more,
-            )  # fmt: skip
+                counts,
+                absorber.along(cosine),
+                block.seen(),
+                shells=edges,
+                nuisances=nuisances,
+                good=good,
+                radius=block.radius,
+                axis=block.axis,
+                **more,
+            )
         except InputError as error:
             if again is not None:
                 continue

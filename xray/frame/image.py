@@ -53,9 +53,11 @@ class JetField:
         fraction = np.atleast_2d(real("fraction", self.fraction))
         if z.ndim != 1 or radius.shape != z.shape or fraction.ndim != 2 or fraction.shape[0] != z.size:
             raise InputError(
-                "fraction", "does not fit position and radius", value=f"array of shape {fraction.shape}",
+                "fraction",
+                "does not fit position and radius",
+                value=f"array of shape {fraction.shape}",
                 allowed=f"({z.size}, shells)",
-            )  # fmt: skip
+            )
         if z.size > 1 and (np.diff(z) <= 0).any():
             raise InputError("position", "does not rise", remedy="sort the rows along the jet")
         for name, array in (("position", z), ("radius", radius), ("fraction", fraction)):
@@ -169,10 +171,12 @@ def transmission_image(
     worst = int(np.argmax(np.abs(axes) + radius))
     if abs(axes[worst]) + radius[worst] > half:
         raise InputError(
-            "pixels", f"do not hold the jet in row {worst}", value=pixels,
+            "pixels",
+            f"do not hold the jet in row {worst}",
+            value=pixels,
             allowed=f"at least {int(np.ceil(2 * (abs(axes[worst]) + radius[worst]) / p)) + 1}",
             remedy="a wider image, another axis or tilt",
-        )  # fmt: skip
+        )
     image = np.empty((radius.size, pixels))
     if z > 0.0:
         wave = WaveRowModel(detector, edges, seen, float(radius.max()))

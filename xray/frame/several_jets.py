@@ -183,9 +183,17 @@ def fit_sections(
     robust = 0.1
     for _ in range(3):
         found = least_squares(
-            problem.residuals, p, jac=problem.slopes, loss="soft_l1", f_scale=robust, x_scale=0.1, bounds=(lower, upper),
-            max_nfev=60, ftol=1e-7, xtol=1e-7,
-        )  # fmt: skip
+            problem.residuals,
+            p,
+            jac=problem.slopes,
+            loss="soft_l1",
+            f_scale=robust,
+            x_scale=0.1,
+            bounds=(lower, upper),
+            max_nfev=60,
+            ftol=1e-7,
+            xtol=1e-7,
+        )
         p = found.x
         robust = max(1.4826 * float(np.median(np.abs(found.fun))), 1e-9)
     _require_apart(problem.unpack(p)[3], float(p[1]), broad, held is None)
@@ -223,10 +231,12 @@ def _require_apart(sections: tuple[Section, ...], share: float, width: float, fr
         ratio = max(one.major, one.minor) / max(min(one.major, one.minor), 1e-300)
         if ratio > _LONGEST:
             raise InputError(
-                "jets", f"are not told apart: section {i} comes out {ratio:.2g} times as long as wide", value=len(sections),
+                "jets",
+                f"are not told apart: section {i} comes out {ratio:.2g} times as long as wide",
+                value=len(sections),
                 allowed=f"up to {_LONGEST:g}, a round jet that leans by 66 degrees",
                 remedy="scan where the jets are apart, more views, or give start",
-            )  # fmt: skip
+            )
         for j, two in enumerate(sections[:i]):
             apart = float(np.hypot(one.x - two.x, one.y - two.y))
             along = np.arctan2(one.y - two.y, one.x - two.x)
@@ -236,15 +246,19 @@ def _require_apart(sections: tuple[Section, ...], share: float, width: float, fr
             )
             if apart - reach < width:
                 raise InputError(
-                    "jets", f"are not told apart: sections {j} and {i} touch or cross: attenuation and size change together",
+                    "jets",
+                    f"are not told apart: sections {j} and {i} touch or cross: attenuation and size change together",
                     value=f"{1e3 * apart:.3g} mm apart, {1e3 * reach:.3g} mm of both half-axes",
                     remedy="scan where the jets are apart",
-                )  # fmt: skip
+                )
     if free and not _LEAST_SHARE + 1e-6 < share < _MOST_SHARE - 1e-6:
         raise InputError(
-            "share", "ends at the limit of its range: the sections do not explain the scans", value=share,
-            allowed=f"({_LEAST_SHARE:g}, {_MOST_SHARE:g})", remedy="give share, or scan where the jets are apart",
-        )  # fmt: skip
+            "share",
+            "ends at the limit of its range: the sections do not explain the scans",
+            value=share,
+            allowed=f"({_LEAST_SHARE:g}, {_MOST_SHARE:g})",
+            remedy="give share, or scan where the jets are apart",
+        )
 
 
 class _Problem:
@@ -322,6 +336,8 @@ def _found(x: FloatArray, theta: FloatArray, depth: FloatArray, jets: int) -> tu
     radius = 2.0 * np.sqrt(max(level - 0.5 * half**2, 1e-4 * level))
     apart = half * np.array([np.cos(turn), np.sin(turn)])
     return float(centre), tuple(
-        Section(float(mean_x + side * apart[0]), float(mean_y + side * apart[1]), float(radius), float(radius), float(turn))
+        Section(
+            float(mean_x + side * apart[0]), float(mean_y + side * apart[1]), float(radius), float(radius), float(turn)
+        )
         for side in (-1.0, 1.0)
-    )  # fmt: skip
+    )

@@ -21,9 +21,10 @@ import numpy as np
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
+from spinline.xray.frame.shared_results import Block, DetectorFit
 from spinline.xray.row.chords import equal_shells, shell_weights
 from spinline.xray.row.fit import fit_row
-from spinline.xray.row.forward import Absorber, Detector, row_model
+from spinline.xray.row.forward import Absorber, row_model
 from spinline.xray.row.model import EXTRAS, NUISANCES, SHAPE_STD, RowModel
 from spinline.xray.row.outcome import RowFit
 from spinline.xray.row.scoring import largest_likelihood
@@ -46,73 +47,6 @@ _UNITS = {
     "shape3": 1e-3,
     "shape4": 1e-3,
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """A block of rows that is taken for one.
-
-    Attributes
-    ----------
-    counts, good : ndarray, shape (pixels,)
-    detector : Detector
-        Its blur and tail are where the fit starts.
-    radius, axis : float
-        About those of the jet, m.
-    cosine : float
-        Of the jet's lean in the image: chords are longer across by 1/cosine, and so are blur and tail.
-    smear : float
-        Standard deviation by which radius and axis change within the block, m.
-    known : float or None
-        The polymer fraction, where it is known.
-    """
-
-    counts: FloatArray
-    good: BoolArray
-    detector: Detector
-    radius: float
-    axis: float
-    cosine: float = 1.0
-    smear: float = 0.0
-    known: float | None = None
-
-    def seen(self) -> Detector:
-        """The detector as the block's rows see it: blur and tail aslant, and blurred by what changes within the block."""
-        d = self.detector
-        return replace(
-            d, blur=float(np.hypot(d.blur, self.smear)) / self.cosine, tail_length=d.tail_length / self.cosine
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class DetectorFit:
-    """What blocks of rows say of the detector they share.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Of `SHARED`, what was free.
-    values, std : dict
-        Blur and tail_length in m.
-    covariance : ndarray
-        Of the names.
-    deviance : float
-        With what was known beforehand.
-    converged : bool
-    sharp : bool
-        The counts are likeliest without a blur: it is 0.
-    vague : tuple of str
-        Those that the counts tell next to nothing of: they need a prior.
-    """
-
-    names: tuple[str, ...]
-    values: dict[str, float]
-    std: dict[str, float]
-    covariance: FloatArray
-    deviance: float
-    converged: bool
-    sharp: bool = False
-    vague: tuple[str, ...] = ()
 
 
 @dataclass(eq=False)
@@ -238,9 +172,10 @@ def _told(
         inverse = np.linalg.inv(matrix / np.outer(scale, scale)) / np.outer(scale, scale)
     except np.linalg.LinAlgError:
         raise InputError(
-            "tail_share", "the counts do not tell blur, glare and attenuation apart",
+            "tail_share",
+            "the counts do not tell blur, glare and attenuation apart",
             remedy="give tail_length, or tail_share with its error",
-        ) from None  # fmt: skip
+        ) from None
     covariance = inverse * np.outer(units, units)
     std = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     values = dict(zip(names, theta.tolist(), strict=True))
@@ -281,9 +216,15 @@ def _part(
     start = block.seen()
     try:
         fit = fit_row(
-            block.counts, scaled, start, shells=edges, nuisances=nuisances, good=block.good, radius=block.radius,
+            block.counts,
+            scaled,
+            start,
+            shells=edges,
+            nuisances=nuisances,
+            good=block.good,
+            radius=block.radius,
             axis=block.axis,
-        )  # fmt: skip
+        )
     except InputError:
         return None
     extras = tuple(name for name in EXTRAS if name in (*names, *nuisances))

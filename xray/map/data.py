@@ -85,9 +85,11 @@ def map_data(
     raw = np.asarray(counts)
     if raw.ndim != 2 or raw.size == 0 or not each or raw.shape[1] != each[0].flat.size:
         raise InputError(
-            "counts", "is not a map, or of another width than flat", value=f"array of shape {raw.shape}",
+            "counts",
+            "is not a map, or of another width than flat",
+            value=f"array of shape {raw.shape}",
             allowed=f"(rows, {each[0].flat.size if each else 'pixels'})",
-        )  # fmt: skip
+        )
     if len(each) not in (1, raw.shape[0]):
         raise InputError("detector", "is neither one nor one for each row", value=len(each), allowed=f"1 or {len(raw)}")
     if any(_optics(d) != _optics(each[0]) for d in each):
@@ -95,9 +97,11 @@ def map_data(
     mask = np.ones(raw.shape, dtype=np.bool_) if good is None else np.asarray(good)
     if mask.dtype != np.bool_ or mask.shape not in (raw.shape, raw.shape[1:]):
         raise InputError(
-            "good", "is not a mask of the counts", value=f"{mask.dtype} of shape {mask.shape}",
+            "good",
+            "is not a mask of the counts",
+            value=f"{mask.dtype} of shape {mask.shape}",
             allowed=f"bool, {raw.shape}",
-        )  # fmt: skip
+        )
     mask = np.broadcast_to(mask, raw.shape)
     try:
         kept = np.where(mask, raw, 0.0)
@@ -107,9 +111,12 @@ def map_data(
     bright = int((data >= saturation).sum())
     if bright:
         raise InputError(
-            "counts", f"{bright} pixels are saturated", value=float(data.max()), allowed=f"under {saturation:g}",
+            "counts",
+            f"{bright} pixels are saturated",
+            value=float(data.max()),
+            allowed=f"under {saturation:g}",
             remedy="mask them (good), or expose for less time",
-        )  # fmt: skip
+        )
     flat, dark, veil = (np.array([getattr(d, name) for d in each]) for name in ("flat", "dark", "veil"))
     due = np.where(mask, flat, 0.0).sum(axis=1)
     dead = (due > 100.0) & (data.sum(axis=1) <= np.where(mask, dark, 0.0).sum(axis=1))
@@ -117,17 +124,29 @@ def map_data(
         raise InputError("good", "leaves no pixel")
     if dead[mask.any(axis=1)].all() or data.sum() <= np.where(mask, dark, 0.0).sum():
         raise InputError(
-            "dark", "exceeds the counts: no signal is left", value=float(np.where(mask, dark, 0.0).sum()),
-            allowed=f"under the counts' sum, {data.sum():g}", remedy="give raw counts with the dark image of the same exposure",
-        )  # fmt: skip
+            "dark",
+            "exceeds the counts: no signal is left",
+            value=float(np.where(mask, dark, 0.0).sum()),
+            allowed=f"under the counts' sum, {data.sum():g}",
+            remedy="give raw counts with the dark image of the same exposure",
+        )
     longer = real("path", path, above=0.0, most=10.0)
     if longer.shape not in ((), (raw.shape[0],)):
         raise InputError("path", "is neither a number nor one for each row", value=f"array of shape {longer.shape}")
     one = each[0]
     return MapData(
-        data, (mask & ~dead[:, None]).astype(np.float64), flat, dark, veil, one.pixel, one.blur, dead,
-        np.broadcast_to(longer, (raw.shape[0],)).copy(), (one.tail_share, one.tail_length / one.pixel), one.scatter,
-    )  # fmt: skip
+        data,
+        (mask & ~dead[:, None]).astype(np.float64),
+        flat,
+        dark,
+        veil,
+        one.pixel,
+        one.blur,
+        dead,
+        np.broadcast_to(longer, (raw.shape[0],)).copy(),
+        (one.tail_share, one.tail_length / one.pixel),
+        one.scatter,
+    )
 
 
 def _optics(detector: Detector) -> tuple[float, ...]:

@@ -31,9 +31,18 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
             curves[name] = curves[name] * data.pixel
     expected = np.empty(data.counts.shape)
     expected_rows(
-        data.flat, data.dark, data.veil, local, radial.table, model.base, model.contrast, model.parts, model.reach,
-        data.tail, expected,
-    )  # fmt: skip
+        data.flat,
+        data.dark,
+        data.veil,
+        local,
+        radial.table,
+        model.base,
+        model.contrast,
+        model.parts,
+        model.reach,
+        data.tail,
+        expected,
+    )
     unknowns = float(best.coefficients.size - left.sum())
     pixels = float(data.good.sum())
     freedom = pixels - unknowns

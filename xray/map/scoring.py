@@ -97,9 +97,22 @@ class MapModel:
         score = np.empty((rows, 4))
         d = self.data
         row_curvature(
-            d.counts, d.good, d.flat, d.dark, d.veil, local, self.radial.table, self.base, self.contrast, self.parts,
-            self.reach, d.tail, fisher, gradient, score,
-        )  # fmt: skip
+            d.counts,
+            d.good,
+            d.flat,
+            d.dark,
+            d.veil,
+            local,
+            self.radial.table,
+            self.base,
+            self.contrast,
+            self.parts,
+            self.reach,
+            d.tail,
+            fisher,
+            gradient,
+            score,
+        )
         deviance, pearson, inverse_means, dark = score.sum(axis=0)
         if dark > 0.0 or not np.isfinite(deviance):
             return None
@@ -185,9 +198,10 @@ def best_map(
         factor = factorised(penalty.added(matrix, weights))
     except np.linalg.LinAlgError:
         raise InputError(
-            "nuisances", "the counts cannot tell the unknowns apart",
+            "nuisances",
+            "the counts cannot tell the unknowns apart",
             remedy="fit fewer nuisances, give radius and axis, or keep air in view on both sides",
-        ) from None  # fmt: skip
+        ) from None
     return BestMap(c, here, weights, factor, converged, settled, turns)
 
 

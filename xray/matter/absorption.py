@@ -75,8 +75,10 @@ def fraction_change(transmission_ratio: ArrayLike, chord: ArrayLike, contrast: A
     difference = real("contrast", contrast, unit="1/m")
     if (difference == 0).any():
         raise InputError(
-            "contrast", "is zero: absorption does not tell polymer from solvent here", value=0.0,
+            "contrast",
+            "is zero: absorption does not tell polymer from solvent here",
+            value=0.0,
             remedy="choose another photon energy",
-        )  # fmt: skip
+        )
     value: FloatArray = -np.log(ratio) / (d * difference)
     return value

@@ -202,9 +202,11 @@ def _weights(composition: Composition) -> dict[str, float]:
         return {composition: 1.0}
     if not isinstance(composition, Mapping) or not composition:
         raise InputError(
-            "composition", "is neither a name, a formula nor a mapping to mass fractions", value=composition,
+            "composition",
+            "is neither a name, a formula nor a mapping to mass fractions",
+            value=composition,
             remedy='write "H2O", "PEO" or {"ethanol": 0.5, "water": 0.5}',
-        )  # fmt: skip
+        )
     weights = {}
     for name, fraction in composition.items():
         _formula(name)
@@ -229,9 +231,12 @@ def _formula(name: object) -> str:
         xraylib.CompoundParser(name.strip())
     except ValueError:
         raise InputError(
-            "composition", "is neither a built-in name nor a chemical formula", value=name,
-            allowed=", ".join(_BY_LOWER.values()), remedy='give a formula with elements as written, such as "C2H4O"',
-        ) from None  # fmt: skip
+            "composition",
+            "is neither a built-in name nor a chemical formula",
+            value=name,
+            allowed=", ".join(_BY_LOWER.values()),
+            remedy='give a formula with elements as written, such as "C2H4O"',
+        ) from None
     return name.strip()
 
 
@@ -239,7 +244,9 @@ def _density(name: str, temperature: float) -> float:
     known = _BY_LOWER.get(name.strip().lower())
     if known is None:
         raise InputError(
-            "density", "is not known for a formula", value=name,
+            "density",
+            "is not known for a formula",
+            value=name,
             remedy=f"give it: Material({name!r}, density=...) in kg/m3",
-        )  # fmt: skip
+        )
     return POLYMERS[known].density if known in POLYMERS else solvent_density(known, temperature)

@@ -94,8 +94,10 @@ def usable_contrast(
     raise InputError(
         "energy_kev",
         f"polymer and solvent absorb alike here: the contrast is {100 * share:+.2g} % of the solvent's attenuation",
-        value=energy, allowed=f"contrast of at least {100 * SMALLEST_CONTRAST:g} %", remedy=f"use {works:.3g} keV",
-    )  # fmt: skip
+        value=energy,
+        allowed=f"contrast of at least {100 * SMALLEST_CONTRAST:g} %",
+        remedy=f"use {works:.3g} keV",
+    )
 
 
 def zero_contrast_energies(
@@ -173,10 +175,12 @@ def best_energy(
     usable = np.abs(contrast) >= SMALLEST_CONTRAST * base
     if not usable.any():
         raise InputError(
-            "energy_kev", "polymer and solvent absorb alike at every energy offered", value=(low_kev, high_kev),
+            "energy_kev",
+            "polymer and solvent absorb alike at every energy offered",
+            value=(low_kev, high_kev),
             allowed=f"contrast of at least {100 * SMALLEST_CONTRAST:g} % of the solvent's attenuation",
             remedy="widen low_kev, high_kev, or take another solvent",
-        )  # fmt: skip
+        )
     mu = base + phi * contrast
     node, weight = gauss(48)  # x = R sin(t): smooth, so spectral
     t = 0.5 * np.pi * node

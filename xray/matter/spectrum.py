@@ -50,9 +50,12 @@ class Spectrum:
             raise InputError("energy_kev", "does not rise", value=self.energy_kev, remedy="sort the lines")
         if weight.shape != energy.shape or not weight.sum() > 0:
             raise InputError(
-                "weight", "does not give each energy its share", value=self.weight, allowed=f"{energy.size} numbers >= 0",
+                "weight",
+                "does not give each energy its share",
+                value=self.weight,
+                allowed=f"{energy.size} numbers >= 0",
                 remedy="one share for each energy, not all 0",
-            )  # fmt: skip
+            )
         object.__setattr__(self, "energy_kev", energy)
         object.__setattr__(self, "weight", weight / weight.sum())
 

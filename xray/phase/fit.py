@@ -272,9 +272,12 @@ def _sections(taper: float, lean: float, pixel: float) -> FloatArray:
     count = max(int(np.ceil(float(np.abs(change).sum()) / (_APART * pixel))), 1)
     if count > _MOST_SECTIONS:
         raise InputError(
-            "taper", "changes the jet too much within the block", value=float(np.abs(change).sum()),
-            allowed=f"{_APART * _MOST_SECTIONS:g} pixels", remedy="a block of fewer rows",
-        )  # fmt: skip
+            "taper",
+            "changes the jet too much within the block",
+            value=float(np.abs(change).sum()),
+            allowed=f"{_APART * _MOST_SECTIONS:g} pixels",
+            remedy="a block of fewer rows",
+        )
     at = (np.arange(count) + 0.5) / count - 0.5
     if count > 1:
         at /= np.sqrt(1.0 - count**-2.0)  # the variance of the continuous block

@@ -76,10 +76,19 @@ def fit_frame_phase(
 
     def fitted(by: FloatArray, again: tuple[FrameFit, BoolArray] | None = None) -> FrameFit:
         return fit_frame(
-            frame, absorber, shells=shells, block_rows=block_rows, nuisances=nuisances, track=path, one=law,
-            done=None if again else done, change=by, again=again,
-            begun=None if again else begun, keep=None if again else keep,
-        )  # fmt: skip
+            frame,
+            absorber,
+            shells=shells,
+            block_rows=block_rows,
+            nuisances=nuisances,
+            track=path,
+            one=law,
+            done=None if again else done,
+            change=by,
+            again=again,
+            begun=None if again else begun,
+            keep=None if again else keep,
+        )
 
     fit = fitted(change)
     found, sure = _changes(fit, middle, height)

@@ -74,9 +74,12 @@ def cells_per_pixel(medium: Medium, radius: float, pixel: float, blur: float = 0
     parts = int(np.ceil(p / cell))
     if parts > _MOST:
         raise InputError(
-            "pixel", f"is too coarse for the wave at the jet's edge: it takes {parts} cells a pixel", value=p,
-            allowed=f"{_MOST} cells of {cell:.2g} m", remedy="a finer pixel, a higher energy or a thinner jet",
-        )  # fmt: skip
+            "pixel",
+            f"is too coarse for the wave at the jet's edge: it takes {parts} cells a pixel",
+            value=p,
+            allowed=f"{_MOST} cells of {cell:.2g} m",
+            remedy="a finer pixel, a higher energy or a thinner jet",
+        )
     return max(parts, _FEWEST)
 
 
@@ -119,9 +122,17 @@ class WaveRowModel(RowModel):
     ) -> None:
         thin = medium.absorber
         super().__init__(
-            detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
-            thin.solvent - thin.air, thin.contrast, detector.blur, widest_blur, (detector.tail_share, detector.tail_length),
-        )  # fmt: skip
+            detector.flat,
+            detector.dark,
+            detector.veil,
+            detector.pixel_edges,
+            edges,
+            thin.solvent - thin.air,
+            thin.contrast,
+            detector.blur,
+            widest_blur,
+            (detector.tail_share, detector.tail_length),
+        )
         self.profile = Shells(edges) if profile is None else profile
         self.shells = self.profile.size
         self.sections = np.zeros((1, 2)) if sections is None else sections

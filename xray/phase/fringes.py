@@ -309,8 +309,15 @@ def _distance(
     starts = [phase_start(counts, medium, detector, z, good=good, saturation=saturation) for z in _TRIED]
     z, start = min(zip(_TRIED, starts, strict=True), key=lambda pair: pair[1].deviance)
     best = fit_row_phase(
-        counts, medium, detector, z, nuisances=(*_NUISANCES, "distance"), good=good, saturation=saturation,
-        radius=start.radius, axis=start.axis,
-    )  # fmt: skip
+        counts,
+        medium,
+        detector,
+        z,
+        nuisances=(*_NUISANCES, "distance"),
+        good=good,
+        saturation=saturation,
+        radius=start.radius,
+        axis=start.axis,
+    )
     told = best.converged and best.misfit < 10.0
     return best.values["distance"], best.std["distance"] if told else np.nan

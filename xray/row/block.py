@@ -28,9 +28,11 @@ def summed_counts(
     raw = np.asarray(counts)
     if raw.ndim not in (1, 2) or raw.size == 0 or raw.shape[-1] != n:
         raise InputError(
-            "counts", "is not a row, or a block of rows, of flat's width", value=f"array of shape {raw.shape}",
+            "counts",
+            "is not a row, or a block of rows, of flat's width",
+            value=f"array of shape {raw.shape}",
             allowed=f"({n},) or (rows, {n})",
-        )  # fmt: skip
+        )
     mask = np.ones(raw.shape, dtype=np.bool_) if good is None else np.asarray(good)
     if mask.dtype != np.bool_ or mask.shape not in (raw.shape, (n,)):
         raise InputError(
@@ -47,14 +49,20 @@ def summed_counts(
     data = real("counts", kept, least=0.0, unit="photons", remedy="give raw counts, dark included; mask bad pixels")
     if data.max() > _MOST:
         raise InputError(
-            "counts", "are more photons than can be counted", value=float(data.max()), allowed=f"[0, {_MOST:g}]",
+            "counts",
+            "are more photons than can be counted",
+            value=float(data.max()),
+            allowed=f"[0, {_MOST:g}]",
             remedy="give raw counts times the gain",
-        )  # fmt: skip
+        )
     if (data >= saturation).any():
         raise InputError(
-            "counts", f"{int((data >= saturation).sum())} pixels are saturated", value=float(data.max()),
-            allowed=f"under {saturation:g}", remedy="mask them (good), or expose for less time",
-        )  # fmt: skip
+            "counts",
+            f"{int((data >= saturation).sum())} pixels are saturated",
+            value=float(data.max()),
+            allowed=f"under {saturation:g}",
+            remedy="mask them (good), or expose for less time",
+        )
     if data.ndim == 1:
         return data, mask.astype(np.float64)
     return data.sum(axis=0), mask.sum(axis=0, dtype=np.float64)

@@ -119,9 +119,11 @@ def chord_fractions(
     middle = int(np.argmin(np.abs(position)))
     if not lit[middle]:
         raise InputError(
-            "counts", "none above dark on the centre chord: a logarithm needs some", value=float(data[inside][middle]),
+            "counts",
+            "none above dark on the centre chord: a logarithm needs some",
+            value=float(data[inside][middle]),
             remedy="sum rows, or use fit_row, for which zero counts are data",
-        )  # fmt: skip
+        )
     fraction, std, bias = (np.full(chord.size, np.nan) for _ in range(3))
     fraction[lit] = phi0 + fraction_change(through[lit] / simulated[lit], chord[lit], absorber.contrast)
     noise = np.sqrt(data[inside][lit]) / through[lit]

@@ -54,9 +54,10 @@ def opaque_edges(ratio: FloatArray, std: float = 0.0) -> tuple[float, float, flo
     body = float(np.median(t[first + window : last - window + 1]))
     if body > 0.2 * air:
         raise InputError(
-            "nozzle_diameter", f"is of a nozzle that lets {100 * body / air:.0f} % through: its edge is not sharp",
+            "nozzle_diameter",
+            f"is of a nozzle that lets {100 * body / air:.0f} % through: its edge is not sharp",
             remedy="give pixel_size instead",
-        )  # fmt: skip
+        )
     left_air, right_air = (
         float(np.median(t[s])) for s in (slice(0, max(first - window, 1)), slice(last + window + 1, n))
     )

@@ -98,9 +98,12 @@ def fit_row(
     prior = model.known_before()
     if data.sum() <= model.dark.sum():
         raise InputError(
-            "dark", "exceeds the counts: no signal is left", value=float(model.dark.sum()),
-            allowed=f"under the counts' sum, {data.sum():g}", remedy="give raw counts with the dark image of the same exposure",
-        )  # fmt: skip
+            "dark",
+            "exceeds the counts: no signal is left",
+            value=float(model.dark.sum()),
+            allowed=f"under the counts' sum, {data.sum():g}",
+            remedy="give raw counts with the dark image of the same exposure",
+        )
     lit = rows > 0
     start = _start(model, data, lit, nuisances, radius, axis, amplitude, slope, detector)
     best = largest_likelihood(model, start, free, data, lit, prior=prior)
@@ -123,10 +126,18 @@ def fit_row(
             fit = row_outcome(model, best, free, data, lit)
     if "blur" in nuisances and not fit.converged and fit.values["blur"] < _SHARP * detector.pixel:
         sharp = fit_row(
-            counts, absorber, replace(detector, blur=0.0), shells=edges, nuisances=[n for n in nuisances if n != "blur"],
-            radius=fit.jet.radius if "radius" in nuisances else radius, axis=fit.jet.axis if "axis" in nuisances else axis,
-            amplitude=amplitude, slope=slope, good=good, saturation=saturation,
-        )  # fmt: skip
+            counts,
+            absorber,
+            replace(detector, blur=0.0),
+            shells=edges,
+            nuisances=[n for n in nuisances if n != "blur"],
+            radius=fit.jet.radius if "radius" in nuisances else radius,
+            axis=fit.jet.axis if "axis" in nuisances else axis,
+            amplitude=amplitude,
+            slope=slope,
+            good=good,
+            saturation=saturation,
+        )
         if sharp.converged and sharp.deviance < fit.deviance + 1.0:
             return sharp  # the likelihood is largest at no blur at all, where its slope does not vanish
     return fit

@@ -100,9 +100,11 @@ class Detector:
             array = real(name, getattr(self, name), least=0.0)
             if array.shape not in ((), (1,), flat.shape):
                 raise InputError(
-                    name, "has another number of pixels than flat", value=f"array of shape {array.shape}",
+                    name,
+                    "has another number of pixels than flat",
+                    value=f"array of shape {array.shape}",
                     allowed=f"({flat.size},) or a number",
-                )  # fmt: skip
+                )
             object.__setattr__(self, name, np.broadcast_to(array, flat.shape).copy())
         blur = _number("blur", self.blur, least=0.0, most=0.25 * self.pixel * flat.size, unit="m")
         object.__setattr__(self, "blur", blur)
@@ -110,9 +112,12 @@ class Detector:
         length = _number("tail_length", self.tail_length, least=0.0, most=20.0 * self.pixel * flat.size, unit="m")
         if share > 0.0 and not length > 0.5 * self.pixel:
             raise InputError(
-                "tail_length", "is under half a pixel: that is no tail", value=length,
-                allowed=f"over {0.5 * self.pixel:g} m", remedy="give it, or take it into the blur",
-            )  # fmt: skip
+                "tail_length",
+                "is under half a pixel: that is no tail",
+                value=length,
+                allowed=f"over {0.5 * self.pixel:g} m",
+                remedy="give it, or take it into the blur",
+            )
         object.__setattr__(self, "tail_share", share)
         object.__setattr__(self, "tail_length", length)
         object.__setattr__(self, "scatter", positive("scatter", self.scatter))
@@ -236,10 +241,18 @@ def row_model(
 ) -> RowModel:
     """The model of one row, ready to evaluate."""
     return RowModel(
-        flat=detector.flat, dark=detector.dark, veil=detector.veil, pixel_edges=detector.pixel_edges, edges=edges,
-        base=absorber.solvent - absorber.air, contrast=absorber.contrast, blur=detector.blur, widest_blur=widest_blur,
-        tail=(detector.tail_share, detector.tail_length), extras=extras,
-    )  # fmt: skip
+        flat=detector.flat,
+        dark=detector.dark,
+        veil=detector.veil,
+        pixel_edges=detector.pixel_edges,
+        edges=edges,
+        base=absorber.solvent - absorber.air,
+        contrast=absorber.contrast,
+        blur=detector.blur,
+        widest_blur=widest_blur,
+        tail=(detector.tail_share, detector.tail_length),
+        extras=extras,
+    )
 
 
 def _number(

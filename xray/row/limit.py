@@ -119,9 +119,12 @@ def covariance_bound(
     """
     if counts.size < jacobian.shape[1] or (counts <= 0).any():
         raise InputError(
-            "flat", "has fewer lit pixels than there are unknowns", value=int((counts > 0).sum()),
-            allowed=f"at least {jacobian.shape[1]}", remedy="fewer shells, or a wider row",
-        )  # fmt: skip
+            "flat",
+            "has fewer lit pixels than there are unknowns",
+            value=int((counts > 0).sum()),
+            allowed=f"at least {jacobian.shape[1]}",
+            remedy="fewer shells, or a wider row",
+        )
     fisher = jacobian.T @ (jacobian / counts[:, None])
     if prior is not None:
         fisher[np.diag_indices_from(fisher)] += prior
@@ -135,9 +138,10 @@ def covariance_bound(
     if values[0] < 1e-12:
         worst = np.argsort(-np.abs(vectors[:, 0]))[:2]
         raise InputError(
-            "shells", "the row cannot tell apart " + " and ".join(names[i] for i in worst),
+            "shells",
+            "the row cannot tell apart " + " and ".join(names[i] for i in worst),
             remedy="fewer shells or nuisances, or air on both sides of the jet",
-        )  # fmt: skip
+        )
     scaled = vectors / np.sqrt(values) / scale[:, None]
     return np.asarray(scaled @ scaled.T)
 
@@ -215,10 +219,12 @@ def require_contrast(absorber: Absorber) -> None:
     """Refuse a contrast that cannot tell polymer from solvent."""
     if abs(absorber.contrast) < SMALLEST_CONTRAST * absorber.solvent:
         raise InputError(
-            "contrast", "is under 1 % of the solvent's attenuation: absorption does not tell polymer from solvent here",
-            value=absorber.contrast, allowed=f"|D| >= {SMALLEST_CONTRAST * absorber.solvent:.3g} 1/m",
+            "contrast",
+            "is under 1 % of the solvent's attenuation: absorption does not tell polymer from solvent here",
+            value=absorber.contrast,
+            allowed=f"|D| >= {SMALLEST_CONTRAST * absorber.solvent:.3g} 1/m",
             remedy="choose another photon energy (xray.usable_contrast names one)",
-        )  # fmt: skip
+        )
 
 
 def free_parameters(shells: int, nuisances: Sequence[str]) -> list[int]:

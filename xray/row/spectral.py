@@ -56,10 +56,18 @@ class SpectralRowModel(RowModel):
     ) -> None:
         darkest = int(np.argmax(medium.solvent))  # decides how finely pixels are cut
         super().__init__(
-            detector.flat, detector.dark, detector.veil, detector.pixel_edges, edges,
-            float(medium.solvent[darkest] - medium.air[darkest]), float(medium.contrast[darkest]),
-            detector.blur, widest_blur, (detector.tail_share, detector.tail_length), extras,
-        )  # fmt: skip
+            detector.flat,
+            detector.dark,
+            detector.veil,
+            detector.pixel_edges,
+            edges,
+            float(medium.solvent[darkest] - medium.air[darkest]),
+            float(medium.contrast[darkest]),
+            detector.blur,
+            widest_blur,
+            (detector.tail_share, detector.tail_length),
+            extras,
+        )
         thin = medium.absorber
         self.base, self.contrast = thin.solvent - thin.air, thin.contrast
         self.medium = medium
@@ -151,9 +159,18 @@ def fit_row_spectrum(
     The start is `fit_row` at the mean attenuation. 5 ms for 220 pixels and 2 lines; in proportion to lines beyond 10.
     """
     first = fit_row(
-        counts, medium.absorber, detector, shells=shells, nuisances=nuisances, radius=radius, axis=axis,
-        amplitude=amplitude, slope=slope, good=good, saturation=saturation,
-    )  # fmt: skip
+        counts,
+        medium.absorber,
+        detector,
+        shells=shells,
+        nuisances=nuisances,
+        radius=radius,
+        axis=axis,
+        amplitude=amplitude,
+        slope=slope,
+        good=good,
+        saturation=saturation,
+    )
     edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
     free = free_parameters(edges.size - 1, nuisances)
     extras = extra_parameters(nuisances, detector)

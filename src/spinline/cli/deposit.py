@@ -68,8 +68,13 @@ def deposit(
         if plan:
             say(f"{rows} segments, {rows * _ROW_BYTES / 1e6:.3g} MB, about {max(rows / 1.5e6, 0.1):.2g} s")
             return
-        attributes |= {"title": scene.title, "scene": scene.text, "mat": options_text(options_of(scene.mat)),
-                       "collector_kind": scene.collector.kind, "seed": scene.mat.seed}  # fmt: skip
+        attributes |= {
+            "title": scene.title,
+            "scene": scene.text,
+            "mat": options_text(options_of(scene.mat)),
+            "collector_kind": scene.collector.kind,
+            "seed": scene.mat.seed,
+        }
         if scene.collector.radius is not None:
             attributes["circumference"] = 2 * 3.141592653589793 * scene.collector.radius.value
         blocks = lay_scene(scene)
@@ -154,9 +159,18 @@ def mat(
         file = opened
         turn = float(opened.attributes.get("circumference", 0.0))
         mat_of: Any = Rolled(opened, turn) if turn > 0 else opened
-        options = options_from_text(str(file.attributes.get("mat", "")), {
-            "window": side, "slope": slope, "envelope": envelope, "permeability": tuple(law) if law else None,
-            "direct": direct or None, "realisations": realisations, "seed": seed})  # fmt: skip
+        options = options_from_text(
+            str(file.attributes.get("mat", "")),
+            {
+                "window": side,
+                "slope": slope,
+                "envelope": envelope,
+                "permeability": tuple(law) if law else None,
+                "direct": direct or None,
+                "realisations": realisations,
+                "seed": seed,
+            },
+        )
         if plan:
             say(f"{file.rows} segments in {-(-file.rows // 262144)} chunks, {options.realisations} windows")
             return
@@ -183,8 +197,12 @@ def _write(target: Path, blocks: Any, attributes: dict[str, Any], csv: Path | No
             file.write(block)
             if csv is not None:
                 rows.append(block)
-        sums = {"segments": file.rows, "length": file.total("total_length"), "volume": file.total("total_volume"),
-                "polymer_volume": file.total("total_dry_volume")}  # fmt: skip
+        sums = {
+            "segments": file.rows,
+            "length": file.total("total_length"),
+            "volume": file.total("total_volume"),
+            "polymer_volume": file.total("total_dry_volume"),
+        }
     if csv is not None:
         from spinline.base.files import write_text
 
@@ -204,10 +222,11 @@ def _collector(
     from spinline.deposit.collectors import collector
 
     return collector(
-        kind, parse(distance, "length", "--distance").value if distance else landed,
+        kind,
+        parse(distance, "length", "--distance").value if distance else landed,
         speed=parse(speed, "velocity", "--speed").value if speed else None,
         radius=parse(radius, "length", "--radius").value if radius else None,
-    )  # fmt: skip
+    )
 
 
 def _compare(result: "xr.Dataset", measured: Path, unit: str | None, pixel_size: str | None) -> None:
@@ -237,9 +256,15 @@ def _compare(result: "xr.Dataset", measured: Path, unit: str | None, pixel_size:
 
 
 def _save(
-    result: "xr.Dataset", target: Path, sheet: Path | None, picture: Path | None, report: Path | None, csv: Path | None, *,
+    result: "xr.Dataset",
+    target: Path,
+    sheet: Path | None,
+    picture: Path | None,
+    report: Path | None,
+    csv: Path | None,
+    *,
     force: bool,
-) -> None:  # fmt: skip
+) -> None:
     from spinline.base.netcdf import save_dataset
 
     save_dataset(result, target, force=force)

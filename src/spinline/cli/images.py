@@ -128,10 +128,18 @@ def reduce(
 
 
 _OPTIONS = {
-    "energy_kev": "--energy", "low_kev": "--lowest", "high_kev": "--highest", "sigma": "--sigma", "photons": "--photons",
-    "shells": "--shells", "radius": "--radius", "pixel": "--pixel",
-    "blur": "--blur", "tail_share": "--tail-share", "tail_length": "--tail-length",
-}  # fmt: skip
+    "energy_kev": "--energy",
+    "low_kev": "--lowest",
+    "high_kev": "--highest",
+    "sigma": "--sigma",
+    "photons": "--photons",
+    "shells": "--shells",
+    "radius": "--radius",
+    "pixel": "--pixel",
+    "blur": "--blur",
+    "tail_share": "--tail-share",
+    "tail_length": "--tail-length",
+}
 
 
 @contextmanager
@@ -188,10 +196,19 @@ def exposure(
     ends = [parse(text, "energy", name).value / KEV for text, name in ((lowest, "--lowest"), (highest, "--highest"))]
     with _as_options():
         plans = plan_exposure(
-            solution, radii, sigma=sigma, pixel=width, energy_kev=fixed, photons_per_frame=photons, shells=shells,
-            lowest_kev=ends[0], highest_kev=ends[1], coherent=coherent, blur=parse(blur, "length", "--blur").value,
+            solution,
+            radii,
+            sigma=sigma,
+            pixel=width,
+            energy_kev=fixed,
+            photons_per_frame=photons,
+            shells=shells,
+            lowest_kev=ends[0],
+            highest_kev=ends[1],
+            coherent=coherent,
+            blur=parse(blur, "length", "--blur").value,
             tail=(tail_share, parse(tail_length, "length", "--tail-length").value),
-        )  # fmt: skip
+        )
     if json:
         _print_json(as_rows(plans))
         return

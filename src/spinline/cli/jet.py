@@ -40,9 +40,12 @@ def jet(
     loaded = load(scene, None, None, set_)
     if not isinstance(loaded.jet, NeedleJet):
         raise InputError(
-            "jet.profile", "is not computed from a needle's settings", value=loaded.jet.profile, allowed='"needle"',
+            "jet.profile",
+            "is not computed from a needle's settings",
+            value=loaded.jet.profile,
+            allowed='"needle"',
             remedy="`spinline run` shows any jet; `spinline scenes` lists those of a needle",
-        )  # fmt: skip
+        )
     for file in (figure, csv):
         if file is not None:
             writable(file, force=force)
@@ -69,18 +72,25 @@ def _print(made: "StraightEhdJet") -> None:
     onset = made.bending
     say(made.model)
     say(f"current {made.current * 1e9:.4g} nA, pull at the needle {float(made.tension(0.0)) * 1e6:.4g} uN")
-    bends = "not within the gap" if np.isnan(onset.position) else (
-        f"at {onset.position * 1e3:.3g} mm ({onset.earliest * 1e3:.3g} to {onset.latest * 1e3:.3g} mm)"
-    )  # fmt: skip
+    bends = (
+        "not within the gap"
+        if np.isnan(onset.position)
+        else (f"at {onset.position * 1e3:.3g} mm ({onset.earliest * 1e3:.3g} to {onset.latest * 1e3:.3g} mm)")
+    )
     say(f"bending sets in {bends}; straight jet shown to {made.end * 1e3:.4g} mm")
     say("")
     say(f"{'z mm':>9}{'r um':>10}{'v m/s':>10}{'rate 1/s':>10}{'N1 Pa':>11}{'tension uN':>12}{'conducted':>11}")
     for share in _PLACES:
         z = share * made.end
         columns: list[Any] = [
-            z * 1e3, made.radius(z) * 1e6, made.velocity(z), made.strain_rate(z), made.tensile_stress(z),
-            made.tension(z) * 1e6, made.conduction_share(z),
-        ]  # fmt: skip
+            z * 1e3,
+            made.radius(z) * 1e6,
+            made.velocity(z),
+            made.strain_rate(z),
+            made.tensile_stress(z),
+            made.tension(z) * 1e6,
+            made.conduction_share(z),
+        ]
         widths = (9, 10, 10, 10, 11, 12, 11)
         say("".join(f"{float(value):>{width}.4g}" for value, width in zip(columns, widths, strict=True)))
     say("")
@@ -105,8 +115,17 @@ def _table(made: "StraightEhdJet", path: Path) -> None:
 
     from spinline.base.files import write_text
 
-    units = {"z": "m", "radius": "m", "velocity": "m/s", "strain_rate": "1/s", "tension": "N", "tensile_stress": "Pa",
-             "line_charge": "C/m", "conduction_share": "1", "field_inside": "V/m"}  # fmt: skip
+    units = {
+        "z": "m",
+        "radius": "m",
+        "velocity": "m/s",
+        "strain_rate": "1/s",
+        "tension": "N",
+        "tensile_stress": "Pa",
+        "line_charge": "C/m",
+        "conduction_share": "1",
+        "field_inside": "V/m",
+    }
     columns = _columns(made)
     table = pd.DataFrame({f"{name} [{units[name]}]": values for name, values in columns.items()})
     write_text(path, str(table.to_csv(None, index=False)), force=True)

@@ -27,8 +27,17 @@ def progress_of(what: str) -> Iterator[Callable[[int, int], None]]:
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
-        with silent(), Progress(BarColumn(), MofNCompleteColumn(), what, TimeRemainingColumn(), console=Console(stderr=True),
-                      transient=True) as bar:  # fmt: skip
+        with (
+            silent(),
+            Progress(
+                BarColumn(),
+                MofNCompleteColumn(),
+                what,
+                TimeRemainingColumn(),
+                console=Console(stderr=True),
+                transient=True,
+            ) as bar,
+        ):
             job = bar.add_task(what, total=None)
             yield lambda done, total: bar.update(job, completed=done, total=total)
         return

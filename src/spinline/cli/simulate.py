@@ -39,10 +39,11 @@ def simulate_image(source: str, **given: Any) -> None:
     camera = _camera(given)
     result = _result(source)
     made = simulate(
-        result, camera,
+        result,
+        camera,
         start=None if z_from is None else _read(z_from, "length", "--from"),
         stop=None if z_to is None else _read(z_to, "length", "--to"),
-    )  # fmt: skip
+    )
     files = write_frames(made, result, target, force=force)
     _, rows, pixels = made.counts.shape
     say(
@@ -65,9 +66,13 @@ def _read(given: Any, kind: str, option: str) -> Any:
 
 
 def _camera(given: dict[str, Any]) -> Camera:
-    return Camera(**{
-        item.name: _read(given[item.name], item.metadata["kind"], _option(item)) for item in fields(Camera) if item.metadata
-    })  # fmt: skip
+    return Camera(
+        **{
+            item.name: _read(given[item.name], item.metadata["kind"], _option(item))
+            for item in fields(Camera)
+            if item.metadata
+        }
+    )
 
 
 def _option(item: "Field[Any]") -> str:

@@ -118,9 +118,15 @@ def _settings(
 
 
 def _one(
-    settings: "SpunSettings", seed: int, end: float, frames: int, target: Path, resume: bool, title: str,
+    settings: "SpunSettings",
+    seed: int,
+    end: float,
+    frames: int,
+    target: Path,
+    resume: bool,
+    title: str,
     notes: tuple[str, ...],
-) -> "xr.Dataset":  # fmt: skip
+) -> "xr.Dataset":
     """One run, kept beside its result while it is under way."""
     from dataclasses import replace
 
@@ -167,10 +173,13 @@ def _answer(jet: "xr.Dataset", target: Path) -> dict[str, Any]:
     last = jet.isel(time=-1)
     whole = last["valid_element"].values
     answer: dict[str, Any] = {
-        "out": str(target), "time": float(last["time"]), "elements": int(whole.sum()),
-        "landed": int(jet.sizes["deposit"]), "reach": float(np.nanmax(last["x"].values)),
+        "out": str(target),
+        "time": float(last["time"]),
+        "elements": int(whole.sum()),
+        "landed": int(jet.sizes["deposit"]),
+        "reach": float(np.nanmax(last["x"].values)),
         "smallest_radius": float(np.nanmin(np.where(whole, last["radius"].values, np.nan))) if whole.any() else None,
-    }  # fmt: skip
+    }
     if "current" in jet.attrs:
         answer["current"] = float(jet.attrs["current"])
     if jet.sizes["deposit"]:

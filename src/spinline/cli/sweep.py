@@ -68,8 +68,12 @@ def sweep(
             raise typer.Exit(130) from None
     status, counts = np.unique(result["status"].values, return_counts=True)
     tally = {STATUS_NAMES[int(s)]: int(n) for s, n in zip(status, counts, strict=True)}
-    answer: dict[str, Any] = {"out": str(target), "scenes": int(counts.sum()), **tally,
-                              "computed_by": result.attrs["computed_by"]}  # fmt: skip
+    answer: dict[str, Any] = {
+        "out": str(target),
+        "scenes": int(counts.sum()),
+        **tally,
+        "computed_by": result.attrs["computed_by"],
+    }
     found = sobol_(result, output or OUTPUTS) if result.attrs["design"] == "sensitivity" else None
     if json:
         if found is not None:
@@ -147,9 +151,16 @@ def window(
     save(found, target, force=force)
     reached = np.isfinite(found["crossover_position"].values).reshape(3, -1).mean(axis=1)
     k = found["k"].sel(k_factor=1.0).values
-    answer = {"points": int(k.size), "k_low": float(k.min()), "k_high": float(k.max()),
-              "reached_low": float(reached[0]), "reached": float(reached[1]), "reached_high": float(reached[2]),
-              "viscosity_law": found.attrs["viscosity_law"], "air": found.attrs["air"]}  # fmt: skip
+    answer = {
+        "points": int(k.size),
+        "k_low": float(k.min()),
+        "k_high": float(k.max()),
+        "reached_low": float(reached[0]),
+        "reached": float(reached[1]),
+        "reached_high": float(reached[2]),
+        "viscosity_law": found.attrs["viscosity_law"],
+        "air": found.attrs["air"],
+    }
     if json:
         say(json_.dumps(answer))
         return
@@ -157,8 +168,10 @@ def window(
     if np.isnan(k).all():
         estimate = "jets computed from their settings"
     say(f"{estimate}; viscosity: {answer['viscosity_law']}; drying: {answer['air']}")
-    say(f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
-               f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)")  # fmt: skip
+    say(
+        f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
+        f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)"
+    )
     say("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))
 
 
@@ -194,8 +207,10 @@ def _comparison(found: "Comparison") -> None:
         say(f"number   {s.name}: {one} | {other}{unit} ({_percent(s.relative)}{apart})")
     for p in found.profiles:
         alone = f"; {p.one_sided} places in one only" if p.one_sided else ""
-        say(f"profile  {p.name}: {_percent(p.largest)} at {1e3 * p.position:.4g} mm, "
-                   f"{_percent(p.of_range)} of its largest{alone}")  # fmt: skip
+        say(
+            f"profile  {p.name}: {_percent(p.largest)} at {1e3 * p.position:.4g} mm, "
+            f"{_percent(p.of_range)} of its largest{alone}"
+        )
     for which, names in (("first", found.only_a), ("second", found.only_b)):
         if names:
             say(f"only in the {which}: {', '.join(names)}")
@@ -241,8 +256,13 @@ def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
     numbers = [parse(end, kind, field).value for end in ends]
     if kind == "mass fraction" and max(numbers) > 1:
         percent = text if "%" in text else f"{text} wt%"
-        raise InputError(field, "is more than polymer alone", value=text, allowed="0 to 1, or 0 wt% to 100 wt%",
-                         remedy=f'percent by mass are written "{percent}"')  # fmt: skip
+        raise InputError(
+            field,
+            "is more than polymer alone",
+            value=text,
+            allowed="0 to 1, or 0 wt% to 100 wt%",
+            remedy=f'percent by mass are written "{percent}"',
+        )
     if len(numbers) == 1:
         return numbers
     if not numbers[0] < numbers[1]:

@@ -123,17 +123,26 @@ def dry(
     """
     phi = solution.volume_fraction
     flat = air.evaporate(path, phi)
-    dried = Dried(path, flat.remaining, flat.lost, flat.reynolds, flat.sherwood[0], flat.notes, None, None,
-                  flat.solvent_volume)  # fmt: skip
+    dried = Dried(
+        path, flat.remaining, flat.lost, flat.reynolds, flat.sherwood[0], flat.notes, None, None, flat.solvent_volume
+    )
     if diffusion is None:
         return dried
     check_radial(air)
     from spinline.rheology.drying import dry_radially
 
     radial = dry_radially(
-        path, phi, air.volatiles[0], diffusion, air_viscosity=air.viscosity, air_velocity=air.velocity,
-        sherwood_floor=air.floor, vitrification_fraction=None if np.isnan(glass) else glass, cells=cells, rtol=rtol,
-    )  # fmt: skip
+        path,
+        phi,
+        air.volatiles[0],
+        diffusion,
+        air_viscosity=air.viscosity,
+        air_velocity=air.velocity,
+        sherwood_floor=air.floor,
+        vitrification_fraction=None if np.isnan(glass) else glass,
+        cells=cells,
+        rtol=rtol,
+    )
     radial = _not_below_dryness(radial, path, phi)
     return replace(dried, remaining=radial.remaining, lost=radial.lost, radial=radial)
 
@@ -150,15 +159,29 @@ def dry_cooling(
     """`dry` of a jet that cools and takes up water; radial drying is that of its solvent alone."""
     phi = solution.volume_fraction
     flat = air.dry(path, phi)
-    dried = Dried(path, flat.remaining, flat.lost, flat.reynolds, flat.sherwood[0], flat.notes, None, flat.temperature,
-                  flat.solvent_volume, _cooling(air, flat.temperature))  # fmt: skip
+    dried = Dried(
+        path,
+        flat.remaining,
+        flat.lost,
+        flat.reynolds,
+        flat.sherwood[0],
+        flat.notes,
+        None,
+        flat.temperature,
+        flat.solvent_volume,
+        _cooling(air, flat.temperature),
+    )
     if diffusion is None:
         return dried
     radial = _not_below_dryness(air.dry_radially(path, phi, diffusion, cells, rtol), path, phi)
     return replace(
-        dried, remaining=radial.remaining, lost=radial.lost, radial=radial, temperature=radial.temperature,
+        dried,
+        remaining=radial.remaining,
+        lost=radial.lost,
+        radial=radial,
+        temperature=radial.temperature,
         cooling=None if radial.temperature is None else _cooling(air, radial.temperature),
-    )  # fmt: skip
+    )
 
 
 def _cooling(air: "HeatedAir", temperature: FloatArray) -> FloatArray:
@@ -183,17 +206,23 @@ def _not_below_dryness(radial: "RadialDrying", path: "ElementPath", phi: float) 
         return radial
     if wet.min() < -_UNDERSHOOT * (1 - phi) / phi:
         raise InputError(
-            "accuracy.shells", "is too small: the jet dries beyond dryness", value=radial.polymer_share.size,
+            "accuracy.shells",
+            "is too small: the jet dries beyond dryness",
+            value=radial.polymer_share.size,
             remedy="raise it",
-        )  # fmt: skip
+        )
     wet = np.maximum(wet, 0.0)
     volume = np.concatenate((np.zeros((wet.shape[0], 1)), np.cumsum(radial.polymer_share * (1 + wet), axis=1)), axis=1)
     left = phi * volume[:, -1]
     stretch = path.stretch(path.position) * (left if path.given == "radius" else 1.0)
     return replace(
-        radial, polymer_fraction=1 / (1 + wet), mean_fraction=1 / volume[:, -1], remaining=left, lost=1 - left,
+        radial,
+        polymer_fraction=1 / (1 + wet),
+        mean_fraction=1 / volume[:, -1],
+        remaining=left,
+        lost=1 - left,
         edges=path.initial_radius * np.sqrt(phi * volume / stretch[:, np.newaxis]),
-    )  # fmt: skip
+    )
 
 
 def check_radial(air: Air) -> None:
@@ -204,9 +233,11 @@ def check_radial(air: Air) -> None:
         )
     if air.activity != "flory-huggins":
         raise InputError(
-            "effects.radial", "takes the activity of Flory and Huggins", value=air.activity,
+            "effects.radial",
+            "takes the activity of Flory and Huggins",
+            value=air.activity,
             remedy='set rheology.activity = "flory-huggins", or effects.radial = false',
-        )  # fmt: skip
+        )
 
 
 def peclet_number(dried: Dried, air: Air, diffusion: "DiffusionLaw", volume_fraction: float) -> FloatArray:

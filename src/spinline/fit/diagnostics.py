@@ -95,9 +95,7 @@ def open_directions(fit: "Fit") -> list[Direction]:
         if std <= OPEN:
             break
         sign = np.sign(vector[np.argmax(np.abs(vector))])
-        weights = {
-            name: float(sign * w) for name, w in zip(fit.problem.free, vector, strict=True) if abs(w) > 0.1
-        }  # fmt: skip
+        weights = {name: float(sign * w) for name, w in zip(fit.problem.free, vector, strict=True) if abs(w) > 0.1}
         held = float(max(eigenvalue, 0.0) + vector**2 @ prior)
         found.append(Direction(weights, std, float(1 / np.sqrt(held)) if held > floor else np.inf))
     return found

@@ -114,11 +114,14 @@ def scene_priors(scene: Scene) -> dict[str, Prior]:
     """Priors of a scene: its quantities that carry ``+/-``, by the name of the parameter they are of."""
     jet = scene.jet
     wanted: dict[str, Measured | None] = {
-        "k": getattr(jet, "k", None), "beta": getattr(jet, "beta", None), "p": getattr(jet, "p", None),
-        "initial_radius": getattr(jet, "radius", None), "flow_rate": getattr(jet, "flow_rate", None),
+        "k": getattr(jet, "k", None),
+        "beta": getattr(jet, "beta", None),
+        "p": getattr(jet, "p", None),
+        "initial_radius": getattr(jet, "radius", None),
+        "flow_rate": getattr(jet, "flow_rate", None),
         "volume_fraction": scene.solution.volume_fraction,
         "relaxation_time": None if scene.solution.relaxation_time == "estimate" else scene.solution.relaxation_time,
-    }  # fmt: skip
+    }
     found = {name: Prior(q.value, q.std) for name, q in wanted.items() if q is not None and q.std > 0}
     mass = scene.solution.mass_fraction
     if mass is not None and mass.std > 0:
@@ -142,8 +145,12 @@ def _from_mass(scene: Scene, mass: Measured) -> Prior:
 def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFile:
     _known(data, _TOP, "")
     if not isinstance(data.get("scene"), str):
-        raise InputError("scene", "is missing" if "scene" not in data else "is not a file name", value=data.get("scene"),
-                         remedy='add scene = "scene.toml", or a bundled scene')  # fmt: skip
+        raise InputError(
+            "scene",
+            "is missing" if "scene" not in data else "is not a file name",
+            value=data.get("scene"),
+            remedy='add scene = "scene.toml", or a bundled scene',
+        )
     local = folder / data["scene"]
     scene = load_scene(local if local.exists() else data["scene"])
     asked = _section(data, "parameters")
@@ -159,9 +166,11 @@ def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFi
     if priors.get("relaxation_time", Prior(1.0)) is None and scene.solution.relaxation_time is None:
         fixed["relaxation_time"] = typical_relaxation_time(scene)  # a start
     model = forward_model(
-        scene, relaxation=on["relaxation"], evaporation=on["evaporation"],
+        scene,
+        relaxation=on["relaxation"],
+        evaporation=on["evaporation"],
         values={**fixed, **{n: p.value for n, p in priors.items() if p is not None}},
-    )  # fmt: skip
+    )
     listed = {n for n in priors if n in asked}
     free = {
         n: p if p is not None else Prior(model.values[n])
@@ -170,16 +179,27 @@ def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFi
     }
     options = _section(data, "fit")
     _known(options, _FIT, "fit.")
-    problem = FitProblem(model, tuple(_observations(data, folder)), free, options.get("loss", "gauss"),
-                         label(str(data.get("title", name))))  # fmt: skip
+    problem = FitProblem(
+        model,
+        tuple(_observations(data, folder)),
+        free,
+        options.get("loss", "gauss"),
+        label(str(data.get("title", name))),
+    )
     sampler = options.get("sampler", "least-squares")
     if sampler not in _SAMPLERS:
         raise InputError("fit.sampler", "is not known", value=sampler, allowed=", ".join(_SAMPLERS))
     walkers = options.get("walkers")
     return FitFile(
-        problem, scene, sampler, _integer(options, "seed", 0, 0), _integer(options, "steps", 4000, 10),
-        None if walkers is None else _integer(options, "walkers", 16, 2), text, name,
-    )  # fmt: skip
+        problem,
+        scene,
+        sampler,
+        _integer(options, "seed", 0, 0),
+        _integer(options, "steps", 4000, 10),
+        None if walkers is None else _integer(options, "walkers", 16, 2),
+        text,
+        name,
+    )
 
 
 def _parameters(scene: Scene, asked: Mapping[str, Any]) -> tuple[dict[str, Prior | None], dict[str, float]]:
@@ -199,12 +219,17 @@ def _parameters(scene: Scene, asked: Mapping[str, Any]) -> tuple[dict[str, Prior
             free[name] = None
             continue
         if isinstance(value, str) and not any(letter.isdigit() for letter in value):
-            raise InputError(field, "is not understood", value=value,
-                             allowed='"free", "scene", a value, or value +/- std')  # fmt: skip
+            raise InputError(
+                field, "is not understood", value=value, allowed='"free", "scene", a value, or value +/- std'
+            )
         measured = parse(value, kind.kind, field)
         if not kind.low <= measured.value <= kind.high:
-            raise InputError(field, "is out of range", value=value,
-                             allowed=f"[{kind.low:g}, {kind.high:g}] {QUANTITIES[kind.kind].unit}".strip())  # fmt: skip
+            raise InputError(
+                field,
+                "is out of range",
+                value=value,
+                allowed=f"[{kind.low:g}, {kind.high:g}] {QUANTITIES[kind.kind].unit}".strip(),
+            )
         if measured.std > 0:
             free[name] = Prior(measured.value, measured.std)
         else:
@@ -222,15 +247,20 @@ def _observations(data: Mapping[str, Any], folder: Path) -> list[Observation]:
         _known(table, _DATA, field)
         for key in ("path", "kind"):
             if not isinstance(table.get(key), str):
-                raise InputError(f"{field}{key}", "is missing" if key not in table else "is not text", value=table.get(key),
-                                 remedy="every [[data]] needs path and kind")  # fmt: skip
+                raise InputError(
+                    f"{field}{key}",
+                    "is missing" if key not in table else "is not text",
+                    value=table.get(key),
+                    remedy="every [[data]] needs path and kind",
+                )
         kind = table["kind"]
         if kind not in _KINDS:
             raise InputError(f"{field}kind", "is not known", value=kind, allowed=", ".join(_KINDS))
         path = folder / table["path"]
         if not path.exists():
-            raise InputError(f"{field}path", "does not exist", value=table["path"],
-                             remedy="paths start from the fit file's folder")  # fmt: skip
+            raise InputError(
+                f"{field}path", "does not exist", value=table["path"], remedy="paths start from the fit file's folder"
+            )
         extra = [key for key in ("use", "core_within") if key in table and kind != "map"]
         if extra:
             raise InputError(f"{field}{extra[0]}", 'goes with kind = "map" only', value=table[extra[0]])
@@ -270,8 +300,12 @@ def _known(section: Mapping[str, Any], allowed: tuple[str, ...], prefix: str) ->
     for key in section:
         if key not in allowed:
             near = difflib.get_close_matches(key, allowed, n=1)
-            raise InputError(f"{prefix}{key}", "is not a known key", allowed=", ".join(allowed),
-                             remedy=f"did you mean {near[0]!r}?" if near else "take it out")  # fmt: skip
+            raise InputError(
+                f"{prefix}{key}",
+                "is not a known key",
+                allowed=", ".join(allowed),
+                remedy=f"did you mean {near[0]!r}?" if near else "take it out",
+            )
 
 
 def _integer(section: Mapping[str, Any], key: str, default: int, least: int) -> int:

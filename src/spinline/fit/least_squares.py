@@ -130,11 +130,18 @@ def fit(problem: FitProblem, starts: Sequence[Mapping[str, float]] = ()) -> Fit:
     low, high = problem.bounds
     spread = np.sqrt(np.diag(covariance))
     result = Fit(
-        problem=problem, coordinates=u, covariance=covariance, values=problem.to_values(u),
-        interval68=_interval(problem, u, _Z68 * spread), interval95=_interval(problem, u, _Z95 * spread),
-        jacobian=jacobian, residuals=found, chi_squared=float(found @ found),
-        degrees_of_freedom=problem.size + int(np.isfinite(problem.prior_std).sum()) - u.size, evaluations=calls,
-    )  # fmt: skip
+        problem=problem,
+        coordinates=u,
+        covariance=covariance,
+        values=problem.to_values(u),
+        interval68=_interval(problem, u, _Z68 * spread),
+        interval95=_interval(problem, u, _Z95 * spread),
+        jacobian=jacobian,
+        residuals=found,
+        chi_squared=float(found @ found),
+        degrees_of_freedom=problem.size + int(np.isfinite(problem.prior_std).sum()) - u.size,
+        evaluations=calls,
+    )
     notes = [*problem.model.notes, *(note for part in problem.data for note in part.notes)]
     if not best.success:
         notes.append(f"least squares stopped before the best point: {best.message}")
@@ -205,9 +212,10 @@ def _better(problem: FitProblem, u: FloatArray, covariance: FloatArray) -> Float
     here = problem.log_posterior(u)
     points = [
         u + reach * covariance[:, i] / np.sqrt(covariance[i, i])
-        for i in range(u.size) if np.isfinite(covariance[:, i]).all() and covariance[i, i] > 0
+        for i in range(u.size)
+        if np.isfinite(covariance[:, i]).all() and covariance[i, i] > 0
         for reach in (-2.0, -1.0, 1.0, 2.0)
-    ]  # fmt: skip
+    ]
     values = [problem.log_posterior(point) for point in points]
     if not values or max(values) <= here + 1e-3:
         return None
@@ -250,15 +258,25 @@ def _solve(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], s
         return _jacobian(residuals, u, bounds, central=False)
 
     return least_squares(
-        residuals, start, jac=slopes, bounds=bounds, loss=loss, xtol=1e-7, ftol=1e-9, gtol=1e-9,
+        residuals,
+        start,
+        jac=slopes,
+        bounds=bounds,
+        loss=loss,
+        xtol=1e-7,
+        ftol=1e-9,
+        gtol=1e-9,
         max_nfev=200,
-    )  # fmt: skip
+    )
 
 
 def _jacobian(
-    residuals: Callable[[FloatArray], FloatArray], u: FloatArray, bounds: tuple[FloatArray, FloatArray], *,
+    residuals: Callable[[FloatArray], FloatArray],
+    u: FloatArray,
+    bounds: tuple[FloatArray, FloatArray],
+    *,
     central: bool = True,
-) -> FloatArray:  # fmt: skip
+) -> FloatArray:
     """Differences of the residuals, central where there is room, one-sided at a bound (or if not `central`)."""
     here = None if central else residuals(u)
     columns = []

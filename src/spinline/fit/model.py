@@ -249,9 +249,15 @@ class ForwardModel:
         """Core fraction of a network that moves with the solution, stretched by V: the network stage alone."""
         n, solution, v = self.base.scene.network, self.base.solution, np.asarray(velocity_ratio, dtype=np.float64)
         found = network_variables(
-            v, v, np.ones_like(v), self.values["volume_fraction"], closure=n.closure_used, solvent_quality=n.solvent_quality,
-            kuhn_length=solution.kuhn_length, temperature=solution.temperature,
-        )  # fmt: skip
+            v,
+            v,
+            np.ones_like(v),
+            self.values["volume_fraction"],
+            closure=n.closure_used,
+            solvent_quality=n.solvent_quality,
+            kuhn_length=solution.kuhn_length,
+            temperature=solution.temperature,
+        )
         core: FloatArray = found["core_polymer_fraction"]
         return core
 
@@ -270,12 +276,14 @@ def _context_of(model: ForwardModel) -> Context:
     }
     if model.relaxation:
         solution["relaxation_time"] = Measured(p["relaxation_time"])
-    scene: Scene = scene_from_dict({
-        "solution": solution,
-        "jet": {**jet, "profile": model.profile, "length": Measured(model.length)},
-        "network": {"model": rung.name, "solvent_quality": model.solvent_quality},
-        "rheology": {"n": float(model.relaxation_exponent)},
-    })  # fmt: skip
+    scene: Scene = scene_from_dict(
+        {
+            "solution": solution,
+            "jet": {**jet, "profile": model.profile, "length": Measured(model.length)},
+            "network": {"model": rung.name, "solvent_quality": model.solvent_quality},
+            "rheology": {"n": float(model.relaxation_exponent)},
+        }
+    )
     effects = Effects({"relaxation": model.relaxation, "evaporation": model.drying is not None})
     kept = {} if model.drying is None else {"air": model.drying}
     return Context(scene, effects=effects, kept=kept)

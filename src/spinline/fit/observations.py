@@ -92,11 +92,23 @@ class Observation:
             refuse(self.source, "radius", self.value, ~(self.value > 0), "(0, inf) m")
         else:
             bad = ~(np.abs(self.value) <= _LARGEST)
-            refuse(self.source, f"{self.kind} fraction", self.value, bad, f"[-{_LARGEST:g}, {_LARGEST:g}]",
-                    "fractions, not percent; write the unit [%] in the header if they are percent")  # fmt: skip
+            refuse(
+                self.source,
+                f"{self.kind} fraction",
+                self.value,
+                bad,
+                f"[-{_LARGEST:g}, {_LARGEST:g}]",
+                "fractions, not percent; write the unit [%] in the header if they are percent",
+            )
         good = (self.std > 0) & np.isfinite(self.std)
-        refuse(self.source, "std", self.std, ~good, f"(0, inf) {unit}".strip(),
-                "give the standard deviation of every value, or std in the fit file")  # fmt: skip
+        refuse(
+            self.source,
+            "std",
+            self.std,
+            ~good,
+            f"(0, inf) {unit}".strip(),
+            "give the standard deviation of every value, or std in the fit file",
+        )
         refuse(self.source, "value", self.value, ~np.isfinite(self.value), "a finite number")
 
     @property
@@ -133,9 +145,12 @@ class Observation:
             return self
         if not keep.any():
             raise InputError(
-                f"{self.source}: z", "has no value in the range asked for", value=_extent(self.z),
-                allowed=f"[{low:g}, {high:g}] m", remedy="widen z_range",
-            )  # fmt: skip
+                f"{self.source}: z",
+                "has no value in the range asked for",
+                value=_extent(self.z),
+                allowed=f"[{low:g}, {high:g}] m",
+                remedy="widen z_range",
+            )
         note = (
             f"{self.source}: {int((~keep).sum())} of {self.size} {self.kind} values lie outside [{low:g}, {high:g}] m"
         )
@@ -146,10 +161,15 @@ class Observation:
         if covariance is not None:
             covariance = covariance[keep.reshape(covariance.shape[:2])[:, 0]]
         return replace(
-            self, z=self.z[keep], value=self.value[keep], std=self.std[keep], covariance=covariance,
+            self,
+            z=self.z[keep],
+            value=self.value[keep],
+            std=self.std[keep],
+            covariance=covariance,
             inner=None if self.inner is None else self.inner[keep],
-            outer=None if self.outer is None else self.outer[keep], notes=(*self.notes, note),
-        )  # fmt: skip
+            outer=None if self.outer is None else self.outer[keep],
+            notes=(*self.notes, note),
+        )
 
 
 def read_table(path: str | Path, kind: Kind, *, std: str | None = None) -> Observation:
@@ -192,8 +212,13 @@ def read_table(path: str | Path, kind: Kind, *, std: str | None = None) -> Obser
     found = [name for name in names if name in columns]
     if len(found) != 1:
         problem = f"has no column {names[0]}" if not found else "has two columns for one quantity"
-        raise InputError(file, problem, value=list(columns), allowed=f"one of {', '.join(names)}",
-                         remedy="name the column for what it holds")  # fmt: skip
+        raise InputError(
+            file,
+            problem,
+            value=list(columns),
+            allowed=f"one of {', '.join(names)}",
+            remedy="name the column for what it holds",
+        )
     spread = [name for name in columns if name == "std" or name.endswith("_std")]
     if len(spread) > 1:
         raise InputError(file, "has two columns of standard deviations", value=spread, remedy="keep one")
@@ -203,8 +228,14 @@ def read_table(path: str | Path, kind: Kind, *, std: str | None = None) -> Obser
     for name in ("z", found[0]):
         refuse(file, name, columns[name], ~np.isfinite(columns[name]), "finite numbers", "fill or remove the row")
     deviation = columns[spread[0]] if spread else _default_std(file, kind, value, std)
-    refuse(file, spread[0] if spread else "std", deviation, ~((deviation > 0) & np.isfinite(deviation)),
-            f"(0, inf) {_UNIT[kind]}".strip(), "a standard deviation is positive")  # fmt: skip
+    refuse(
+        file,
+        spread[0] if spread else "std",
+        deviation,
+        ~((deviation > 0) & np.isfinite(deviation)),
+        f"(0, inf) {_UNIT[kind]}".strip(),
+        "a standard deviation is positive",
+    )
     notes: tuple[str, ...] = ()
     if (np.diff(z) < 0).any():
         first = int(np.flatnonzero(np.diff(z) < 0)[0]) + 1
@@ -234,8 +265,13 @@ def refuse(file: str, column: str, values: FloatArray, bad: BoolArray, allowed: 
         more = f", and {int(bad.sum()) - 1} more" if bad.sum() > 1 else ""
         number = float(values[row])
         problem = "is not finite" if not np.isfinite(number) else "is out of range"
-        raise InputError(f"{file}: {column}", f"{problem} at row {row + 1}{more}", value=number, allowed=allowed,
-                         remedy=remedy or "correct or remove the row")  # fmt: skip
+        raise InputError(
+            f"{file}: {column}",
+            f"{problem} at row {row + 1}{more}",
+            value=number,
+            allowed=allowed,
+            remedy=remedy or "correct or remove the row",
+        )
 
 
 def _extent(z: FloatArray) -> str:

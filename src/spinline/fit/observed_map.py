@@ -14,9 +14,12 @@ from spinline.fit.observations import Kind, Observation, refuse
 __all__ = ["read_map"]
 
 _MAP = {
-    "radius": "jet_radius", "mean": "mean_polymer_fraction", "shell": "polymer_fraction", "core": "polymer_fraction",
+    "radius": "jet_radius",
+    "mean": "mean_polymer_fraction",
+    "shell": "polymer_fraction",
+    "core": "polymer_fraction",
     "chord": "polymer_fraction",
-}  # fmt: skip
+}
 
 
 def read_map(
@@ -65,11 +68,20 @@ def read_map(
 
         file, dataset = str(path), open_dataset(path)
     if "frame" in dataset.dims:
-        raise InputError(file, "holds a map of every frame", value=dataset.sizes["frame"], allowed="one map",
-                         remedy='reduce with frames = "sum"')  # fmt: skip
+        raise InputError(
+            file,
+            "holds a map of every frame",
+            value=dataset.sizes["frame"],
+            allowed="one map",
+            remedy='reduce with frames = "sum"',
+        )
     if "row" not in dataset.dims:
-        raise InputError(file, "is not a reduced map: it has no dimension row", value=list(map(str, dataset.dims)),
-                         remedy="make one with `spinline reduce`, or give a CSV table")  # fmt: skip
+        raise InputError(
+            file,
+            "is not a reduced map: it has no dimension row",
+            value=list(map(str, dataset.dims)),
+            remedy="make one with `spinline reduce`, or give a CSV table",
+        )
     chosen = list(dict.fromkeys(use))
     chords = dataset.attrs.get("method") == "chord"
     allowed = ["radius", "mean", "chord"] if chords else ["radius", "mean", "core", "shell"]
@@ -77,8 +89,13 @@ def read_map(
         if kind not in allowed:
             known = kind in _MAP
             problem = f"is not in a map by method {dataset.attrs.get('method', 'row')!r}" if known else "is not known"
-            raise InputError("use", problem, value=kind, allowed=", ".join(allowed),
-                             remedy='for example use = ["radius", "mean", "chord"]' if chords else "")  # fmt: skip
+            raise InputError(
+                "use",
+                problem,
+                value=kind,
+                allowed=", ".join(allowed),
+                remedy='for example use = ["radius", "mean", "chord"]' if chords else "",
+            )
     z = _place(dataset, file)
     found = [_of_map(dataset, file, kind, z, core_within) for kind in chosen]
     shared = [kind for kind in chosen if kind != "radius"]
@@ -98,8 +115,12 @@ def _of_map(dataset: Any, file: str, kind: Kind, z: FloatArray, core_within: flo
     name = _MAP[kind]
     for wanted in (name, f"{name}_std"):
         if wanted not in dataset:
-            raise InputError(file, f"has no variable {wanted}", value=sorted(map(str, dataset.data_vars)),
-                             allowed=", ".join(_MAP.values()) + ", each with _std")  # fmt: skip
+            raise InputError(
+                file,
+                f"has no variable {wanted}",
+                value=sorted(map(str, dataset.data_vars)),
+                allowed=", ".join(_MAP.values()) + ", each with _std",
+            )
     scale = 1.0
     if kind == "radius":
         from spinline.base.units import parse_unit
@@ -124,9 +145,16 @@ def _of_map(dataset: Any, file: str, kind: Kind, z: FloatArray, core_within: flo
         if covariance is None:
             note = (*note, f"{file}: shells of a row are taken as independent (no polymer_fraction_covariance)")
         return Observation(
-            "shell", np.repeat(z, shells), value.ravel(), std.ravel(), np.tile(inner, rows), np.tile(outer, rows),
-            covariance, source, note,
-        )  # fmt: skip
+            "shell",
+            np.repeat(z, shells),
+            value.ravel(),
+            std.ravel(),
+            np.tile(inner, rows),
+            np.tile(outer, rows),
+            covariance,
+            source,
+            note,
+        )
     inside = 0.5 * (inner + outer) <= core_within
     if not inside.any():
         raise InputError("core_within", "holds no shell", value=core_within, allowed=f">= {0.5 * (inner + outer)[0]:g}")
@@ -146,8 +174,12 @@ def _place(dataset: Any, file: str) -> FloatArray:
             z: FloatArray = scale * np.asarray(dataset[name].values, dtype=np.float64)
             refuse(file, name, z, ~np.isfinite(z), "finite lengths")
             return z
-    raise InputError(file, "has no coordinate z on row", value=list(map(str, dataset.coords)),
-                     remedy="reduce with the pixel size and the nozzle's row, or add the coordinate z (m)")  # fmt: skip
+    raise InputError(
+        file,
+        "has no coordinate z on row",
+        value=list(map(str, dataset.coords)),
+        remedy="reduce with the pixel size and the nozzle's row, or add the coordinate z (m)",
+    )
 
 
 def _rows(dataset: Any, file: str, name: str, dimensions: int = 1) -> FloatArray:
@@ -174,8 +206,12 @@ def _edges(dataset: Any, file: str) -> tuple[FloatArray, FloatArray]:
         edges.append(2 * float(centre) - edges[-1])
     rising = np.diff(edges) > 0
     if not (np.isfinite(centres).all() and rising.all() and edges[-1] <= 1 + 1e-6):
-        raise InputError(f"{file}: {name}", "is not r/R at the centres of shells that fill the jet from its axis",
-                         value=centres.tolist(), allowed="increasing, in (0, 1)")  # fmt: skip
+        raise InputError(
+            f"{file}: {name}",
+            "is not r/R at the centres of shells that fill the jet from its axis",
+            value=centres.tolist(),
+            allowed="increasing, in (0, 1)",
+        )
     return np.array(edges[:-1]), np.array(edges[1:])
 
 
@@ -201,8 +237,11 @@ def _without_shared(
         return std, note
     own = np.sqrt(np.maximum(std**2 - inside**2, 0.0))
     typical = float(np.median(inside[keep]))
-    return own, (*note, f"{file}: rows share a calibration error of {typical:.2g} in the fraction, taken out of the std of "
-                        f"each: give fraction_offset or fraction_scale a prior of that size")  # fmt: skip
+    return own, (
+        *note,
+        f"{file}: rows share a calibration error of {typical:.2g} in the fraction, taken out of the std of "
+        f"each: give fraction_offset or fraction_scale a prior of that size",
+    )
 
 
 def _whole(file: str, name: str, whole: BoolArray) -> tuple[BoolArray, tuple[str, ...]]:

@@ -70,8 +70,10 @@ def fit_dataset(fit: "Fit", posterior: "Posterior | None" = None, *, source: "Fi
                 {"long_name": f"{word} end of the {percent} % interval, SI"},
             )
     shares = compare_with_prior(fit)
-    for key, words in (("pull", "from the prior, in prior standard deviations"),
-                       ("shrinkage", "share of the prior's variance that the data took away")):  # fmt: skip
+    for key, words in (
+        ("pull", "from the prior, in prior standard deviations"),
+        ("shrinkage", "share of the prior's variance that the data took away"),
+    ):
         data[f"prior_{key}"] = (
             "parameter",
             [shares.get(name, {}).get(key, np.nan) for name in names],
@@ -189,9 +191,7 @@ def _draws(fit: "Fit", posterior: "Posterior | None") -> Any:
 def _data(fit: "Fit") -> dict[str, Any]:
     parts = fit.problem.data
     shown = fit.problem.model.measured(parts, fit.values)
-    joined = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in ("z", "value", "std")
-    }  # fmt: skip
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("z", "value", "std")}
     return {
         "datum_z": ("datum", joined["z"], {"units": "m", "long_name": "distance as measured"}),
         "datum_value": ("datum", joined["value"], {"long_name": "measured value, SI"}),
@@ -245,14 +245,22 @@ def _attributes(fit: "Fit", posterior: "Posterior | None", source: "FitFile | No
     }
     notes = list(fit.notes)
     attributes: dict[str, Any] = {
-        "title": problem.title, "source": f"spinline {__version__}", "spinline_version": __version__,
+        "title": problem.title,
+        "source": f"spinline {__version__}",
+        "spinline_version": __version__,
         "model": problem.model.model,
-        "evaporation": int(problem.model.drying is not None), "profile": problem.model.profile,
+        "evaporation": int(problem.model.drying is not None),
+        "profile": problem.model.profile,
         "fixed": json.dumps({n: problem.model.values[n] for n in problem.model.names if n not in problem.free}),
-        "chi_squared": fit.chi_squared, "values": problem.size, "degrees_of_freedom": dof, "loss": problem.loss,
-        "evaluations": fit.evaluations, "sampler": "least-squares" if posterior is None else "emcee", "seed": 0,
+        "chi_squared": fit.chi_squared,
+        "values": problem.size,
+        "degrees_of_freedom": dof,
+        "loss": problem.loss,
+        "evaluations": fit.evaluations,
+        "sampler": "least-squares" if posterior is None else "emcee",
+        "seed": 0,
         "references": "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31), (36)-(40), (43a)-(45) of the review",
-    }  # fmt: skip
+    }
     if posterior is not None:
         notes += posterior.notes
         checks["sampler"] = plain_items({k: v for k, v in posterior.__dict__.items() if k not in ("draws", "notes")})

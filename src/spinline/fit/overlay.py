@@ -82,8 +82,13 @@ def compare_theory(
     data = read_map(reduced, _KINDS, core_within=core_within)
     for part in data:
         if (part.z > model.length * (1 + 1e-9) + model.values["origin"]).any():
-            raise InputError(f"{part.source}: z", "is beyond the jet", value=float(part.z.max()),
-                             allowed=f"up to {model.length:g} m", remedy="raise jet.length in the scene")  # fmt: skip
+            raise InputError(
+                f"{part.source}: z",
+                "is beyond the jet",
+                value=float(part.z.max()),
+                allowed=f"up to {model.length:g} m",
+                remedy="raise jet.length in the scene",
+            )
     models = _drawn(model, values, draws)
     rows, notes = _judge(model, data)
     radius, _, core = data
@@ -106,20 +111,34 @@ def compare_theory(
         "core_predicted": ("row", seen[1][j], {"units": "1", "long_name": "predicted, at z"}),
         "radius_ratio_predicted": ("row", seen[0][i] / unit, {"units": "1"}),
         "curve_radius_ratio": ("curve", curve, {"units": "1", "long_name": "r/r_0"}),
-        "curve_local": ("curve", _theory(model, curve, 0.0), {"units": "1", "long_name": "the same, of the network itself"}),
-        "curve_core": ("curve", _theory(model, curve, reach), {"units": "1", "long_name": "core, Eq. (40), V = (r_0/r)^2"}),
-    }  # fmt: skip
+        "curve_local": (
+            "curve",
+            _theory(model, curve, 0.0),
+            {"units": "1", "long_name": "the same, of the network itself"},
+        ),
+        "curve_core": (
+            "curve",
+            _theory(model, curve, reach),
+            {"units": "1", "long_name": "core, Eq. (40), V = (r_0/r)^2"},
+        ),
+    }
     data_vars |= _sections(model, reduced, places, radius, r0, models)
     if models:
         data_vars |= _bands(models, radius, core, j, curve, reach)
     attributes = {
-        "title": f"{scene.title or scene.name}: measured and predicted", "scene": scene.text, "core_within": core_within,
+        "title": f"{scene.title or scene.name}: measured and predicted",
+        "scene": scene.text,
+        "core_within": core_within,
         "effects_left_out": ", ".join(model.base.effects.left_out),
-        "log_likelihood": float(np.sum(rows["log_likelihood"][1])), "crossover_radius_ratio": crossing,
-        "volume_fraction": phi, "fraction_scale": model.values["fraction_scale"],
-        "values": json.dumps(dict(values or {})), "bands": _of_what(models, draws), "warnings": "\n".join(notes),
+        "log_likelihood": float(np.sum(rows["log_likelihood"][1])),
+        "crossover_radius_ratio": crossing,
+        "volume_fraction": phi,
+        "fraction_scale": model.values["fraction_scale"],
+        "values": json.dumps(dict(values or {})),
+        "bands": _of_what(models, draws),
+        "warnings": "\n".join(notes),
         "references": "Greenfeld et al., Macromolecules 45, 3616 (2012); review Figs. 36, 37",
-    }  # fmt: skip
+    }
     for note in notes:
         warnings.warn(note, SpinlineWarning, stacklevel=2)
     coordinates: dict[str, Any] = {"kind": list(_KINDS)} | ({"quantile": list(LEVELS)} if models else {})
@@ -171,9 +190,11 @@ def _judge(model: ForwardModel, data: Sequence[Observation]) -> tuple[dict[str, 
             side = "above" if mean > 0 else "below"
             notes.append(f"{part.kind}: measured lies {side} predicted, by {abs(mean):.1f} standard errors on average")
     words = {
-        "log_likelihood": "logarithm of the likelihood", "chi_squared": "chi-squared, nothing fitted", "count": "rows",
+        "log_likelihood": "logarithm of the likelihood",
+        "chi_squared": "chi-squared, nothing fitted",
+        "count": "rows",
         "mean_residual": "mean residual over its standard error",
-    }  # fmt: skip
+    }
     return {name: ("kind", column, {"long_name": words[name]}) for name, column in columns.items()}, notes
 
 
@@ -235,7 +256,7 @@ def _sections(
         "relative_change": (("place", "shell"), values, {"units": "1", "long_name": "measured over its mean, minus 1"}),
         "relative_change_std": (("place", "shell"), spreads, {"units": "1"}),
         "relative_change_predicted": (("place", "shell"), theory, {"units": "1", "long_name": "predicted, same rings"}),
-    }  # fmt: skip
+    }
 
 
 def _drawn(
@@ -268,10 +289,12 @@ def _bands(
     names = {"crossover": "crossover_radius_ratio_band"}
     return {
         names.get(name, f"{name}_band"): (
-            ("quantile", *along[name]), np.quantile(np.array(values), LEVELS, axis=0), {"units": "1"}
+            ("quantile", *along[name]),
+            np.quantile(np.array(values), LEVELS, axis=0),
+            {"units": "1"},
         )
         for name, values in found.items()
-    }  # fmt: skip
+    }
 
 
 def _of_what(models: Sequence[ForwardModel], draws: Sequence[Any]) -> str:

@@ -109,8 +109,12 @@ def gaussian_draws(fit: "Fit", count: int = 400, seed: int = 0) -> FloatArray:
     """
     if not np.isfinite(fit.covariance).all():
         open_ = [n for n, v in zip(fit.problem.free, np.diag(fit.covariance), strict=True) if not np.isfinite(v)]
-        raise InputError("parameters", "are not identified, so there is nothing to draw", value=", ".join(open_),
-                         remedy="give priors, or fix them")  # fmt: skip
+        raise InputError(
+            "parameters",
+            "are not identified, so there is nothing to draw",
+            value=", ".join(open_),
+            remedy="give priors, or fix them",
+        )
     rng = np.random.default_rng(seed)
     size, vectors = np.linalg.eigh(fit.covariance)
     factor = vectors * np.sqrt(np.maximum(size, 0.0))
@@ -233,8 +237,15 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
         phi = p.get("volume_fraction", model.values["volume_fraction"])
         full = float(crossover_velocity_ratio(phi, model.solvent_quality))
         network = seen.radius * seen.core_radius_ratio
-        found = (seen.radius, seen.mean, seen.core, network, seen.relative_extension, seen.orientation,
-                 *_crossing(z, seen, full))  # fmt: skip
+        found = (
+            seen.radius,
+            seen.mean,
+            seen.core,
+            network,
+            seen.relative_extension,
+            seen.orientation,
+            *_crossing(z, seen, full),
+        )
         for name, values in zip(rows, found, strict=True):
             rows[name].append(values)
     data: dict[str, Any] = {}

@@ -69,21 +69,33 @@ class FitProblem:
             if name not in PARAMETERS:
                 raise InputError(name, "is not a parameter", allowed=", ".join(PARAMETERS))
             if name not in self.model.names:
-                raise InputError(f"parameters.{name}", "changes nothing in this model", allowed=", ".join(self.model.names),
-                                 remedy="take it out")  # fmt: skip
+                raise InputError(
+                    f"parameters.{name}",
+                    "changes nothing in this model",
+                    allowed=", ".join(self.model.names),
+                    remedy="take it out",
+                )
             kind = PARAMETERS[name]
             if not kind.low <= prior.value <= kind.high:
-                raise InputError(f"parameters.{name}", "is out of range", value=prior.value,
-                                 allowed=f"[{kind.low:g}, {kind.high:g}]")  # fmt: skip
+                raise InputError(
+                    f"parameters.{name}", "is out of range", value=prior.value, allowed=f"[{kind.low:g}, {kind.high:g}]"
+                )
             if not prior.std > 0:
-                raise InputError(f"parameters.{name}", "has no usable uncertainty", value=prior.std, allowed="(0, inf)",
-                                 remedy="leave +/- out to hold it fixed")  # fmt: skip
+                raise InputError(
+                    f"parameters.{name}",
+                    "has no usable uncertainty",
+                    value=prior.std,
+                    allowed="(0, inf)",
+                    remedy="leave +/- out to hold it fixed",
+                )
         known = sum(np.isfinite(prior.std) for prior in self.free.values())
         if self.size + known < len(self.free):
             raise InputError(
-                "data", f"holds {self.size} value(s) and {known} prior(s) for {len(self.free)} free parameters",
-                value=", ".join(self.free), remedy="fix parameters, give priors (value +/- std), or add data",
-            )  # fmt: skip
+                "data",
+                f"holds {self.size} value(s) and {known} prior(s) for {len(self.free)} free parameters",
+                value=", ".join(self.free),
+                remedy="fix parameters, give priors (value +/- std), or add data",
+            )
         for part in self.data:
             _within_jet(part, self.model, self.free)
 
@@ -208,7 +220,9 @@ def _within_jet(data: Observation, model: ForwardModel, free: Mapping[str, Prior
         row = int(np.flatnonzero(bad)[0])
         more = f", and {int(bad.sum()) - 1} more" if bad.sum() > 1 else ""
         raise InputError(
-            f"{data.source}: z", f"is beyond the jet at row {row + 1}{more}",
-            value=float(data.z[row]), allowed=f"[{low:.4g}, {high:.4g}] m",
+            f"{data.source}: z",
+            f"is beyond the jet at row {row + 1}{more}",
+            value=float(data.z[row]),
+            allowed=f"[{low:.4g}, {high:.4g}] m",
             remedy="raise jet.length in the scene, give origin, or leave rows out with z_range",
-        )  # fmt: skip
+        )

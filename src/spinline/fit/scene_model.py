@@ -44,10 +44,15 @@ def forward_model(
     context, _ = chosen(Context(asked))
     solution, jet = context.solution, context.jet
     own = {
-        "initial_radius": jet.initial_radius, "flow_rate": context.line.flow_rate,
-        "volume_fraction": solution.volume_fraction, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0,
-        "length_scale": 1.0, "origin": 0.0,
-    }  # fmt: skip
+        "initial_radius": jet.initial_radius,
+        "flow_rate": context.line.flow_rate,
+        "volume_fraction": solution.volume_fraction,
+        "evaporation": 1.0,
+        "fraction_scale": 1.0,
+        "fraction_offset": 0.0,
+        "length_scale": 1.0,
+        "origin": 0.0,
+    }
     own |= {name: getattr(jet, name) for name in ("k", "beta", "p") if hasattr(jet, name)}
     if solution.relaxation_time is not None:
         own["relaxation_time"] = solution.relaxation_time
@@ -57,10 +62,15 @@ def forward_model(
     if rung.sampled:
         notes += (f"the fit runs network.model = {rung.name!r} ({rung.cost}) for every trial",)
     return ForwardModel(
-        profile=asked.jet.profile, values=own | dict(values or {}), length=context.length,
-        solvent_quality=asked.network.solvent_quality, relaxation=context.effects.relaxation,
-        drying=context.air if context.effects.evaporation else None, notes=notes, context=context,
-    )  # fmt: skip
+        profile=asked.jet.profile,
+        values=own | dict(values or {}),
+        length=context.length,
+        solvent_quality=asked.network.solvent_quality,
+        relaxation=context.effects.relaxation,
+        drying=context.air if context.effects.evaporation else None,
+        notes=notes,
+        context=context,
+    )
 
 
 def _asked(
@@ -68,16 +78,24 @@ def _asked(
 ) -> tuple[Scene, tuple[str, ...]]:
     """The scene with what the fit asks of it: switches, a rung that can hold them, values that are not its own."""
     if not isinstance(scene.jet, PowerLawJet | HyperbolicJet):
-        raise InputError("jet.profile", "has no parameters to fit", value=scene.jet.profile,
-                         allowed='"power-law", "hyperbolic"', remedy="fit-jet finds k and beta of a table")  # fmt: skip
+        raise InputError(
+            "jet.profile",
+            "has no parameters to fit",
+            value=scene.jet.profile,
+            allowed='"power-law", "hyperbolic"',
+            remedy="fit-jet finds k and beta of a table",
+        )
     changes: dict[str, object] = {}
     notes: tuple[str, ...] = ()
     if relaxation and "relaxation_time" in values:
         theta = Measured(values["relaxation_time"])
         changes["solution"] = scene.solution.model_copy(update={"relaxation_time": theta})
     elif relaxation and scene.solution.relaxation_time is None:
-        raise InputError("solution.relaxation_time", "is missing: relaxation needs it",
-                         remedy='give it, or relaxation_time = "free" in the fit')  # fmt: skip
+        raise InputError(
+            "solution.relaxation_time",
+            "is missing: relaxation needs it",
+            remedy='give it, or relaxation_time = "free" in the fit',
+        )
     switches = {"relaxation": relaxation, "evaporation": evaporation}
     update = {key: value for key, value in switches.items() if value is not None}
     if evaporation is False:

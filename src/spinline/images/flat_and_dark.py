@@ -12,7 +12,8 @@ import numpy as np
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
 from spinline.images.noise import PairNoise, pair_noise
-from spinline.images.stacks import Stack, open_stack
+from spinline.images.sources import opened, part_of, slices, spoken, stack_of
+from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, sample_frames, sum_frames
 from spinline.scene.images_file import Images, Source
 
@@ -82,16 +83,24 @@ class Fields:
 def open_counts(images: Images) -> Stack:
     """Stack of the frames with the jet."""
     key, source = images.source
-    stack = _stack(images, source, key, images.part)
+    stack = stack_of(images, source, key, images.part)
     if key == "absorbance":
         stack = replace(stack, turned=lambda block: np.exp(-np.asarray(block, dtype=np.float64)))
     shape = stack.reader.shape
     if shape[-1] in (3, 4) and shape[0] > 4:
-        raise InputError(key, "is a colour image, no counts", value=f"array of shape {shape}",
-                         remedy="give the detector's raw frames, (frame, z, x) or (z, x)")  # fmt: skip
+        raise InputError(
+            key,
+            "is a colour image, no counts",
+            value=f"array of shape {shape}",
+            remedy="give the detector's raw frames, (frame, z, x) or (z, x)",
+        )
     if stack.columns < 8:
-        raise InputError(key, "has fewer than 8 pixels across the jet", value=f"{stack.rows} x {stack.columns}",
-                         remedy="check transpose: a row runs across the jet")  # fmt: skip
+        raise InputError(
+            key,
+            "has fewer than 8 pixels across the jet",
+            value=f"{stack.rows} x {stack.columns}",
+            remedy="check transpose: a row runs across the jet",
+        )
     for name in ("calibration_rows", "nozzle_rows"):
         rows = getattr(images, name)
         if rows is not None and rows[1] > stack.rows:
@@ -101,13 +110,6 @@ def open_counts(images: Images) -> Stack:
             "block_rows", "is more than the frame has", value=images.block_rows, allowed=f"[1, {stack.rows}]"
         )
     return stack
-
-
-def _stack(images: Images, source: str, key: str, frames: slice | None = None) -> Stack:
-    return open_stack(
-        source, key, images.folder, transpose=images.transpose, roi=None if images.roi is None else images.roi.slices,
-        frames=frames,
-    )  # fmt: skip
 
 
 def linear(measured: FloatArray, nonlinearity: float, level: float) -> FloatArray:
@@ -146,16 +148,16 @@ def build_fields(images: Images, counts: Stack) -> Fields:
     source, own = images.flat, None
     flat = flat_after = None
     if source.file is None:
-        _part(source, counts, "flat")
+        part_of(source, counts, "flat")
         stack, part, exposures, own = counts, slices(source), float(_pixels_in_mean(source, counts)), source
-        notes["flat"] = f"from the frames themselves, {_spoken(source)}"
+        notes["flat"] = f"from the frames themselves, {spoken(source)}"
         if images.flat_after is not None:
             raise InputError("flat_after", "goes with a flat from a file", remedy="take it out")
     else:
-        stack, part = _opened(source, "flat", images, counts), slices(source)
+        stack, part = opened(source, "flat", images, counts), slices(source)
         flat, exposures = _mean_flat(source, stack, counts, dark, images, bad, remarks)
         notes["flat"] = f"{source.file}, {stack.frames} frames" + (
-            f", {_spoken(source)}" if source.rows or source.columns else ""
+            f", {spoken(source)}" if source.rows or source.columns else ""
         )
         if images.flat_after is not None:
             flat_after, more, notes["flat_after"] = _after(images, counts, dark, bad, remarks)
@@ -173,9 +175,20 @@ def build_fields(images: Images, counts: Stack) -> Fields:
     bad |= _bad_pixels(images, shape)
     shared = source.rows is not None and source.columns is None if source.rows is not None or own else stack.rows == 1
     fields = Fields(
-        dark, variance, flat, flat_after, own, exposures, gain, bad, notes, tuple(remarks), shared and counts.rows > 1,
-        scatter, excess,
-    )  # fmt: skip
+        dark,
+        variance,
+        flat,
+        flat_after,
+        own,
+        exposures,
+        gain,
+        bad,
+        notes,
+        tuple(remarks),
+        shared and counts.rows > 1,
+        scatter,
+        excess,
+    )
     return _linearised(images, fields)
 
 
@@ -201,9 +214,18 @@ def _of_transmission(images: Images, counts: Stack) -> Fields:
         notes["gain"] = f"{gain:.4g} photons where the transmission is 1, from the noise of the {key}"
         remarks.append(f"i0 = {notes['gain']}: give it if it is known")
     return Fields(
-        np.zeros(shape), None, np.ones(shape), None, None, _COPY, gain, _bad_pixels(images, shape), notes, tuple(remarks),
+        np.zeros(shape),
+        None,
+        np.ones(shape),
+        None,
+        None,
+        _COPY,
+        gain,
+        _bad_pixels(images, shape),
+        notes,
+        tuple(remarks),
         scatter=scatter,
-    )  # fmt: skip
+    )
 
 
 def _along_noise(counts: Stack) -> PairNoise | None:
@@ -229,7 +251,7 @@ def _after(
     assert after is not None
     if after.file is None:
         raise InputError("flat_after", "is a part of the frames", remedy="name a file, as for flat")
-    later = _opened(after, "flat_after", images, counts)
+    later = opened(after, "flat_after", images, counts)
     flat, exposures = _mean_flat(after, later, counts, dark, images, bad, remarks)
     return flat, exposures, f"{after.file}, {later.frames} frames"
 
@@ -238,16 +260,21 @@ def _unlit(flat: FloatArray, flat_after: FloatArray | None, dark: FloatArray) ->
     """Pixels without light; refused where these are most."""
     if not float(np.median(flat + dark)) > 0:
         raise InputError(
-            "flat", "holds no light in more than half of its pixels", value=float(np.median(flat + dark)),
-            allowed="> 0 counts", remedy="give frames of the beam without a jet",
-        )  # fmt: skip
+            "flat",
+            "holds no light in more than half of its pixels",
+            value=float(np.median(flat + dark)),
+            allowed="> 0 counts",
+            remedy="give frames of the beam without a jet",
+        )
     dead = ~(flat > 0) | (~(flat_after > 0) if flat_after is not None else False)
     if dead.mean() > 0.5:
         raise InputError(
-            "dark", "is at or over the flat in more than half of the pixels", value=float(np.median(dark)),
+            "dark",
+            "is at or over the flat in more than half of the pixels",
+            value=float(np.median(dark)),
             allowed=f"under the flat, whose median is {np.median(flat + dark):.4g}",
             remedy="give raw flat and dark of the same exposure",
-        )  # fmt: skip
+        )
     return np.asarray(dead)
 
 
@@ -255,7 +282,7 @@ def _bad_pixels(images: Images, shape: tuple[int, int]) -> BoolArray:
     """The mask that is given; none where there is none."""
     if images.bad_pixels is None:
         return np.zeros(shape, dtype=np.bool_)
-    mask = _stack(images, images.bad_pixels, "bad_pixels")
+    mask = stack_of(images, images.bad_pixels, "bad_pixels")
     if (mask.rows, mask.columns) != shape:
         raise InputError(
             "bad_pixels", "has another shape than the frames", value=(mask.rows, mask.columns), allowed=str(shape)
@@ -273,9 +300,13 @@ def _linearised(images: Images, fields: Fields) -> Fields:
     words = f"{images.linearity.text}: response short by this at the flat's level, {level:.4g} counts above dark"
     after = fields.flat_after
     return replace(
-        fields, flat=linear(fields.flat, e, level), flat_after=None if after is None else linear(after, e, level),
-        nonlinearity=e, level=level, notes={**fields.notes, "linearity": words},
-    )  # fmt: skip
+        fields,
+        flat=linear(fields.flat, e, level),
+        flat_after=None if after is None else linear(after, e, level),
+        nonlinearity=e,
+        level=level,
+        notes={**fields.notes, "linearity": words},
+    )
 
 
 def mean_part(part: FloatArray, region: Source) -> FloatArray:
@@ -299,13 +330,13 @@ def _dark(images: Images, counts: Stack, notes: dict[str, str], remarks: list[st
         notes["dark"] = f"{source.level:g} counts, given"
         return np.full(shape, source.level), None
     if source.file is None:
-        _part(source, counts, "dark")
+        part_of(source, counts, "dark")
         total = sample_frames(counts)
         part = np.full(shape, np.nan)
         part[slices(source)] = (total.total / np.maximum(total.exposures, 1))[slices(source)]
-        notes["dark"] = f"from the frames themselves, {_spoken(source)}"
+        notes["dark"] = f"from the frames themselves, {spoken(source)}"
         return np.broadcast_to(mean_part(part, source), shape).copy(), None
-    stack = _opened(source, "dark", images, counts)
+    stack = opened(source, "dark", images, counts)
     total = sum_frames(stack)
     remarks += total.remarks(stack)
     mean = _mean_of(source, stack, total)
@@ -330,9 +361,12 @@ def _mean_flat(
         clipped = total.saturated(images.saturation, whole=True)
         if clipped.mean() > _MOST_SATURATED:
             raise InputError(
-                stack.key, f"{int(clipped.sum())} pixels are saturated", value=float(total.highest.max()),
-                allowed="up to 0.1 % of the frame, which are masked", remedy="expose for less time",
-            )  # fmt: skip
+                stack.key,
+                f"{int(clipped.sum())} pixels are saturated",
+                value=float(total.highest.max()),
+                allowed="up to 0.1 % of the frame, which are masked",
+                remedy="expose for less time",
+            )
         bad |= clipped | total.marked
     flat = np.broadcast_to(mean, shape) - dark
     averaged = _pixels_in_mean(source, stack) * images.flat_frames
@@ -355,54 +389,6 @@ def _pixels_in_mean(source: Source, stack: Stack) -> int:
     return rows * columns
 
 
-def _opened(source: Source, key: str, images: Images, counts: Stack) -> Stack:
-    assert source.file is not None
-    whole = source.rows is None and source.columns is None
-    one = source.file.lower().endswith((".tif", ".tiff", ".npy")) or ":" in source.file  # not a file of many arrays
-    if (
-        whole
-        and one
-        and source.file == images.counts
-        and ".nx" not in source.file.lower()
-        and ".h5" not in source.file.lower()
-    ):
-        raise InputError(
-            key, "is the file of the frames with the jet", value=source.file,
-            remedy=f"name the {key}'s own file, or a part of the frames, {{ columns = [first, last] }}",
-        )  # fmt: skip
-    stack = _stack(images, source.file, key)
-    _part(source, stack, key)
-    rows_fit = stack.rows in (1, counts.rows) or source.rows is not None
-    columns_fit = stack.columns == counts.columns or source.columns is not None
-    if not (rows_fit and columns_fit):
-        turned = (stack.columns, stack.rows) == (counts.rows, counts.columns)
-        raise InputError(
-            key, "has another shape than the frames", value=(stack.rows, stack.columns),
-            allowed=f"({counts.rows}, {counts.columns}), or one row of {counts.columns}",
-            remedy=f"counts or {key} lies on its side: store both alike" if turned else "",
-        )  # fmt: skip
-    return stack
-
-
-def _part(source: Source, stack: Stack, key: str) -> None:
-    for name, span, size in (("rows", source.rows, stack.rows), ("columns", source.columns, stack.columns)):
-        if span is not None and span[1] > size:
-            raise InputError(f"{key}.{name}", "goes beyond the frame", value=list(span), allowed=f"0 to {size}")
-
-
-def slices(source: Source) -> tuple[slice, slice]:
-    """Rows and columns of a source."""
-    rows, columns = (slice(*span) if span else slice(None) for span in (source.rows, source.columns))
-    return rows, columns
-
-
-def _spoken(source: Source) -> str:
-    parts = [
-        f"{name} {span[0]} to {span[1]}" for name, span in (("rows", source.rows), ("columns", source.columns)) if span
-    ]
-    return ", ".join(parts)
-
-
 def _gain(
     images: Images,
     stack: Stack,
@@ -423,20 +409,24 @@ def _gain(
         return (images.gain, *_against_gain(images, noise, read, notes, remarks))
     if noise is None:
         raise InputError(
-            "gain", "is missing, and one flat frame does not tell it",
+            "gain",
+            "is missing, and one flat frame does not tell it",
             remedy="give gain in photons per count (1 for a photon counter), or a stack of flat frames",
-        )  # fmt: skip
+        )
     if not noise.level > 0:
         raise InputError(
-            "dark", "is at or over the flat", value=float(np.median(dark)),
+            "dark",
+            "is at or over the flat",
+            value=float(np.median(dark)),
             remedy="give raw flat and dark of the same exposure",
-        )  # fmt: skip
+        )
     signal = noise.power - read[0]
     if not signal > 0:
         raise InputError(
-            "gain", "is missing, and the flats scatter no more than the dark",
+            "gain",
+            "is missing, and the flats scatter no more than the dark",
             remedy="give gain in photons per count",
-        )  # fmt: skip
+        )
     own = images.flat_frames if images.flat is not None and images.flat.file is not None else 1
     gain = noise.level / signal / own
     std = gain * float(np.hypot(np.sqrt(2.0 / noise.samples), np.nan_to_num(noise.power_std)))

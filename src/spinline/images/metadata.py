@@ -49,14 +49,16 @@ def with_metadata(images: Images, stack: Stack) -> tuple[Images, list[str]]:
         one._text, one._folder, one._name = images._text, images._folder, images._name
     if one.pixel_size is None and one.nozzle_diameter is None:
         raise InputError(
-            "pixel_size", "is missing, and the file of the frames does not say it",
+            "pixel_size",
+            "is missing, and the file of the frames does not say it",
             remedy="give one of pixel_size and nozzle_diameter (with nozzle_rows)",
-        )  # fmt: skip
+        )
     if not attenuated and one.energy is None and one.spectrum is None:
         raise InputError(
-            "energy", "is missing, and the file of the frames does not say it",
+            "energy",
+            "is missing, and the file of the frames does not say it",
             remedy="give one of energy and spectrum, or polymer_attenuation and solvent_attenuation",
-        )  # fmt: skip
+        )
     return _at_the_jet(one), said
 
 

@@ -86,10 +86,12 @@ def photons_frame(
     highest = float(counts[~bad].max())
     if highest > _MOST_PHOTONS:
         raise InputError(
-            "gain" if images.gain is not None else "counts", "makes more photons in a pixel than can be counted",
-            value=f"{highest:.3g} photons", allowed=f"up to {_MOST_PHOTONS:g}",
+            "gain" if images.gain is not None else "counts",
+            "makes more photons in a pixel than can be counted",
+            value=f"{highest:.3g} photons",
+            allowed=f"up to {_MOST_PHOTONS:g}",
             remedy="give raw counts, and gain in photons per count",
-        )  # fmt: skip
+        )
     lowest = float(counts[~bad].min())
     if lowest < 0:  # read noise below its own shift: assume as much more of it
         counts, dark = counts - lowest, dark - lowest
@@ -97,11 +99,17 @@ def photons_frame(
     piled = 0 if images.saturation is not None else summed.piled_up()
     marked = float(summed.marked.sum()) if summed.marked.size else 0.0
     facts = {
-        "bad_pixels": float(bad.sum()), "saturated_pixels": float(saturated.sum()), "outlying_pixels": float(lone.sum()),
-        "invalid_pixels": marked, "level": level, "flat_noise": extra,
+        "bad_pixels": float(bad.sum()),
+        "saturated_pixels": float(saturated.sum()),
+        "outlying_pixels": float(lone.sum()),
+        "invalid_pixels": marked,
+        "level": level,
+        "flat_noise": extra,
         "photons": float(np.median(fields.gain * exposures[~bad] * flat[~bad])),
-        "added_noise": max(-lowest, 0.0), "piled_up_pixels": float(piled), "highest_count": float(summed.highest[seen].max()),
-    }  # fmt: skip
+        "added_noise": max(-lowest, 0.0),
+        "piled_up_pixels": float(piled),
+        "highest_count": float(summed.highest[seen].max()),
+    }
     return Frame(counts, signal, dark, ~bad, pixel, blur, scatter=fields.scatter), facts
 
 
@@ -126,9 +134,12 @@ def _require_counts(images: Images, summed: FrameSum, seen: BoolArray) -> None:
         and (summed.total % 1 != 0).any()
     ):
         raise InputError(
-            "counts", "are no counts: at most 2, and not whole", value=float(summed.highest[seen].max()), allowed="raw counts",
+            "counts",
+            "are no counts: at most 2, and not whole",
+            value=float(summed.highest[seen].max()),
+            allowed="raw counts",
             remedy="give the raw frames; or name them transmission, or absorbance for their logarithm, in place of counts",
-        )  # fmt: skip
+        )
 
 
 def _saturated(images: Images, summed: FrameSum) -> BoolArray:
@@ -136,10 +147,12 @@ def _saturated(images: Images, summed: FrameSum) -> BoolArray:
     saturated = summed.saturated(images.saturation, whole=images.counts is not None)
     if saturated.mean() > _MOST_SATURATED:
         raise InputError(
-            "counts", f"{int(saturated.sum())} pixels ({100 * saturated.mean():.3g} %) are saturated",
-            value=float(summed.highest.max()), allowed="up to 0.1 % of the frame, which are masked",
+            "counts",
+            f"{int(saturated.sum())} pixels ({100 * saturated.mean():.3g} %) are saturated",
+            value=float(summed.highest.max()),
+            allowed="up to 0.1 % of the frame, which are masked",
             remedy="expose for less time, or give saturation if this is no limit of the detector",
-        )  # fmt: skip
+        )
     return saturated
 
 
@@ -148,10 +161,12 @@ def _require_light(each: FloatArray, dark: FloatArray, seen: BoolArray) -> None:
     if float(np.median((each - dark)[seen])) > 0 or (each - dark)[seen].sum() > 0:
         return
     raise InputError(
-        "dark", "is at or over the counts: no signal is left", value=float(np.median(dark)),
+        "dark",
+        "is at or over the counts: no signal is left",
+        value=float(np.median(dark)),
         allowed=f"under the counts, whose median is {float(np.median(each[seen])):.4g}",
         remedy="give raw counts with their dark",
-    )  # fmt: skip
+    )
 
 
 def residual_outliers(frame: "Frame", track: "Track") -> BoolArray:

@@ -84,9 +84,12 @@ class Stack:
         which = self.chosen[start:stop]
         if len(which) < stop - start or not which:
             raise InputError(
-                self.key, f"has no frames {start} to {stop}", value=self.name, allowed=f"0 to {self.frames}",
+                self.key,
+                f"has no frames {start} to {stop}",
+                value=self.name,
+                allowed=f"0 to {self.frames}",
                 remedy="was the file cut short?",
-            )  # fmt: skip
+            )
         try:
             if which[-1] - which[0] == len(which) - 1:
                 block = self.reader.read(which[0], which[-1] + 1)
@@ -97,9 +100,11 @@ class Stack:
         except Exception as error:  # what a library makes of damaged bytes
             reason = _first_line(error)
             raise InputError(
-                self.key, f"frames {start} to {stop} cannot be read ({reason})", value=self.name,
+                self.key,
+                f"frames {start} to {stop} cannot be read ({reason})",
+                value=self.name,
                 remedy="copy the file again; or take the frames before, with frames",
-            ) from None  # fmt: skip
+            ) from None
         block = np.swapaxes(block, 1, 2) if self.transpose else block
         block = block[:, self.rows_part, self.columns_part]
         return block if self.turned is None else self.turned(block)
@@ -165,9 +170,11 @@ def open_stack(
     chosen = tuple(i for i in wanted if i not in gone)
     if not chosen:
         raise InputError(
-            key, "holds no frame that was written: what is there is the file's fill value", value=source,
+            key,
+            "holds no frame that was written: what is there is the file's fill value",
+            value=source,
             remedy="was the acquisition stopped before it began? name another file",
-        )  # fmt: skip
+        )
     rows, columns = roi or (slice(None), slice(None))
     stack = Stack(key, source, reader, transpose, rows, columns, chosen)
     if min(stack.rows, stack.columns) < 1 or any(
@@ -175,10 +182,11 @@ def open_stack(
         for part, size in ((rows, reader.shape[2 if transpose else 1]), (columns, reader.shape[1 if transpose else 2]))
     ):
         raise InputError(
-            "roi", f"goes beyond the frames of {key}",
+            "roi",
+            f"goes beyond the frames of {key}",
             value=f"rows {rows.start}:{rows.stop}, columns {columns.start}:{columns.stop}",
             allowed=f"within {' x '.join(map(str, reader.shape[:0:-1] if transpose else reader.shape[1:]))}",
-        )  # fmt: skip
+        )
     return stack
 
 
@@ -228,19 +236,24 @@ class _Files:
             reader = self._reader(i)
             if reader.shape[1:] != first.shape[1:]:
                 raise InputError(
-                    key, f"{file.name} has another shape than the first file", value=reader.shape[1:],
+                    key,
+                    f"{file.name} has another shape than the first file",
+                    value=reader.shape[1:],
                     allowed=f"{first.shape[1:]}, that of {files[0].name}",
                     remedy="take it out of the pattern, or name the frames more closely",
-                )  # fmt: skip
+                )
             self.dtype = np.result_type(self.dtype, reader.dtype)
             missing += [sum(counts) + j for j in reader.account.missing]
             counts.append(reader.shape[0])
         self.bounds = np.cumsum([0, *counts])
         self.shape = (int(self.bounds[-1]), *first.shape[1:])
         self.account = Account(
-            f"{files[0].name} ... {files[-1].name}", f"{len(files)} files in the order of their numbers",
-            tuple(missing), tuple(remarks), first.account.metadata,
-        )  # fmt: skip
+            f"{files[0].name} ... {files[-1].name}",
+            f"{len(files)} files in the order of their numbers",
+            tuple(missing),
+            tuple(remarks),
+            first.account.metadata,
+        )
 
     def _reader(self, i: int) -> FrameReader:
         reader = self.open.get(i)

@@ -189,9 +189,11 @@ def _finished(stack: Stack, so_far: FrameSum) -> FrameSum:
     """The sum with the pixels that the detector marks taken out."""
     if so_far.used < 1:
         raise InputError(
-            stack.key, "holds no frame that is a measurement: every one holds one number throughout", value=stack.name,
+            stack.key,
+            "holds no frame that is a measurement: every one holds one number throughout",
+            value=stack.name,
             remedy="was the shutter open, was anything written?",
-        )  # fmt: skip
+        )
     marked = _marked(stack.dtype, so_far)
     exposures = np.where(marked, 0, so_far.exposures)
     total = np.where(marked, 0.0, so_far.total)
@@ -266,9 +268,11 @@ def _piece(stack: Stack, block: Array, start: int, look: _Look, before: Array | 
             empty = ~finite.any(axis=(1, 2))
             if empty.any() and not look.bright:
                 raise InputError(
-                    stack.key, "holds a frame without a finite number", value=f"frame {start + int(np.argmax(empty))}",
+                    stack.key,
+                    "holds a frame without a finite number",
+                    value=f"frame {start + int(np.argmax(empty))}",
                     remedy="leave that frame out",
-                )  # fmt: skip
+                )
             invalid = ~finite
     elif block.dtype.kind == "i" and look.bright and bool((block < 0).any()):
         invalid = block < 0  # counts are never negative: -1 and -2 are marks
@@ -360,6 +364,9 @@ def sample_frames(stack: Stack, most: int = 64) -> FrameSum:
         np.sum([p.total for p in parts], axis=0, dtype=np.float64),
         np.sum([np.broadcast_to(p.seen, (stack.rows, stack.columns)) for p in parts], axis=0),
         np.max([p.high for p in parts], axis=0).astype(np.float64),
-        len(picked), lost, copies, torn,
-    )  # fmt: skip
+        len(picked),
+        lost,
+        copies,
+        torn,
+    )
     return _finished(stack, so_far)

@@ -109,15 +109,19 @@ class TransientChain(SlippingRung):
             )
         except ChainError as error:
             raise InputError(
-                "network.model", f"the chain cannot be followed ({error})", value=self.name,
+                "network.model",
+                f"the chain cannot be followed ({error})",
+                value=self.name,
                 remedy="raise accuracy.steps or accuracy.rtol, or join more strands (network.coarse_grain)",
-            ) from None  # fmt: skip
+            ) from None
         profile = run.profile
         if not profile.position.size:
             raise InputError(
-                "network.model", f"leaves no strand in the jet: {joined:.3g} joined into one are longer than it",
-                value=self.name, remedy="join fewer (network.coarse_grain), or take a longer jet",
-            )  # fmt: skip
+                "network.model",
+                f"leaves no strand in the jet: {joined:.3g} joined into one are longer than it",
+                value=self.name,
+                remedy="join fewer (network.coarse_grain), or take a longer jet",
+            )
         cycle = None
         if n.force_law != "linear":
             places = np.union1d(context.grid(801) / jet.initial_radius, np.linspace(0.0, length, 401))
@@ -188,10 +192,12 @@ class TransientChain(SlippingRung):
             from spinline.network_models.registry import simplest
 
             raise InputError(
-                "network.model", f"has no chain: a mesh of {spacing * r0:.3g} m is wider than the jet's radius",
-                value=self.name, allowed=f"a radius above {spacing * r0:.3g} m",
+                "network.model",
+                f"has no chain: a mesh of {spacing * r0:.3g} m is wider than the jet's radius",
+                value=self.name,
+                allowed=f"a radius above {spacing * r0:.3g} m",
                 remedy=f'raise the fraction, or take model = "{simplest().name}"',
-            )  # fmt: skip
+            )
         joined = max(1.0, transit / spacing / _MOST_BEADS) if n.coarse_grain is None else n.coarse_grain.value
         chain = Chain(
             flow=Flow.from_jet(jet, length),

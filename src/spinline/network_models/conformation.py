@@ -87,8 +87,9 @@ def stretch_strands(
     late = time[0] > 0
     if late:  # from the nozzle, where everything is at rest, to the first element of a bead jet
         start = float(material.relaxation_time(np.asarray([material.solution.volume_fraction]))[0])
-        along = [np.concatenate(([first], values)) for first, values in
-                 ((0.0, time), (1.0, stretch_ratio), (start, theta))]  # fmt: skip
+        along = [
+            np.concatenate(([first], values)) for first, values in ((0.0, time), (1.0, stretch_ratio), (start, theta))
+        ]
         rate = None
     else:
         along, rate = [time, stretch_ratio, theta], strain_rate
@@ -98,8 +99,9 @@ def stretch_strands(
         finite = np.isfinite(model.stiffening(np.ones(1))[1])
         other = (maxwell if finite else fenep).LAW.name
         remedy = f'{error.remedy or "see the jet"}; or rheology.constitutive = "{other}"'
-        raise InputError(f"jet: {error.field}", error.problem, value=error.value, allowed=error.allowed,
-                         remedy=remedy) from None  # fmt: skip
+        raise InputError(
+            f"jet: {error.field}", error.problem, value=error.value, allowed=error.allowed, remedy=remedy
+        ) from None
     cut = slice(1, None) if late else slice(None)
     stress = radial = force = None
     if material.solution.viscosity is not None or material.laws.law == "martin":
@@ -107,8 +109,12 @@ def stretch_strands(
         if model.solvent_viscosity:
             viscosity = viscosity - model.solvent_viscosity
             if (viscosity <= 0).any():
-                raise InputError("solution.viscosity", "is not above the solvent's, as Oldroyd-B needs",
-                                 value=float(viscosity.min()) + model.solvent_viscosity, remedy="raise it")  # fmt: skip
+                raise InputError(
+                    "solution.viscosity",
+                    "is not above the solvent's, as Oldroyd-B needs",
+                    value=float(viscosity.min()) + model.solvent_viscosity,
+                    remedy="raise it",
+                )
         modulus = viscosity / theta
         every = np.concatenate((modulus[:1], modulus)) if late else modulus
         both = state.stress(every)
@@ -180,9 +186,16 @@ def _disentangled(context: "Context", history: History) -> Relaxed:
         time, stretch = np.concatenate(([0.0], time)), np.concatenate(([1.0], stretch))
         slow = np.concatenate(([start], slow))
     state = disentangle(
-        time, stretch, slow, strands.rouse_time(slow), segments=context.rest.segments, release=strands.release,
-        entanglement_release=strands.entanglement_release, strain_rate=None if late else history.strain_rate, rtol=1e-8,
-    )  # fmt: skip
+        time,
+        stretch,
+        slow,
+        strands.rouse_time(slow),
+        segments=context.rest.segments,
+        release=strands.release,
+        entanglement_release=strands.entanglement_release,
+        strain_rate=None if late else history.strain_rate,
+        rtol=1e-8,
+    )
     cut = slice(1, None) if late else slice(None)
     left = state.entanglements_left[cut]
     found = {"entanglements_left": left}

@@ -72,8 +72,9 @@ def _along_beads(context: "Context") -> "TwoFluid":
 
     n, course = context.scene.network, course_of(context)
     if n.inertia.value:
-        raise InputError("network.inertia", "is not held along bead jets", value=n.inertia.value, allowed="0",
-                         remedy="leave it out")  # fmt: skip
+        raise InputError(
+            "network.inertia", "is not held along bead jets", value=n.inertia.value, allowed="0", remedy="leave it out"
+        )
     return two_fluid_network(
         course.profile,
         course.length,

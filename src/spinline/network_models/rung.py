@@ -127,16 +127,23 @@ class Rung:
         if "straight jet" in self.needs and not context.straight:
             from spinline.network_models.registry import simplest
 
-            raise InputError("network.model", "needs a straight jet", value=self.name,
-                             remedy=f'take "{simplest().name}" for a bead jet')  # fmt: skip
+            raise InputError(
+                "network.model",
+                "needs a straight jet",
+                value=self.name,
+                remedy=f'take "{simplest().name}" for a bead jet',
+            )
         if not self.slips and n.force_law != "lattice":
             from spinline.network_models.registry import RUNGS
 
             others = " or ".join(f'"{rung.name}"' for rung in RUNGS.values() if rung.slips)
             raise InputError(
-                "network.force_law", "is not used by the affine network", value=n.force_law, allowed='"lattice"',
+                "network.force_law",
+                "is not used by the affine network",
+                value=n.force_law,
+                allowed='"lattice"',
                 remedy=f"take model = {others} for other laws",
-            )  # fmt: skip
+            )
 
     def require(self, context: "Context") -> None:
         """Refuse where data are missing that not even a plan can do without.

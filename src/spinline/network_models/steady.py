@@ -120,9 +120,14 @@ def course_of(context: "Context") -> Course:
     nodes, levels = np.concatenate(([0.0], arc)), np.concatenate(([0.0], level))
     length = float(arc[-1])
     return Course(
-        lambda s: np.exp(np.interp(s, nodes, levels)), length, length, arc, tuple(arc.tolist()), context.coupling.required(),
+        lambda s: np.exp(np.interp(s, nodes, levels)),
+        length,
+        length,
+        arc,
+        tuple(arc.tolist()),
+        context.coupling.required(),
         context.feed.initial_velocity / r0,
-    )  # fmt: skip
+    )
 
 
 def velocity_of(network: Network, s: FloatArray) -> FloatArray:

@@ -123,8 +123,9 @@ def network_motion(
         raise InputError(
             "network.model",
             f"has beads that passed each other ({joined:.3g} strands joined into one): too few beads in this jet",
-            value=rung.name, remedy="join fewer (network.coarse_grain), take a longer jet, or a higher coupling",
-        )  # fmt: skip
+            value=rung.name,
+            remedy="join fewer (network.coarse_grain), take a longer jet, or a higher coupling",
+        )
     return stretch, velocity
 
 
@@ -145,6 +146,14 @@ def lateral_variables(context: "Context", fields: dict[str, FloatArray]) -> dict
         raise InputError("network.lateral", f"needs alpha_v, which is {coupling.words}", remedy="give network.coupling")
     pace = scene.network.spring.value / coupling.alpha * jet.initial_velocity / jet.initial_radius
     contraction = fields["radial_contraction"]
+    if not contraction[0] > 0:
+        raise InputError(
+            "network.lateral",
+            "needs strands of some width at the nozzle",
+            value=float(contraction[0]),
+            allowed="radial_contraction > 0",
+            remedy="leave network.lateral out",
+        )
     try:
         across = lateral_network(
             pace * fields["residence_time"],

@@ -26,9 +26,13 @@ class SampledWalk(Rung):
     def check(self, context: "Context") -> None:
         """Refuse another closure than the force."""
         if context.scene.network.closure_used != "force":
-            raise InputError("network.closure", "gives no force at the ends of a strand, and a strand walks under one",
-                             value=context.scene.network.closure_used, allowed='"force"',
-                             remedy="take one of those")  # fmt: skip
+            raise InputError(
+                "network.closure",
+                "gives no force at the ends of a strand, and a strand walks under one",
+                value=context.scene.network.closure_used,
+                allowed='"force"',
+                remedy="take one of those",
+            )
         super().check(context)
 
     def fields(

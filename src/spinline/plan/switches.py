@@ -87,18 +87,32 @@ def _refuse(context: Context, relaxes: bool) -> None:
     if (asked.relaxation is True or relaxes) and solution.relaxation_time is None:
         field = "effects.relaxation = true" if asked.relaxation is True else f'network.model = "{model}"'
         raise InputError(
-            "solution.relaxation_time", f"is missing: {field} needs it",
+            "solution.relaxation_time",
+            f"is missing: {field} needs it",
             remedy='give it, for example relaxation_time = "10 ms" in [solution]',
-        )  # fmt: skip
+        )
     if asked.relaxation is False and relaxes:
-        raise InputError("effects.relaxation", f'is off, and network.model = "{model}" is relaxation', value=False,
-                         remedy=f'take model = "{simplest().name}", or drop it')  # fmt: skip
+        raise InputError(
+            "effects.relaxation",
+            f'is off, and network.model = "{model}" is relaxation',
+            value=False,
+            remedy=f'take model = "{simplest().name}", or drop it',
+        )
     if asked.relaxation is True and not relaxes and model in RUNGS:
         able = cheapest(["relaxation"])
         other = "" if able is None else f'take model = "{able.name}" or "auto"'
-        raise InputError("effects.relaxation", f'is not in network.model = "{model}"', value=True,
-                         allowed='"auto", false', remedy=other)  # fmt: skip
+        raise InputError(
+            "effects.relaxation",
+            f'is not in network.model = "{model}"',
+            value=True,
+            allowed='"auto", false',
+            remedy=other,
+        )
     for effect in EFFECTS:
         if effect.after and getattr(asked, effect.switch) is True and getattr(asked, effect.after) is False:
-            raise InputError(f"effects.{effect.switch}", f"needs {effect.after}, which is off", value=True,
-                             remedy=f"set effects.{effect.after} = true")  # fmt: skip
+            raise InputError(
+                f"effects.{effect.switch}",
+                f"needs {effect.after}, which is off",
+                value=True,
+                remedy=f"set effects.{effect.after} = true",
+            )

@@ -92,10 +92,12 @@ def _require_given_contrast(absorber: Absorber) -> None:
         require_contrast(absorber)
     except InputError as error:
         raise InputError(
-            "polymer_attenuation", "times its density is within 1 % of the solvent's: absorption does not tell them apart",
-            value=f"contrast {absorber.contrast:.4g} 1/m", allowed=error.allowed,
+            "polymer_attenuation",
+            "times its density is within 1 % of the solvent's: absorption does not tell them apart",
+            value=f"contrast {absorber.contrast:.4g} 1/m",
+            allowed=error.allowed,
             remedy="take another photon energy, with the attenuations there",
-        ) from None  # fmt: skip
+        ) from None
 
 
 def _refracting(images: Images, solution: "Solution", energy: float, absorber: Absorber) -> "Medium | None":
@@ -136,6 +138,8 @@ def _matter(key: str, what: Composition, density: float) -> Material:
         return Material(what, density)
     except InputError as error:
         raise InputError(
-            key, "has no chemical formula, so that its attenuation is not known", value=error.value,
+            key,
+            "has no chemical formula, so that its attenuation is not known",
+            value=error.value,
             remedy="name it by its formula, or give polymer_attenuation and solvent_attenuation",
-        ) from None  # fmt: skip
+        ) from None

@@ -81,9 +81,12 @@ def calibrated(experiment: "Experiment", frame: "Frame", track: Track) -> "Exper
     whole = float(np.hypot(std, own))
     if not scale > 0 or whole > 0.1:
         raise InputError(
-            "calibration_rows", f"do not tell the attenuation: {scale:.3g} +/- {whole:.2g} of the tables'",
-            value=[first, last], allowed="known to 10 %", remedy="take more rows",
-        )  # fmt: skip
+            "calibration_rows",
+            f"do not tell the attenuation: {scale:.3g} +/- {whole:.2g} of the tables'",
+            value=[first, last],
+            allowed="known to 10 %",
+            remedy="take more rows",
+        )
     if abs(scale - 1.0) > _FAR_OFF:
         remarks.append(f"the calibration scales the attenuation by {scale:.3g}: check energy, pixel_size and solution")
     words = f"{scale:.4f} +/- {whole:.4f} of that assumed, from rows {first} to {last} at a fraction of {phi:.4f}"

@@ -131,9 +131,15 @@ def _block(frame: Frame, track: Track, lean: Lean, start: int, stop: int, known:
     half = 0.5 * frame.counts.shape[1] - 1.0
     middle = float(np.clip(axis.mean(), -half, half))
     return Block(
-        counts, good, detector, float(radius.mean()) * frame.pixel, middle * frame.pixel, 1.0 / float(np.hypot(1.0, slope)),
-        smear, known,
-    )  # fmt: skip
+        counts,
+        good,
+        detector,
+        float(radius.mean()) * frame.pixel,
+        middle * frame.pixel,
+        1.0 / float(np.hypot(1.0, slope)),
+        smear,
+        known,
+    )
 
 
 def shared_detector(
@@ -268,11 +274,16 @@ def _found(start: SharedDetector, fit: DetectorFit) -> SharedDetector:
         covariance[i] /= attenuation
         covariance[:, i] /= attenuation
     return replace(
-        start, blur=values.get("blur", start.blur), tail_share=max(values.get("tail_share", start.tail_share), 0.0),
+        start,
+        blur=values.get("blur", start.blur),
+        tail_share=max(values.get("tail_share", start.tail_share), 0.0),
         tail_length=values.get("tail_length", start.tail_length),
         shapes=tuple((name, value) for name, value in values.items() if name.startswith("shape")),
-        attenuation=attenuation, attenuation_std=std, names=fit.names, covariance=covariance,
-    )  # fmt: skip
+        attenuation=attenuation,
+        attenuation_std=std,
+        names=fit.names,
+        covariance=covariance,
+    )
 
 
 def _vague(fit: DetectorFit) -> list[str]:
@@ -314,9 +325,14 @@ def _undeclared(
         )
         try:
             row = fit_row(
-                one.counts, absorber.along(one.cosine * scale), one.seen(), shells=_SHELLS, good=one.good, radius=one.radius,
+                one.counts,
+                absorber.along(one.cosine * scale),
+                one.seen(),
+                shells=_SHELLS,
+                good=one.good,
+                radius=one.radius,
                 axis=one.axis,
-            )  # fmt: skip
+            )
         except InputError:
             break
         means.append(row.mean_fraction)

@@ -131,8 +131,12 @@ def bent(frame: Frame, detector: SharedDetector) -> Frame:
     """A frame with the detector's blur and tail, and the flat as the beam has become."""
     bend = beam_shape(dict(detector.shapes), frame.counts.shape[1])
     return replace(
-        frame, flat=frame.flat * bend, blur=detector.blur, tail_share=detector.tail_share, tail_length=detector.tail_length,
-    )  # fmt: skip
+        frame,
+        flat=frame.flat * bend,
+        blur=detector.blur,
+        tail_share=detector.tail_share,
+        tail_length=detector.tail_length,
+    )
 
 
 def _joint(images: Images, medium: "Medium | None") -> bool:
@@ -191,10 +195,22 @@ def first_look(
     frame, fields, facts = _cleaned(frame, fields, track, facts)
     factor, _ = path_factor(images)
     experiment = Experiment(
-        images, stack, fields, solution, pixel, pixel_std, absorber.along(factor), scaled_medium(medium, factor),
-        Calibration(), notes, tuple(remarks), scaled_medium(wave, factor), lean=axis_lean(track), used=summed.used,
+        images,
+        stack,
+        fields,
+        solution,
+        pixel,
+        pixel_std,
+        absorber.along(factor),
+        scaled_medium(medium, factor),
+        Calibration(),
+        notes,
+        tuple(remarks),
+        scaled_medium(wave, factor),
+        lean=axis_lean(track),
+        used=summed.used,
         detector=SharedDetector(blur=blur),
-    )  # fmt: skip
+    )
     return experiment, frame, track, facts
 
 
@@ -257,9 +273,11 @@ def _with_detector(experiment: Experiment, frame: Frame, track: Track) -> tuple[
             return replace(experiment, detector=held), bent(frame, held)
         if images.tail_share is not None:
             raise InputError(
-                "tail_share", "is fitted by absorption at one energy", value=images.method,
+                "tail_share",
+                "is fitted by absorption at one energy",
+                value=images.method,
                 remedy='give tail_share and tail_length, or take method "row" or "map"',
-            )  # fmt: skip
+            )
         return experiment, frame
     known = None
     if images.calibration_rows is not None:
@@ -280,9 +298,11 @@ def _with_detector(experiment: Experiment, frame: Frame, track: Track) -> tuple[
         )
         found = replace(more, remarks=(*found.remarks, *(r for r in more.remarks if r not in found.remarks)))
     experiment = replace(
-        experiment, detector=found, notes={**experiment.notes, **dict(found.notes)},
+        experiment,
+        detector=found,
+        notes={**experiment.notes, **dict(found.notes)},
         remarks=(*experiment.remarks, *found.remarks),
-    )  # fmt: skip
+    )
     return experiment, bent(frame, found)
 
 
@@ -378,16 +398,32 @@ def fit_blocks(
         assert experiment.medium is not None
         assert images.propagation_distance is not None
         return fit_frame_phase(
-            frame, experiment.medium, images.propagation_distance.value, shells=shells, block_rows=block_rows,
-            nuisances=(*experiment.nuisances, "distance", "refraction"), track=track, done=done,
-            begun=begun, keep=keep,
-        )  # fmt: skip
+            frame,
+            experiment.medium,
+            images.propagation_distance.value,
+            shells=shells,
+            block_rows=block_rows,
+            nuisances=(*experiment.nuisances, "distance", "refraction"),
+            track=track,
+            done=done,
+            begun=begun,
+            keep=keep,
+        )
     path = require_track(frame) if track is None else track
     return fit_frame(
-        frame, experiment.absorber, shells=shells, block_rows=block_rows, nuisances=experiment.nuisances, track=path,
-        one=law, done=done, begun=begun, keep=keep, lean=axis_lean(path).slope if lean is None else lean,
+        frame,
+        experiment.absorber,
+        shells=shells,
+        block_rows=block_rows,
+        nuisances=experiment.nuisances,
+        track=path,
+        one=law,
+        done=done,
+        begun=begun,
+        keep=keep,
+        lean=axis_lean(path).slope if lean is None else lean,
         shared=experiment.detector.names,
-    )  # fmt: skip
+    )
 
 
 def expected_errors(
@@ -436,6 +472,8 @@ def require_signal(experiment: Experiment, frame: Frame, track: Track) -> FloatA
         )
     )
     raise InputError(
-        "block_rows", f"the error expected, {best:.2g}, exceeds the polymer fraction, {phi:.3g}, in every block",
-        value=experiment.images.block_rows, remedy=f"{remedy}; or --noisy",
-    )  # fmt: skip
+        "block_rows",
+        f"the error expected, {best:.2g}, exceeds the polymer fraction, {phi:.3g}, in every block",
+        value=experiment.images.block_rows,
+        remedy=f"{remedy}; or --noisy",
+    )

@@ -112,9 +112,16 @@ def plan_exposure(
         energy = energy_kev
         if energy is None:
             energy = best_energy(
-                heavy, light, radius, 1.0, pixel=p, polymer_fraction=phi, low_kev=lowest_kev, high_kev=highest_kev,
+                heavy,
+                light,
+                radius,
+                1.0,
+                pixel=p,
+                polymer_fraction=phi,
+                low_kev=lowest_kev,
+                high_kev=highest_kev,
                 coherent=coherent,
-            ).energy_kev  # fmt: skip
+            ).energy_kev
         absorber = solution_absorber(heavy, light, energy, coherent=coherent, temperature=solution.temperature)
         jet = RoundJet(np.full(shells, phi), radius)
         known = photons_needed(wanted, jet, absorber, p, blur=blur, tail=tail)
@@ -122,10 +129,16 @@ def plan_exposure(
         mu = absorber.solvent - absorber.air + phi * absorber.contrast
         plans.append(
             Exposure(
-                radius, wanted, float(energy), absorber.contrast, float(np.exp(-2.0 * radius * mu)), known, fitted,
+                radius,
+                wanted,
+                float(energy),
+                absorber.contrast,
+                float(np.exp(-2.0 * radius * mu)),
+                known,
+                fitted,
                 float("nan") if each is None else float(np.ceil(fitted / each)),
             )
-        )  # fmt: skip
+        )
     return plans
 
 

@@ -70,9 +70,12 @@ def _attenuation(images: Images, solution: "Solution", energy_kev: float) -> flo
 
     p = solution.polymer
     medium = solution_medium(
-        Material(p.repeat_unit or p.name, p.density), Material(solution.solvent, solution.solvent_density), energy_kev,
-        coherent=images.coherent, temperature=solution.temperature,
-    )  # fmt: skip
+        Material(p.repeat_unit or p.name, p.density),
+        Material(solution.solvent, solution.solvent_density),
+        energy_kev,
+        coherent=images.coherent,
+        temperature=solution.temperature,
+    )
     a = medium.absorber
     return a.solvent - a.air + solution.volume_fraction * a.contrast
 

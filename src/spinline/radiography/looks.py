@@ -76,9 +76,10 @@ def _require_order(frame: Frame, medium: "Medium | None") -> None:
     )  # fringes brighten a jet by other amounts
     if 0.5 * due < seen < 2.0 * due and track.found.mean() > 0.5:
         raise InputError(
-            "flat", "seems to have changed places with counts: the jet is in the flat, not in the frames",
+            "flat",
+            "seems to have changed places with counts: the jet is in the flat, not in the frames",
             remedy="counts are the frames with the jet, flat those without",
-        )  # fmt: skip
+        )
 
 
 def row_law(images: Images, medium: "Medium | None") -> Callable[..., RowFit]:
@@ -159,9 +160,10 @@ def require_upright(frame: Frame) -> None:
     sideways = track_jet(frame.counts.T, frame.flat.T, frame.dark.T, frame.good.T)
     if sideways is not None and float(np.median(sideways.radius)) < 0.45 * frame.counts.shape[0]:
         raise InputError(
-            "transpose", "seems wrong: the jet runs along the rows, it has to run down the columns",
+            "transpose",
+            "seems wrong: the jet runs along the rows, it has to run down the columns",
             remedy="set transpose = true, or take it out",
-        )  # fmt: skip
+        )
 
 
 def _smooth(values: FloatArray) -> FloatArray:

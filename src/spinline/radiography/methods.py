@@ -82,12 +82,19 @@ def _map(experiment: Experiment, frame: Frame, track: Track | None, _: Done, kep
     across = seen.across(float(lean.cosine.mean()))
     optics = {name: getattr(across, name) for name in ("blur", "tail_share", "tail_length", "scatter")}
     found = fit_map(
-        np.array([counts for counts, _, _ in one]), experiment.absorber,
+        np.array([counts for counts, _, _ in one]),
+        experiment.absorber,
         [replace(detector, **optics) for _, detector, _ in one],
-        z=frame.pixel * rows.mean(axis=1), nuisances=experiment.nuisances, shells=experiment.images.shells,
-        radius=frame.pixel * path.radius, axis=frame.pixel * path.axis, good=np.array([good for _, _, good in one]),
-        path=lean.cosine, begun=None if kept is None else kept.map_begun, keep=None if kept is None else kept.map_keep,
-    )  # fmt: skip
+        z=frame.pixel * rows.mean(axis=1),
+        nuisances=experiment.nuisances,
+        shells=experiment.images.shells,
+        radius=frame.pixel * path.radius,
+        axis=frame.pixel * path.axis,
+        good=np.array([good for _, _, good in one]),
+        path=lean.cosine,
+        begun=None if kept is None else kept.map_begun,
+        keep=None if kept is None else kept.map_keep,
+    )
     shifts = map_shifts(experiment, frame, path, lean, found.edges, found.z)
     return map_frame_fit(found, rows, lean.cosine, shifts)
 
@@ -101,10 +108,21 @@ def map_frame_fit(found: MapFit, rows: NDArray[np.int64], cosine: FloatArray, sh
         for name in ("radius", "blur"):
             curves[name] = curves[name] * cosine
     fit = FrameFit(
-        "map", found.edges, rows, found.fraction, covariance, found.mean_fraction, found.mean_fraction_std, found.limit_std,
-        values, std, np.full(rows.shape[0], found.misfit), np.zeros(rows.shape[0], dtype=np.int64), shifts=shifts,
+        "map",
+        found.edges,
+        rows,
+        found.fraction,
+        covariance,
+        found.mean_fraction,
+        found.mean_fraction_std,
+        found.limit_std,
+        values,
+        std,
+        np.full(rows.shape[0], found.misfit),
+        np.zeros(rows.shape[0], dtype=np.int64),
+        shifts=shifts,
         excess=np.full(rows.shape[0], found.excess),
-    )  # fmt: skip
+    )
     for block in range(rows.shape[0]):
         if not found.converged:
             fit.flag(block, "not_converged")
@@ -134,10 +152,14 @@ def map_shifts(
     for start in np.unique(np.linspace(0, z.size - 1, count).astype(int)).tolist():
         try:
             fit = fit_frame(
-                part_of(frame, start, start + 1), experiment.absorber, shells=edges, nuisances=experiment.nuisances,
+                part_of(frame, start, start + 1),
+                experiment.absorber,
+                shells=edges,
+                nuisances=experiment.nuisances,
                 track=Track(*(getattr(track, item.name)[start : start + 1] for item in fields(Track))),
-                lean=lean.slope[start : start + 1], shared=names,
-            )  # fmt: skip
+                lean=lean.slope[start : start + 1],
+                shared=names,
+            )
         except InputError:
             continue
         at.append(z[start])
@@ -161,9 +183,15 @@ def _block(frame: Frame, start: int, stop: int) -> tuple[FloatArray, Detector, B
 def _row(experiment: Experiment, frame: Frame, track: Track | None, done: Done, kept: Kept | None) -> FrameFit:
     images = experiment.images
     fit = fit_blocks(
-        experiment, frame, track, shells=images.shells, block_rows=images.block_rows, done=done,
-        begun=None if kept is None else kept.begun, keep=None if kept is None else kept.keep,
-    )  # fmt: skip
+        experiment,
+        frame,
+        track,
+        shells=images.shells,
+        block_rows=images.block_rows,
+        done=done,
+        begun=None if kept is None else kept.begun,
+        keep=None if kept is None else kept.keep,
+    )
     return replace(fit, method=images.method)
 
 

@@ -168,12 +168,15 @@ def _calibrated_alike(places: list[Place], which: int) -> list[Place]:
         replace(
             place,
             experiment=replace(
-                place.experiment, absorber=source.absorber, medium=source.medium, calibration=source.calibration,
+                place.experiment,
+                absorber=source.absorber,
+                medium=source.medium,
+                calibration=source.calibration,
                 notes={**place.experiment.notes, "calibration": source.notes["calibration"]},
             ),
         )
         for place in places
-    ]  # fmt: skip
+    ]
 
 
 def _apart(places: list[Place]) -> list[str]:
@@ -247,10 +250,13 @@ def reduce_positions(
     for i, place in enumerate(places):
         fits.append(
             fit_blocks(
-                place.experiment, place.frame, place.track, shells=images.shells if images.method == "row" else 1,
+                place.experiment,
+                place.frame,
+                place.track,
+                shells=images.shells if images.method == "row" else 1,
                 block_rows=height,
             )
-        )  # fmt: skip
+        )
         if done is not None:
             done(i + 1, len(places))
     found = seams(places, fits)
@@ -297,13 +303,25 @@ def _joint_map(
     order = np.argsort(at, kind="stable")
     places_z = _rising(at[order], places[0].frame.pixel)
     lean_mean = float(np.concatenate(path).mean())
-    across = [replace(detectors[i], blur=detectors[i].blur / lean_mean, tail_length=detectors[i].tail_length / lean_mean)
-              for i in order]  # fmt: skip
+    across = [
+        replace(detectors[i], blur=detectors[i].blur / lean_mean, tail_length=detectors[i].tail_length / lean_mean)
+        for i in order
+    ]
     found = fit_map(
-        np.array(counts)[order], first.absorber, across, z=places_z, nuisances=first.nuisances, shells=first.images.shells,
-        radius=np.concatenate(radius)[order], axis=np.concatenate(axis)[order], good=np.array(good)[order],
-        path=np.concatenate(path)[order], axis_offset=np.concatenate(aside)[order], begun=begun, keep=keep,
-    )  # fmt: skip
+        np.array(counts)[order],
+        first.absorber,
+        across,
+        z=places_z,
+        nuisances=first.nuisances,
+        shells=first.images.shells,
+        radius=np.concatenate(radius)[order],
+        axis=np.concatenate(axis)[order],
+        good=np.array(good)[order],
+        path=np.concatenate(path)[order],
+        axis_offset=np.concatenate(aside)[order],
+        begun=begun,
+        keep=keep,
+    )
     shifts = np.zeros((at.size, found.edges.size - 1, len(first.detector.names)))
     if first.detector.names:
         parts = [map_shifts(p.experiment, p.frame, p.track, axis_lean(p.track), found.edges, p.z) for p in places]

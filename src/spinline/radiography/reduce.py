@@ -144,9 +144,11 @@ def _of_positions(images: Images, job: Checkpoint | None, said: Progress) -> "xr
     at = iter(range(count))
     places, remarks = prepare_positions(images, lambda stack: _summed(stack, job, said, f"sum-{next(at)}"))
     fits, joint, z, found = reduce_positions(
-        places, done=lambda done, of: said("positions", done, of), begun=None if job is None else map_begun(job),
+        places,
+        done=lambda done, of: said("positions", done, of),
+        begun=None if job is None else map_begun(job),
         keep=None if job is None else map_keep(job),
-    )  # fmt: skip
+    )
     return assemble_positions(images, places, fits, joint, z, found, remarks)
 
 
@@ -240,9 +242,11 @@ def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Pr
         fits = [_kept(store, _name(i), experiment.images.method) for i in range(count)]
     if not any(np.isfinite(fit.mean).any() for fit in fits):
         raise InputError(
-            "frames", "no single frame can be reduced: " + next(iter(fits[0].reasons.values())), value="each",
+            "frames",
+            "no single frame can be reduced: " + next(iter(fits[0].reasons.values())),
+            value="each",
             remedy='take frames = "sum"',
-        )  # fmt: skip
+        )
     return fits
 
 

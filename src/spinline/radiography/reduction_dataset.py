@@ -114,9 +114,12 @@ def assemble(
     data = _fractions(experiment, fits, lead, stack)
     data |= _by_mass(experiment, data, lead)
     for name, key, with_std in (
-        ("jet_radius", "radius", True), ("jet_axis", "axis", True), ("beam_level", "amplitude", False),
-        ("beam_slope", "slope", False), ("blur", "blur", False),
-    ):  # fmt: skip
+        ("jet_radius", "radius", True),
+        ("jet_axis", "axis", True),
+        ("beam_level", "amplitude", False),
+        ("beam_slope", "slope", False),
+        ("blur", "blur", False),
+    ):
         data[name] = ((*lead, "row"), stack([f.values[key] for f in fits]))
         if with_std:
             own = stack([f.std[key] for f in fits])
@@ -125,29 +128,39 @@ def assemble(
                 np.hypot(own, data[name][1] * experiment.pixel_std / experiment.pixel),
             )
     for name, value in {
-        "volume_fraction": experiment.solution.volume_fraction, "attenuation_scale": experiment.calibration.scale,
-        "attenuation_scale_std": scale_std, "pixel_size": experiment.pixel,
+        "volume_fraction": experiment.solution.volume_fraction,
+        "attenuation_scale": experiment.calibration.scale,
+        "attenuation_scale_std": scale_std,
+        "pixel_size": experiment.pixel,
         "pixel_size_std": experiment.pixel_std,
-    }.items():  # fmt: skip
+    }.items():
         data[name] = ((), value)
     data["fringe_significance"] = (lead, stack([np.float64(f.fringes) for f in fits]))
     flags = stack([f.flags for f in fits]).astype(np.int32)
     variables: dict[str, Any] = {name: (dims, values, _attributes(name)) for name, (dims, values) in data.items()}
     variables["flags"] = (
-        (*lead, "row"), flags,
-        {"long_name": REDUCTION_VARIABLES["flags"][1], "flag_meanings": " ".join(FRAME_FLAGS),
-         "flag_masks": np.array([1 << i for i in range(len(FRAME_FLAGS))], dtype=np.int32)},
-    )  # fmt: skip
+        (*lead, "row"),
+        flags,
+        {
+            "long_name": REDUCTION_VARIABLES["flags"][1],
+            "flag_meanings": " ".join(FRAME_FLAGS),
+            "flag_masks": np.array([1 << i for i in range(len(FRAME_FLAGS))], dtype=np.int32),
+        },
+    )
     variables["relative_radius_bounds"] = (
-        ("shell", "bound"), np.stack((edges[:-1], edges[1:]), axis=1), _attributes("relative_radius_bounds"),
-    )  # fmt: skip
+        ("shell", "bound"),
+        np.stack((edges[:-1], edges[1:]), axis=1),
+        _attributes("relative_radius_bounds"),
+    )
     coordinates = {
         "row": ("row", middle, _attributes("row")),
         "z": ("row", _along_the_jet(experiment, middle), _attributes("z")),
         "relative_radius": (
-            "shell", 0.5 * (edges[1:] + edges[:-1]), _attributes("relative_radius") | {"bounds": "relative_radius_bounds"},
+            "shell",
+            0.5 * (edges[1:] + edges[:-1]),
+            _attributes("relative_radius") | {"bounds": "relative_radius_bounds"},
         ),
-    }  # fmt: skip
+    }
     if each:
         frames = np.array([experiment.stack.chosen[i] for i in range(experiment.stack.frames)])
         sources = [experiment.stack.source(i) for i in range(experiment.stack.frames)]

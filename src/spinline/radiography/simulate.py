@@ -78,9 +78,11 @@ def field_from_result(result: "xr.Dataset", shells: int = _SHELLS) -> JetField:
     """
     if "radius" not in result or result["radius"].dims != ("z",):
         raise InputError(
-            "result", "is not that of a straight jet at one time", value=str(dict(result.sizes)),
+            "result",
+            "is not that of a straight jet at one time",
+            value=str(dict(result.sizes)),
             remedy="run a scene with a law or a table for a jet",
-        )  # fmt: skip
+        )
     z, radius = result["z"].values, result["radius"].values
     if "polymer_fraction" in result and result["polymer_fraction"].dims == ("z", "r"):
         r, fraction = result["r"].values, result["polymer_fraction"].values
@@ -148,15 +150,27 @@ def simulate(result: "xr.Dataset", camera: Camera, *, start: float | None = None
     total = rows * pixels * (camera.frames + 2 * camera.reference_frames)
     if total > _MOST_PIXELS:
         raise InputError(
-            "frames", "are too many or too large", value=total, allowed=f"{_MOST_PIXELS:g} pixels in all",
+            "frames",
+            "are too many or too large",
+            value=total,
+            allowed=f"{_MOST_PIXELS:g} pixels in all",
             remedy="look at less of the jet (--from, --to), fewer frames, or larger pixels",
-        )  # fmt: skip
+        )
     medium = medium_from_result(result, camera.beam, coherent=camera.coherent)
     seen = transmission_image(
-        jet, medium, pixels, camera.pixel, distance=camera.distance, axis=camera.axis, tilt=camera.tilt,
-        tilt_out=camera.tilt_out, blur=camera.blur, motion=camera.motion, tail=(camera.tail_share, camera.tail_length),
+        jet,
+        medium,
+        pixels,
+        camera.pixel,
+        distance=camera.distance,
+        axis=camera.axis,
+        tilt=camera.tilt,
+        tilt_out=camera.tilt_out,
+        blur=camera.blur,
+        motion=camera.motion,
+        tail=(camera.tail_share, camera.tail_length),
         depth=camera.depth,
-    )  # fmt: skip
+    )
     bend = beam_shape({"shape2": camera.bend}, pixels)
     pattern = _stream(camera.seed, 3_000_000).normal(0.0, 1.0, (rows, pixels))
     flat = camera.photons * np.maximum(1.0 + camera.flat_structure * pattern, 0.05)
@@ -213,10 +227,14 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
     if kind == ".npz":
         with streaming(target, force=force) as stream:
             np.savez_compressed(
-                stream, **parts, truth_position=frames.jet.position, truth_radius=frames.jet.radius,
-                truth_polymer_fraction=frames.jet.fraction, truth_mean_polymer_fraction=frames.jet.mean_fraction,
+                stream,
+                **parts,
+                truth_position=frames.jet.position,
+                truth_radius=frames.jet.radius,
+                truth_polymer_fraction=frames.jet.fraction,
+                truth_mean_polymer_fraction=frames.jet.mean_fraction,
                 truth_transmission=frames.transmission,
-            )  # fmt: skip
+            )
     else:
         import tifffile
 

@@ -70,9 +70,13 @@ def assemble_positions(
     unit = {name: dict(result[name].attrs) for name in ("z", "row")}
     result = result.assign_coords(
         z=("row", at, unit["z"] | {"long_name": "distance along the jet, by the stage"}),
-        row=("row", np.arange(at.size, dtype=np.float64), unit["row"] | {"long_name": "row of all positions, by their place"}),
+        row=(
+            "row",
+            np.arange(at.size, dtype=np.float64),
+            unit["row"] | {"long_name": "row of all positions, by their place"},
+        ),
         position=("row", position, {"long_name": "position that the row is from, or nearest to"}),
-    )  # fmt: skip
+    )
     stage = np.array([place.offset_std for place in places])[position]
     std = np.hypot(result["jet_radius_std"].values, np.abs(np.gradient(result["jet_radius"].values, at)) * stage)
     result["jet_radius_std"] = ("row", std, dict(result["jet_radius_std"].attrs))

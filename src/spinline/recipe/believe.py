@@ -82,8 +82,16 @@ class Recipe:
 def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
     """Medians and spreads of a recipe, and what was borrowed, in words by the recipe's own names."""
     borrowed: dict[str, str] = {}
-    sd = {"laboratory": GLOBAL["paper_sd"], "repeat": GLOBAL["row_sd"], "extensional_viscosity": 0.6, "evaporation": 0.3,
-          "flight_time": 0.5, "onset_radius": 0.5, "surface_tension": 0.1, "relaxation_time": 1.2}  # fmt: skip
+    sd = {
+        "laboratory": GLOBAL["paper_sd"],
+        "repeat": GLOBAL["row_sd"],
+        "extensional_viscosity": 0.6,
+        "evaporation": 0.3,
+        "flight_time": 0.5,
+        "onset_radius": 0.5,
+        "surface_tension": 0.1,
+        "relaxation_time": 1.2,
+    }
     kelvin = recipe.temperature if recipe.temperature == recipe.temperature else 296.15
     wet = recipe.relative_humidity if recipe.relative_humidity == recipe.relative_humidity else 0.45
     if recipe.relative_humidity != recipe.relative_humidity:
@@ -120,14 +128,23 @@ def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
     phi = (w / solid) / (w / solid + (1 - w) / rho)
     return (
         Believed(
-            coil=coil, solvent_viscosity=mu, surface_tension=gamma, conductivity=conductivity,
-            evaporation=evaporation_rate(recipe.solvent, kelvin, wet), flight_time=recipe.gap / GLOBAL["flight_speed"],
-            onset_radius=0.1 * r0, voltage=recipe.voltage, flow_rate=recipe.flow_rate, volume_fraction=phi,
-            solid_fraction=max(GLOBAL["solid_fraction"], 0.5 * (1 + phi)), viscosity=recipe.viscosity,
-            current=recipe.current, sd=sd,
+            coil=coil,
+            solvent_viscosity=mu,
+            surface_tension=gamma,
+            conductivity=conductivity,
+            evaporation=evaporation_rate(recipe.solvent, kelvin, wet),
+            flight_time=recipe.gap / GLOBAL["flight_speed"],
+            onset_radius=0.1 * r0,
+            voltage=recipe.voltage,
+            flow_rate=recipe.flow_rate,
+            volume_fraction=phi,
+            solid_fraction=max(GLOBAL["solid_fraction"], 0.5 * (1 + phi)),
+            viscosity=recipe.viscosity,
+            current=recipe.current,
+            sd=sd,
         ),
         borrowed,
-    )  # fmt: skip
+    )
 
 
 def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -> tuple[float, float]:

@@ -23,24 +23,43 @@ class Prior:
 # kg/mol, weight average
 #: What is usual of a polymer, kg/mol.
 MOLAR_MASS: Mapping[str, Prior] = {
-    "PEO": Prior(600.0, 0.7, _GRADES), "PMMA": Prior(350.0, 0.7, _GRADES), "PCL": Prior(80.0, 0.3, _GRADES),
-    "PVP": Prior(1300.0, 0.5, _GRADES), "PAN": Prior(150.0, 0.4, _GRADES), "PS": Prior(280.0, 0.5, _GRADES),
-    "PVA": Prior(100.0, 0.5, _GRADES), "PLA": Prior(150.0, 0.5, _GRADES), "PVDF": Prior(350.0, 0.5, _GRADES),
-    "nylon 6": Prior(30.0, 0.5, _GRADES), "PET": Prior(50.0, 0.5, _GRADES), "cellulose acetate": Prior(50.0, 0.4, _GRADES),
-    "PVB": Prior(100.0, 0.5, _GRADES), "gelatin": Prior(60.0, 0.5, _GRADES),
-}  # fmt: skip
+    "PEO": Prior(600.0, 0.7, _GRADES),
+    "PMMA": Prior(350.0, 0.7, _GRADES),
+    "PCL": Prior(80.0, 0.3, _GRADES),
+    "PVP": Prior(1300.0, 0.5, _GRADES),
+    "PAN": Prior(150.0, 0.4, _GRADES),
+    "PS": Prior(280.0, 0.5, _GRADES),
+    "PVA": Prior(100.0, 0.5, _GRADES),
+    "PLA": Prior(150.0, 0.5, _GRADES),
+    "PVDF": Prior(350.0, 0.5, _GRADES),
+    "nylon 6": Prior(30.0, 0.5, _GRADES),
+    "PET": Prior(50.0, 0.5, _GRADES),
+    "cellulose acetate": Prior(50.0, 0.4, _GRADES),
+    "PVB": Prior(100.0, 0.5, _GRADES),
+    "gelatin": Prior(60.0, 0.5, _GRADES),
+}
 _ANY = Prior(150.0, 0.9, "no entry for this polymer: a usual chain")
 
 _SALTS = "usual for polymer solutions in it; traces of salts decide, an estimate"
 # S/m, of the solution
 #: What is usual of a solution in a solvent, S/m.
 CONDUCTIVITY: Mapping[str, Prior] = {
-    "water": Prior(3e-2, 1.0, _SALTS), "ethanol": Prior(1e-3, 1.0, _SALTS), "acetone": Prior(5e-4, 1.0, _SALTS),
-    "DMF": Prior(1.5e-3, 0.9, _SALTS), "DMAc": Prior(1e-3, 0.9, _SALTS), "DMSO": Prior(5e-4, 1.0, _SALTS),
-    "DCM": Prior(1e-5, 1.3, _SALTS), "chloroform": Prior(1e-5, 1.3, _SALTS), "THF": Prior(2e-5, 1.3, _SALTS),
-    "formic acid": Prior(0.1, 1.0, _SALTS), "HFIP": Prior(1e-3, 1.0, _SALTS), "acetic acid": Prior(5e-3, 1.0, _SALTS),
-    "TFA": Prior(1e-2, 1.0, _SALTS), "NMP": Prior(1e-3, 1.0, _SALTS), "toluene": Prior(1e-7, 1.5, _SALTS),
-}  # fmt: skip
+    "water": Prior(3e-2, 1.0, _SALTS),
+    "ethanol": Prior(1e-3, 1.0, _SALTS),
+    "acetone": Prior(5e-4, 1.0, _SALTS),
+    "DMF": Prior(1.5e-3, 0.9, _SALTS),
+    "DMAc": Prior(1e-3, 0.9, _SALTS),
+    "DMSO": Prior(5e-4, 1.0, _SALTS),
+    "DCM": Prior(1e-5, 1.3, _SALTS),
+    "chloroform": Prior(1e-5, 1.3, _SALTS),
+    "THF": Prior(2e-5, 1.3, _SALTS),
+    "formic acid": Prior(0.1, 1.0, _SALTS),
+    "HFIP": Prior(1e-3, 1.0, _SALTS),
+    "acetic acid": Prior(5e-3, 1.0, _SALTS),
+    "TFA": Prior(1e-2, 1.0, _SALTS),
+    "NMP": Prior(1e-3, 1.0, _SALTS),
+    "toluene": Prior(1e-7, 1.5, _SALTS),
+}
 _ANY_CONDUCTIVITY = Prior(1e-3, 1.5, "no entry for this solvent")
 
 

@@ -134,10 +134,18 @@ def spun(believed: Believed, normal: FloatArray, *, rung: str = "race", steps: i
     gamma = believed.surface_tension * factor("surface_tension")
     terminal = terminal_radius(q, gamma, g["chi"])
     found = thinning(
-        q, gamma, g["trouton"] * viscosity * factor("extensional_viscosity"), believed.evaporation * factor("evaporation"),
-        believed.volume_fraction, believed.flight_time * factor("flight_time"), believed.onset_radius * factor("onset_radius"),
-        power=g["viscosity_power"], solid_fraction=believed.solid_fraction, chi=g["chi"], steps=steps,
-    )  # fmt: skip
+        q,
+        gamma,
+        g["trouton"] * viscosity * factor("extensional_viscosity"),
+        believed.evaporation * factor("evaporation"),
+        believed.volume_fraction,
+        believed.flight_time * factor("flight_time"),
+        believed.onset_radius * factor("onset_radius"),
+        power=g["viscosity_power"],
+        solid_fraction=believed.solid_fraction,
+        chi=g["chi"],
+        steps=steps,
+    )
     dry = 2 * np.sqrt(believed.volume_fraction)
     undried = terminal if rung == "terminal" else found.radius
     log_d = np.log(dry * undried)

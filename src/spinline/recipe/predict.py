@@ -123,16 +123,23 @@ def predict(
     terminal = float(np.exp(np.median(np.log(found.terminal))))
     race = float(np.median(2 * np.sqrt(believed.volume_fraction) * found.thinning.radius))
     return Fibre(
-        fibre_diameter=float(median), fibre_diameter_68=(float(low68), float(high68)),
-        fibre_diameter_95=(float(low95), float(high95)), orientation=float(np.median(orientation)),
+        fibre_diameter=float(median),
+        fibre_diameter_68=(float(low68), float(high68)),
+        fibre_diameter_95=(float(low95), float(high95)),
+        orientation=float(np.median(orientation)),
         orientation_68=tuple(float(v) for v in np.quantile(orientation, (0.16, 0.84))),  # type: ignore[arg-type]
-        regime=regime.name, regimes=regime.shares, rung=rung, decides=ended,
+        regime=regime.name,
+        regimes=regime.shares,
+        rung=rung,
+        decides=ended,
         variance_shares=_shares(believed, rung) if shares else {},
-        current=float(np.median(found.current)), viscosity=float(np.median(found.viscosity)),
+        current=float(np.median(found.current)),
+        viscosity=float(np.median(found.viscosity)),
         charge_density=float(np.median(found.charge_density)),
         trade={"terminal": terminal} if rung == "race" else {"race": race},
-        borrowed=borrowed, remarks=_remarks(regime, weights),
-    )  # fmt: skip
+        borrowed=borrowed,
+        remarks=_remarks(regime, weights),
+    )
 
 
 @lru_cache(maxsize=8)

@@ -114,13 +114,22 @@ class RecipeSheet(Sheet):
             "current": j.current,
         }
         return Recipe(
-            polymer=_named(s.polymer, POLYMERS, "solution.polymer"), solvent=_solvent(s.solvent),
-            voltage=j.voltage.value, gap=j.gap.value, flow_rate=j.flow_rate.value, mass_fraction=_value(s.concentration),
-            needle_radius=radius, molar_mass=_value(s.molar_mass), viscosity=_value(s.viscosity),
-            conductivity=_value(s.conductivity), surface_tension=_value(s.surface_tension), current=_value(j.current),
-            temperature=kelvin if kelvin == kelvin else _value(s.temperature), relative_humidity=_value(air.relative_humidity),
+            polymer=_named(s.polymer, POLYMERS, "solution.polymer"),
+            solvent=_solvent(s.solvent),
+            voltage=j.voltage.value,
+            gap=j.gap.value,
+            flow_rate=j.flow_rate.value,
+            mass_fraction=_value(s.concentration),
+            needle_radius=radius,
+            molar_mass=_value(s.molar_mass),
+            viscosity=_value(s.viscosity),
+            conductivity=_value(s.conductivity),
+            surface_tension=_value(s.surface_tension),
+            current=_value(j.current),
+            temperature=kelvin if kelvin == kelvin else _value(s.temperature),
+            relative_humidity=_value(air.relative_humidity),
             spread={name: m.std / m.value for name, m in given.items() if m is not None and m.std > 0 and m.value > 0},
-        )  # fmt: skip
+        )
 
     def measurements(self) -> list[Measurement]:
         """What was measured on this rig."""
@@ -130,8 +139,13 @@ class RecipeSheet(Sheet):
         many = self.measured if isinstance(self.measured, list) else [self.measured] if self.measured else []
         found = []
         for one in many:
-            names = {"voltage": one.voltage, "gap": one.gap, "flow_rate": one.flow_rate, "mass_fraction": one.concentration,
-                     "relative_humidity": one.relative_humidity}  # fmt: skip
+            names = {
+                "voltage": one.voltage,
+                "gap": one.gap,
+                "flow_rate": one.flow_rate,
+                "mass_fraction": one.concentration,
+                "relative_humidity": one.relative_humidity,
+            }
             changes: dict[str, Any] = {name: value.value for name, value in names.items() if value is not None}
             size = one.fibre_diameter
             found.append(Measurement(replace(recipe, **changes), size.value, max(size.std / size.value, 0.02)))

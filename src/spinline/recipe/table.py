@@ -28,9 +28,23 @@ _ALSO = {
 _NEEDED = ("polymer", "solvent", "voltage_kV", "flow_rate_mL_per_h", "distance_cm")
 # inner radius of a needle by its gauge, m (ISO 9626, regular wall)
 GAUGES = {
-    14: 0.80e-3, 15: 0.69e-3, 16: 0.60e-3, 17: 0.54e-3, 18: 0.42e-3, 19: 0.34e-3, 20: 0.30e-3, 21: 0.26e-3, 22: 0.21e-3,
-    23: 0.17e-3, 24: 0.155e-3, 25: 0.13e-3, 26: 0.13e-3, 27: 0.105e-3, 28: 0.09e-3, 30: 0.08e-3,
-}  # fmt: skip
+    14: 0.80e-3,
+    15: 0.69e-3,
+    16: 0.60e-3,
+    17: 0.54e-3,
+    18: 0.42e-3,
+    19: 0.34e-3,
+    20: 0.30e-3,
+    21: 0.26e-3,
+    22: 0.21e-3,
+    23: 0.17e-3,
+    24: 0.155e-3,
+    25: 0.13e-3,
+    26: 0.13e-3,
+    27: 0.105e-3,
+    28: 0.09e-3,
+    30: 0.08e-3,
+}
 
 
 def read_experiments(path: str | Path) -> list[dict[str, str]]:
@@ -46,9 +60,12 @@ def read_experiments(path: str | Path) -> list[dict[str, str]]:
     missing = [name for name in _NEEDED if name not in (reader.fieldnames or ())]
     if missing:
         raise InputError(
-            str(path), f"has no column {missing[0]}", value=list(reader.fieldnames or ()), allowed=", ".join(_NEEDED),
+            str(path),
+            f"has no column {missing[0]}",
+            value=list(reader.fieldnames or ()),
+            allowed=", ".join(_NEEDED),
             remedy="a CSV table with commas, one row an experiment",
-        )  # fmt: skip
+        )
     return [{key: (value or "").strip() for key, value in row.items() if key is not None} for row in reader]
 
 
@@ -84,12 +101,17 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
             if value == value and not low <= value <= high:
                 return f"{key} = {value:g} is out of range [{low}, {high}]"
         return Recipe(
-            polymer=_polymer(row["polymer"]), solvent=known_solvents(names), ratio_known=len(names) == 1,
-            voltage=1e3 * number["voltage_kV"], gap=1e-2 * number["distance_cm"],
-            flow_rate=number["flow_rate_mL_per_h"] * 1e-6 / 3600, mass_fraction=percent / 100,
+            polymer=_polymer(row["polymer"]),
+            solvent=known_solvents(names),
+            ratio_known=len(names) == 1,
+            voltage=1e3 * number["voltage_kV"],
+            gap=1e-2 * number["distance_cm"],
+            flow_rate=number["flow_rate_mL_per_h"] * 1e-6 / 3600,
+            mass_fraction=percent / 100,
             needle_radius=GAUGES.get(round(gauge), math.nan) if gauge == gauge else math.nan,
-            temperature=celsius + 273.15, relative_humidity=wet / 100,
-        )  # fmt: skip
+            temperature=celsius + 273.15,
+            relative_humidity=wet / 100,
+        )
     except InputError as error:
         return str(error)
 

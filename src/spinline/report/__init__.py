@@ -1,4 +1,4 @@
-"""Figures and the HTML page."""
+"""Figures, one style for all of them, and the HTML page of a run."""
 
 from typing import TYPE_CHECKING
 

@@ -24,9 +24,14 @@ def across(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None
         values = np.asarray(result["polymer_fraction"].values)
         floor = max(1e-4, 0.2 * float(result["volume_fraction"]))
         picture = axis.pcolormesh(
-            place, result["r"].values, np.maximum(values, floor).T, norm=LogNorm(floor, 1.0), cmap="cividis",
-            shading="nearest", rasterized=True,
-        )  # fmt: skip
+            place,
+            result["r"].values,
+            np.maximum(values, floor).T,
+            norm=LogNorm(floor, 1.0),
+            cmap="cividis",
+            shading="nearest",
+            rasterized=True,
+        )
         axis.set_ylim(0, 1)
         axis.set_ylabel("distance from the axis $r/R$")
         # the scale stands above the map, not on it: skin and core may be anywhere

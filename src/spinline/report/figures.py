@@ -200,8 +200,16 @@ def _span(axis: "Axes", ends: Any, colour: str) -> None:
     for low, high, width in ((0, 4, 2.0), (1, 3, 5.0)):
         if np.isfinite(ends[low]):
             high_end = ends[high] if np.isfinite(ends[high]) else edge
-            axis.plot((ends[low], high_end), (0.015, 0.015), color=colour, linewidth=width, alpha=0.55, solid_capstyle="butt",
-                      transform=axis.get_xaxis_transform(), zorder=5)  # fmt: skip
+            axis.plot(
+                (ends[low], high_end),
+                (0.015, 0.015),
+                color=colour,
+                linewidth=width,
+                alpha=0.55,
+                solid_capstyle="butt",
+                transform=axis.get_xaxis_transform(),
+                zorder=5,
+            )
 
 
 def _mark(axis: "Axes", result: "xr.Dataset | NamedArrays", colour: str) -> None:
@@ -217,6 +225,13 @@ def _mark(axis: "Axes", result: "xr.Dataset | NamedArrays", colour: str) -> None
             axis.axvline(position, color=colour, linewidth=0.9, linestyle=style)
             if label:
                 axis.annotate(
-                    label, (position, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points",
-                    va="top", fontsize=9, fontweight="bold", color=colour,
-                )  # fmt: skip
+                    label,
+                    (position, 1.0),
+                    (3, -3),
+                    xycoords=("data", "axes fraction"),
+                    textcoords="offset points",
+                    va="top",
+                    fontsize=9,
+                    fontweight="bold",
+                    color=colour,
+                )

@@ -129,9 +129,16 @@ def _points(axis: "Axes", result: xr.Dataset, kind: str, scale: float, factor: f
     colour, mark, words = _MARKS[kind]
     z = 1e3 * (result["datum_z"].values[pick] - fixed["origin"]) / fixed["length_scale"]
     axis.errorbar(
-        z, factor * (result["datum_value"].values[pick] - offset) / scale, factor * result["datum_std"].values[pick] / scale,
-        fmt=mark, color=colour, markersize=3, linewidth=0.8, alpha=0.75, label=f"{words}, measured",
-    )  # fmt: skip
+        z,
+        factor * (result["datum_value"].values[pick] - offset) / scale,
+        factor * result["datum_std"].values[pick] / scale,
+        fmt=mark,
+        color=colour,
+        markersize=3,
+        linewidth=0.8,
+        alpha=0.75,
+        label=f"{words}, measured",
+    )
 
 
 def _band(axis: "Axes", result: xr.Dataset, name: str, colour: str, factor: float, label: str) -> None:
@@ -162,12 +169,28 @@ def _crossover(axis: "Axes", result: xr.Dataset) -> None:
     for low, high, width in ((0, 4, 2.0), (1, 3, 5.0)):
         if np.isfinite(ends[low]):
             top = ends[high] if np.isfinite(ends[high]) else 1e3 * float(result["z"][-1])
-            axis.plot((ends[low], top), (0.012, 0.012), color="black", alpha=0.55, linewidth=width, solid_capstyle="butt",
-                      transform=axis.get_xaxis_transform(), zorder=5)  # fmt: skip
+            axis.plot(
+                (ends[low], top),
+                (0.012, 0.012),
+                color="black",
+                alpha=0.55,
+                linewidth=width,
+                solid_capstyle="butt",
+                transform=axis.get_xaxis_transform(),
+                zorder=5,
+            )
     if np.isfinite(best):
         axis.axvline(best, color="black", linewidth=0.9)
-        axis.annotate("S", (best, 1.0), (3, -3), xycoords=("data", "axes fraction"), textcoords="offset points", va="top",
-                      fontsize=9, fontweight="bold")  # fmt: skip
+        axis.annotate(
+            "S",
+            (best, 1.0),
+            (3, -3),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            va="top",
+            fontsize=9,
+            fontweight="bold",
+        )
     axis.set_xlim(edge)
 
 
@@ -182,8 +205,15 @@ def _as_measured(axis: "Axes", result: xr.Dataset, kind: str) -> None:
     rows = (result["datum_band"].values[:, pick][:, order] - fixed["fraction_offset"]) / fixed["fraction_scale"]
     colour, _, words = _MARKS[kind]
     for low, high, alpha in ((0, 4, 0.18), (1, 3, 0.32)):
-        axis.fill_between(z[order], rows[low], rows[high], color=colour, alpha=alpha, linewidth=0,
-                          label=f"{words}, fitted, as measured" if low else None)  # fmt: skip
+        axis.fill_between(
+            z[order],
+            rows[low],
+            rows[high],
+            color=colour,
+            alpha=alpha,
+            linewidth=0,
+            label=f"{words}, fitted, as measured" if low else None,
+        )
 
 
 def _first_rings(result: xr.Dataset, pick: Any) -> Any:
@@ -281,8 +311,13 @@ def _against_prior(axis: "Axes", result: xr.Dataset) -> None:
             ends = [(float(one[f"{head}{word}{percent}"]) - centre) / unit for word in ("low", "high")]
             axis.plot(np.clip(ends, -3.4, 3.4), (row, row), color=BLUE, linewidth=width, solid_capstyle="butt")
         axis.plot(np.clip((best - centre) / unit, -3.4, 3.4), row, "o", color=RED, markersize=4)
-        axis.text(-3.45, row + 0.36, f"{name} = {_short(name, best, std)}" + ("" if np.isfinite(prior) else "  (no prior)"),
-                  fontsize=8.5, va="bottom")  # fmt: skip
+        axis.text(
+            -3.45,
+            row + 0.36,
+            f"{name} = {_short(name, best, std)}" + ("" if np.isfinite(prior) else "  (no prior)"),
+            fontsize=8.5,
+            va="bottom",
+        )
     axis.set_xlim(-3.5, 3.5)
     axis.set_ylim(-0.6, len(names) - 0.2)
     axis.set_yticks([])

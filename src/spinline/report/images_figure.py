@@ -81,9 +81,14 @@ def preview_sheet(seen: "Preview", axes: SheetAxes = None) -> Figure:
     step = max(1, rows // 1000), max(1, columns // 1000)
     low, high = np.nanpercentile(ratio, [0.5, 99.5])
     image = left.imshow(
-        ratio[:: step[0], :: step[1]], extent=(0, columns, rows, 0), aspect="auto", cmap="gray", vmin=low, vmax=high,
+        ratio[:: step[0], :: step[1]],
+        extent=(0, columns, rows, 0),
+        aspect="auto",
+        cmap="gray",
+        vmin=low,
+        vmax=high,
         interpolation="nearest",
-    )  # fmt: skip
+    )
     down = np.arange(rows) + 0.5
     half = 0.5 * columns
     for edge, style in ((-1, "-"), (0, ":"), (1, "-")):
@@ -148,15 +153,26 @@ def _map(sheet: Figure, axis: "Axes", one: xr.Dataset, along: Any) -> None:
 
 def _mean(axis: "Axes", one: xr.Dataset, along: Any) -> None:
     axis.errorbar(
-        along, one["mean_polymer_fraction"], one["mean_polymer_fraction_std"], fmt="o", color=BLUE, markersize=3,
-        linewidth=0.8, label="mean of the section",
-    )  # fmt: skip
+        along,
+        one["mean_polymer_fraction"],
+        one["mean_polymer_fraction_std"],
+        fmt="o",
+        color=BLUE,
+        markersize=3,
+        linewidth=0.8,
+        label="mean of the section",
+    )
     odd = _marked(one)
     if odd.any():
         axis.plot(
-            along[odd], one["mean_polymer_fraction"].values[odd], "x", color="black", markersize=6, zorder=4,
+            along[odd],
+            one["mean_polymer_fraction"].values[odd],
+            "x",
+            color="black",
+            markersize=6,
+            zorder=4,
             label="flagged: not to be trusted",
-        )  # fmt: skip
+        )
     phi, limit = float(one["volume_fraction"]), one["limit_std"].values
     axis.axhline(phi, color=GREY, linestyle="--", linewidth=1, label=f"solution {phi:.3g}")
     axis.fill_between(
@@ -204,9 +220,17 @@ def _profiles(axis: "Axes", one: xr.Dataset, along: Any) -> None:
         if one.attrs["method"] == "map":
             error = (np.nan_to_num(std) * weight).sum(axis=0) / total
         axis.errorbar(
-            r, mean, error, color=colour, linestyle=line, marker=mark, markersize=4, capsize=2, linewidth=1,
+            r,
+            mean,
+            error,
+            color=colour,
+            linestyle=line,
+            marker=mark,
+            markersize=4,
+            capsize=2,
+            linewidth=1,
             label=f"z = {along[part[0]]:.3g} to {along[part[-1]]:.3g} mm",
-        )  # fmt: skip
+        )
     kind = "|x|/R" if one.attrs["method"] == "chord" else "r/R"
     axis.set(xlabel=kind, ylabel="polymer fraction", xlim=(0, 1))
     axis.legend(**LEGEND)

@@ -97,12 +97,24 @@ def diameters(axis: "Axes", result: "xr.Dataset") -> None:
     if deviation > 1e-3 * mean:
         law = lognormal(mean, deviation)
         d = np.linspace(max(mean - 4 * deviation, 1e-3 * mean), mean + 5 * deviation, 400)
-        axis.plot(d, np.exp(-0.5 * ((np.log(d) - law.mu) / law.s) ** 2) / (d * law.s * np.sqrt(2 * np.pi)), color="black",
-                  label=f"lognormal, {mean:.3g} ± {deviation:.3g} nm")  # fmt: skip
+        axis.plot(
+            d,
+            np.exp(-0.5 * ((np.log(d) - law.mu) / law.s) ** 2) / (d * law.s * np.sqrt(2 * np.pi)),
+            color="black",
+            label=f"lognormal, {mean:.3g} ± {deviation:.3g} nm",
+        )
         axis.set_xlim(max(0.0, mean - 4 * deviation), mean + 6 * deviation)
     if "measured_diameter" in result:
-        axis.hist(result["measured_diameter"].values * 1e9, 25, weights=result["measured_weight"].values, density=True,
-                  histtype="step", color=ORANGE, linewidth=2, label=str(result.attrs.get("measured", "measured")))  # fmt: skip
+        axis.hist(
+            result["measured_diameter"].values * 1e9,
+            25,
+            weights=result["measured_weight"].values,
+            density=True,
+            histtype="step",
+            color=ORANGE,
+            linewidth=2,
+            label=str(result.attrs.get("measured", "measured")),
+        )
         every = result["measured_diameter"].values * 1e9
         axis.set_xlim(min(axis.get_xlim()[0], every.min()), max(axis.get_xlim()[1], every.max()))
     axis.set_ylim(0, 1.3 * axis.get_ylim()[1])
@@ -151,8 +163,12 @@ def permeabilities(axis: "Axes", result: "xr.Dataset") -> None:
             axis.text(place, 0, "outside\nits range", ha="center", va="bottom", fontsize=8, color=GREY)
     if "permeability_direct" in result:
         direct = result["permeability_direct"]
-        axis.axhline(float(direct), color=ORANGE, linestyle="--",
-                     label=f"Stokes flow, first window (solidity {float(direct.attrs['solidity']):.3f})")  # fmt: skip
+        axis.axhline(
+            float(direct),
+            color=ORANGE,
+            linestyle="--",
+            label=f"Stokes flow, first window (solidity {float(direct.attrs['solidity']):.3f})",
+        )
         axis.set_ylim(0, 1.35 * max(float(np.nanmax(np.append(k, 0.0))), float(direct)))
         axis.legend(**LEGEND, loc="upper right")
     axis.set_xticks(range(len(names)), names, rotation=20, ha="right", fontsize=8)

@@ -74,9 +74,17 @@ def _shade(axis: "Axes", x: Any, result: xr.Dataset, name: str, colour: str) -> 
 
 def _figure36(axis: "Axes", result: xr.Dataset) -> None:
     axis.errorbar(
-        result["radius_ratio"].values, result["core_measured"].values, result["core_measured_std"].values,
-        result["radius_ratio_std"].values, fmt="o", color=GREY, markersize=3, linewidth=0.7, alpha=0.8, label="measured",
-    )  # fmt: skip
+        result["radius_ratio"].values,
+        result["core_measured"].values,
+        result["core_measured_std"].values,
+        result["radius_ratio_std"].values,
+        fmt="o",
+        color=GREY,
+        markersize=3,
+        linewidth=0.7,
+        alpha=0.8,
+        label="measured",
+    )
     _shade(axis, result["curve_radius_ratio"].values, result, "curve_core_band", BLUE)
     if "crossover_radius_ratio_band" in result:
         ends = result["crossover_radius_ratio_band"].values
@@ -100,8 +108,14 @@ def _figure36(axis: "Axes", result: xr.Dataset) -> None:
     order = np.argsort(result["radius_ratio_predicted"].values)
     ordered = result.isel(row=order)
     _shade(axis, ordered["radius_ratio_predicted"].values, ordered, "core_predicted_band", RED)
-    axis.plot(result["radius_ratio_predicted"].values[order], result["core_predicted"].values[order], color=RED, linestyle="--",
-              linewidth=1.2, label="the scene at the rows' z")  # fmt: skip
+    axis.plot(
+        result["radius_ratio_predicted"].values[order],
+        result["core_predicted"].values[order],
+        color=RED,
+        linestyle="--",
+        linewidth=1.2,
+        label="the scene at the rows' z",
+    )
     crossing = result.attrs["crossover_radius_ratio"]
     axis.axvline(crossing, color=PURPLE, linestyle=":", linewidth=1.4, label=f"crossover, Eq. (38): {crossing:.3g}")
     axis.set_xscale("log")
@@ -124,8 +138,16 @@ def _figure37(axis: "Axes", result: xr.Dataset) -> None:
         colour, one = (BLUE, ORANGE, GREEN, RED, PURPLE)[i % 5], result.isel(place=i)
         size = float(one["place_radius_ratio"])
         change, error = one["relative_change"].values, one["relative_change_std"].values
-        axis.errorbar(size * centre, change, error, fmt=marks[i % 6], color=colour, markersize=3.5,
-                      linewidth=0.8, label=f"z = {1e3 * float(one['place_z']):.2g} mm")  # fmt: skip
+        axis.errorbar(
+            size * centre,
+            change,
+            error,
+            fmt=marks[i % 6],
+            color=colour,
+            markersize=3.5,
+            linewidth=0.8,
+            label=f"z = {1e3 * float(one['place_z']):.2g} mm",
+        )
         if "relative_change_band" in one:
             rows = one["relative_change_band"].values
             for low, high, alpha in BANDS:

@@ -142,10 +142,22 @@ _MODELS = (
     ("A of the solvent's drag alone", "affinity_of_solvent_drag"),
 )
 _INPUTS = (
-    "polymer", "polymer_density", "solvent", "solvent_density", "solution_density", "mass_fraction", "temperature",
-    "kuhn_length", "strands_per_chain",
-    "zero_shear_viscosity", "relaxation_time_at_rest", "jet", "initial_radius", "initial_velocity", "flow_rate",
-)  # fmt: skip
+    "polymer",
+    "polymer_density",
+    "solvent",
+    "solvent_density",
+    "solution_density",
+    "mass_fraction",
+    "temperature",
+    "kuhn_length",
+    "strands_per_chain",
+    "zero_shear_viscosity",
+    "relaxation_time_at_rest",
+    "jet",
+    "initial_radius",
+    "initial_velocity",
+    "flow_rate",
+)
 
 
 def _number(value: float, digits: int = 6) -> str:

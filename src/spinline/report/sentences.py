@@ -92,10 +92,14 @@ def _uncertain(result: "xr.Dataset | NamedArrays") -> list[str]:
         return []
     parts = []
     for name, scale, unit in (
-        ("crossover_position", 1e3, "mm"), ("crossover_radius", 1e6, "µm"), ("frozen_position", 1e3, "mm"),
-        ("frozen_orientation", 1, ""), ("end_orientation", 1, ""), ("fibre_radius", 1e6, "µm"),
+        ("crossover_position", 1e3, "mm"),
+        ("crossover_radius", 1e6, "µm"),
+        ("frozen_position", 1e3, "mm"),
+        ("frozen_orientation", 1, ""),
+        ("end_orientation", 1, ""),
+        ("fibre_radius", 1e6, "µm"),
         ("fibre_diameter", 1e9, "nm"),
-    ):  # fmt: skip
+    ):
         if f"{name}_std" not in result:
             continue
         value, std = scale * float(result[name]), scale * float(result[f"{name}_std"])

@@ -75,8 +75,11 @@ def sheet_of(
         return sheet, sheet.subplots(rows, columns, sharex=sharex, squeeze=False)
     given = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if given.size != rows * columns or not all(isinstance(axis, Axes) for axis in given):
-        raise InputError("axes", f"has {given.size} where the figure has {rows} x {columns} panels",
-                         remedy=f"give {rows * columns} matplotlib axes")  # fmt: skip
+        raise InputError(
+            "axes",
+            f"has {given.size} where the figure has {rows} x {columns} panels",
+            remedy=f"give {rows * columns} matplotlib axes",
+        )
     figure = given[0].get_figure(root=True)
     assert isinstance(figure, Figure)
     return figure, given.reshape(rows, columns)

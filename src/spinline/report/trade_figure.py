@@ -45,10 +45,17 @@ def trade_figure(measured: Trade, axes: SheetAxes = None) -> Figure:
     for axis, branch in zip(panels[0], branches, strict=True):
         _panel(axis, measured, [(i, rung) for i, rung in enumerate(run, 1) if branch in rung.errors], branch)
     keys = [
-        Line2D([], [], linestyle="", marker=_look(rung.model)[0], color=_look(rung.model)[1], markersize=7,
-               label=f"{i}  {rung.model}, {rung.setting}")
+        Line2D(
+            [],
+            [],
+            linestyle="",
+            marker=_look(rung.model)[0],
+            color=_look(rung.model)[1],
+            markersize=7,
+            label=f"{i}  {rung.model}, {rung.setting}",
+        )
         for i, rung in enumerate(run, 1)
-    ]  # fmt: skip
+    ]
     sheet.legend(handles=keys, loc="outside right upper", fontsize=8, frameon=False)
     return sheet
 
@@ -68,9 +75,13 @@ def _panel(axis: "Axes", measured: Trade, rungs: list[tuple[int, Measured]], bra
         place = (1e3 * seconds, floor if none else error)
         axis.plot(*place, mark, color=colour, markersize=7, markerfacecolor="white" if none else colour)
         axis.annotate(
-            f"{i}: none, it is the reference" if none else str(i), place, (0, 7 if n % 2 else -14),
-            textcoords="offset points", fontsize=8, ha="center",
-        )  # fmt: skip
+            f"{i}: none, it is the reference" if none else str(i),
+            place,
+            (0, 7 if n % 2 else -14),
+            textcoords="offset points",
+            fontsize=8,
+            ha="center",
+        )
     front, best = [], float("inf")
     for seconds, error, *_ in points:
         if error < best:
@@ -79,8 +90,14 @@ def _panel(axis: "Axes", measured: Trade, rungs: list[tuple[int, Measured]], bra
     if front:
         axis.plot(*zip(*front, strict=True), color="0.6", linewidth=1, zorder=0, drawstyle="steps-post")
     axis.axhline(measured.rtol, color="black", linestyle="--", linewidth=0.9)
-    axis.annotate(f"rtol = {measured.rtol:g}", (0.01, measured.rtol), (0, 3), xycoords=("axes fraction", "data"),
-                  textcoords="offset points", fontsize=8)  # fmt: skip
+    axis.annotate(
+        f"rtol = {measured.rtol:g}",
+        (0.01, measured.rtol),
+        (0, 3),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        fontsize=8,
+    )
     what = f"largest error against the {branch} reference" if points else "no reference on this scene"
     axis.set(xscale="log", yscale="log", xlabel="processor time (ms)", ylabel=what)
     axis.margins(x=0.2, y=0.12)

@@ -137,8 +137,14 @@ def _map(sheet: Figure, axis: "Axes", cut: xr.Dataset, name: str, shown: list[st
             if flags.any() and not flags.all():
                 axis.contour(x, y, stretch, levels=[1.0], colors="black", linewidths=1.0, linestyles=style)
     if name.startswith("crossover") and unsure.any():
-        axis.text(0.02, 0.02, "hatched: reached for some k of the band", transform=axis.transAxes, fontsize=7.5,
-                  bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none"})  # fmt: skip
+        axis.text(
+            0.02,
+            0.02,
+            "hatched: reached for some k of the band",
+            transform=axis.transAxes,
+            fontsize=7.5,
+            bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none"},
+        )
 
 
 def _nothing(axis: "Axes") -> None:

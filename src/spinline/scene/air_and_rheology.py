@@ -105,8 +105,12 @@ class RheologySection(Section):
 
     @model_validator(mode="after")
     def _parameters_have_a_law(self) -> Self:
-        chosen = {"law": self.law, "constitutive": self.constitutive, "D_law": self.D_law,
-                  "crystallisation": self.crystallisation}  # fmt: skip
+        chosen = {
+            "law": self.law,
+            "constitutive": self.constitutive,
+            "D_law": self.D_law,
+            "crystallisation": self.crystallisation,
+        }
         # what finite strands alone have is a choice of them
         listed = [
             (parameter.name, "constitutive", law.name, parameter.needed)

@@ -46,8 +46,13 @@ def full_key(key: str, field: str) -> str:
     near = difflib.get_close_matches(name, _known(), n=1)
     by_name = [known for known in _known() if known.endswith("." + name)]
     hint = (by_name or near or ["jet.k"])[0]
-    raise InputError(field, "is not a key of a scene", value=key, allowed="section.key of the scene file",
-                     remedy=f'did you mean "{hint}"?')  # fmt: skip
+    raise InputError(
+        field,
+        "is not a key of a scene",
+        value=key,
+        allowed="section.key of the scene file",
+        remedy=f'did you mean "{hint}"?',
+    )
 
 
 def is_section(name: str) -> bool:
@@ -108,11 +113,20 @@ def read_value(key: str, value: Any, field: str, *, ranged: bool = True, exact: 
                 from spinline.base.units import parse
 
                 return parse(value, how.kind, field).value
-            raise InputError(field, error.message(), value=value, allowed=context.get("allowed", ""),
-                             remedy=context.get("remedy") or "change it in the sweep") from None  # fmt: skip
+            raise InputError(
+                field,
+                error.message(),
+                value=value,
+                allowed=context.get("allowed", ""),
+                remedy=context.get("remedy") or "change it in the sweep",
+            ) from None
         if exact and measured.std > 0:
-            raise InputError(field, "varies, and carries an uncertainty besides", value=value,
-                             remedy="drop the +/-; a key of the base scene that does not vary may carry one")  # fmt: skip
+            raise InputError(
+                field,
+                "varies, and carries an uncertainty besides",
+                value=value,
+                remedy="drop the +/-; a key of the base scene that does not vary may carry one",
+            )
         return measured.value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(field, "is not a number", value=value, remedy="write it bare, without quotes")

@@ -64,8 +64,11 @@ def read_materials(path: str | Path) -> MaterialsFile:
         data = tomllib.loads(text[:_LONGEST])
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(str(path), f"cannot be read as a file of materials ({reason})",
-                         remedy="it is TOML: [polymers.NAME] and [solvents.NAME]") from None  # fmt: skip
+        raise InputError(
+            str(path),
+            f"cannot be read as a file of materials ({reason})",
+            remedy="it is TOML: [polymers.NAME] and [solvents.NAME]",
+        ) from None
     try:
         found = MaterialsFile.model_validate(data)
     except ValidationError as error:
@@ -94,8 +97,12 @@ def own_materials(scene: Scene) -> Scene:
     if isinstance(s.solvent, dict):
         own = sorted(set(s.solvent) & set(found.solvents))
         if own:
-            raise InputError("solution.solvent", "is a mixture with a solvent of your own", value=own[0],
-                             remedy="give solvent_density and saturation, or one solvent")  # fmt: skip
+            raise InputError(
+                "solution.solvent",
+                "is a mixture with a solvent of your own",
+                value=own[0],
+                remedy="give solvent_density and saturation, or one solvent",
+            )
     copy = scene.model_copy(update={"solution": s.model_copy(update=update)})
     copy._text, copy._folder, copy._name = scene.text, scene.folder, scene.name
     return copy

@@ -77,10 +77,17 @@ class Air:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SpinlineWarning)
             return evaporate(
-                path, volume_fraction, self.volatiles, self.shares, air_viscosity=self.viscosity,
-                air_velocity=self.velocity, activity=self.activity, polymer_molar_volume=self.polymer_molar_volume,
-                sherwood_floor=self.floor, transfer=self.transfer,
-            )  # fmt: skip
+                path,
+                volume_fraction,
+                self.volatiles,
+                self.shares,
+                air_viscosity=self.viscosity,
+                air_velocity=self.velocity,
+                activity=self.activity,
+                polymer_molar_volume=self.polymer_molar_volume,
+                sherwood_floor=self.floor,
+                transfer=self.transfer,
+            )
 
     @property
     def equilibrium(self) -> float:
@@ -193,9 +200,10 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
     if name == "water":
         if ambient.relative_humidity is None:
             raise InputError(
-                "ambient.relative_humidity", "is missing: how fast water evaporates depends on it",
+                "ambient.relative_humidity",
+                "is missing: how fast water evaporates depends on it",
                 remedy='give it, for example "40 %"',
-            )  # fmt: skip
+            )
         humidity = ambient.relative_humidity.value
         if air_temperature != solution.temperature:
             humidity *= vapour.vapour_pressure(name, air_temperature) / vapour.vapour_pressure(
@@ -203,15 +211,22 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
             )
         if humidity >= 1:
             raise InputError(
-                "ambient.relative_humidity", "lets water condense on the jet: nothing evaporates",
-                value=ambient.relative_humidity.value, allowed="below saturation at the jet's temperature",
-                remedy='lower it, or set effects.evaporation = false',
-            )  # fmt: skip
+                "ambient.relative_humidity",
+                "lets water condense on the jet: nothing evaporates",
+                value=ambient.relative_humidity.value,
+                allowed="below saturation at the jet's temperature",
+                remedy="lower it, or set effects.evaporation = false",
+            )
     if name not in map(library_name, solution.solvent):  # the air's water: what the scene gives is the solvent's
         return Volatile.build(
-            name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention, pressure=pressure,
+            name,
+            solution.temperature,
+            ambient=humidity,
+            chi=chi,
+            convention=laws.convention,
+            pressure=pressure,
             diffusivity=vapour.vapour_diffusivity(name, air_temperature, pressure),
-        )  # fmt: skip
+        )
     spread = given(ambient.vapour_diffusivity, None)
     mass = given(own.molar_mass, None) if own is not None else None
     if spread is None:
@@ -231,13 +246,26 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
             molar = mass if mass is not None else vapour.molar_mass(name)
             return Volatile(name, ambient.saturation.value, spread, humidity, chi, molar / density)
         return Volatile.build(
-            name, solution.temperature, ambient=humidity, chi=chi, convention=laws.convention, pressure=pressure,
-            density=density, vapour_pressure=pull, molar_mass=mass, diffusivity=spread,
-        )  # fmt: skip
+            name,
+            solution.temperature,
+            ambient=humidity,
+            chi=chi,
+            convention=laws.convention,
+            pressure=pressure,
+            density=density,
+            vapour_pressure=pull,
+            molar_mass=mass,
+            diffusivity=spread,
+        )
     except InputError as error:
         keys = {"temperature": "solution.temperature", f"{name}.ambient": "ambient.relative_humidity"}
-        raise InputError(keys.get(error.field, error.field), error.problem, value=error.value, allowed=error.allowed,
-                         remedy=error.remedy) from None  # fmt: skip
+        raise InputError(
+            keys.get(error.field, error.field),
+            error.problem,
+            value=error.value,
+            allowed=error.allowed,
+            remedy=error.remedy,
+        ) from None
 
 
 def _needed(field: str, name: str, otherwise: float | None) -> float:

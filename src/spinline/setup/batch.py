@@ -113,8 +113,13 @@ class Batch:
             return StraightJets(hyperbolic, (self.of("jet.p"),), radius, flow_rate, 0.0, True)
         k, beta = self.of("jet.k"), self.of("jet.beta")
         if k is None:
-            k = estimate_k(radius=radius, flow_rate=flow_rate, conductivity=self.of("jet.conductivity"),
-                           viscosity=self.of("solution.viscosity"), electric_field=self.of("jet.electric_field"))  # fmt: skip
+            k = estimate_k(
+                radius=radius,
+                flow_rate=flow_rate,
+                conductivity=self.of("jet.conductivity"),
+                viscosity=self.of("solution.viscosity"),
+                electric_field=self.of("jet.electric_field"),
+            )
         onset = k ** (-1 / beta)
         return StraightJets(power_law, (onset, beta), radius, flow_rate, onset, (k > 1e-9) & (k < 1e9))
 

@@ -49,8 +49,13 @@ def build_solution(scene: "Scene | Images") -> Solution:
         own = given(s.polymer_density, data.density)
         fraction = s.concentration.value / own
         if not fraction < 1:
-            raise InputError("solution.concentration", "is more than the polymer's density", value=s.concentration.value,
-                             allowed=f"(0, {own:g}) kg/m3", remedy="lower it")  # fmt: skip
+            raise InputError(
+                "solution.concentration",
+                "is more than the polymer's density",
+                value=s.concentration.value,
+                allowed=f"(0, {own:g}) kg/m3",
+                remedy="lower it",
+            )
     solution = Solution.build(
         data,
         solvent,
@@ -86,8 +91,13 @@ def estimate_of(solution: Solution, key: str) -> "Estimate":
     try:
         return (estimated_viscosity if key == "viscosity" else estimated_relaxation_time)(solution)
     except InputError as error:
-        raise InputError(f"solution.{error.field}", f"{error.problem}: the estimate of {key} needs it", value=error.value,
-                         allowed=error.allowed, remedy=error.remedy) from None  # fmt: skip
+        raise InputError(
+            f"solution.{error.field}",
+            f"{error.problem}: the estimate of {key} needs it",
+            value=error.value,
+            allowed=error.allowed,
+            remedy=error.remedy,
+        ) from None
 
 
 def _kuhn_length(measured: Any, data: Polymer) -> float:

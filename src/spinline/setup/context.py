@@ -187,8 +187,12 @@ class Context:
         r0, rate = self.jet.initial_radius, self.bead_flow_rate
         velocity = rate / (np.pi * r0**2) if np.isfinite(rate) else float(self.jet.bead_velocity[0])
         if not velocity > 0:
-            raise InputError("jet", "has no velocity at the nozzle: alpha_v and theta v_0/r_0 are not known",
-                             value=velocity, remedy="give the velocities of the beads")  # fmt: skip
+            raise InputError(
+                "jet",
+                "has no velocity at the nozzle: alpha_v and theta v_0/r_0 are not known",
+                value=velocity,
+                remedy="give the velocities of the beads",
+            )
         return Feed(r0, velocity)
 
     @property
@@ -202,8 +206,9 @@ class Context:
         """
         laws = self.scene.rheology
         chains = self.solution.entanglement(self.scene.network.solvent_quality)
-        rouse, release, loss = (None, 1.0, 0.3) if laws is None else (
-            laws.rouse_time, laws.constraint_release, laws.entanglement_release)  # fmt: skip
+        rouse, release, loss = (
+            (None, 1.0, 0.3) if laws is None else (laws.rouse_time, laws.constraint_release, laws.entanglement_release)
+        )
         return Strands(chains.entanglements, None if rouse is None else rouse.value, release, loss)
 
     @property

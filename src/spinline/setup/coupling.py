@@ -103,9 +103,10 @@ def drag_of_solvent(scene: Scene, solution: Solution, what: str) -> tuple[float,
     if isinstance(scene.solution.solvent, SolventData):
         remedy = "give it, or network.coupling" if what == "alpha_v" else "give it"
         raise InputError(
-            "solution.solvent_viscosity", f"is missing: {what} needs it for a solvent that is not built in",
+            "solution.solvent_viscosity",
+            f"is missing: {what} needs it for a solvent that is not built in",
             remedy=remedy,
-        )  # fmt: skip
+        )
     logs = [
         share * np.log(solvent_viscosity(name, solution.temperature, "solution.solvent"))
         for name, share in solution.solvent.items()

@@ -17,9 +17,11 @@ def jet_length(scene: Scene, jet: StraightJet) -> float:
         return jet.end
     if length.value > jet.end * (1 + 1e-12):
         raise InputError(
-            "jet.length", "reaches beyond the last sample of the table", value=length.text,
+            "jet.length",
+            "reaches beyond the last sample of the table",
+            value=length.text,
             allowed=f"up to {jet.end:g} m",
-        )  # fmt: skip
+        )
     if length.value <= jet.start:
         raise InputError("jet.length", "ends before the first sample", value=length.text, allowed=f"> {jet.start:g} m")
     return float(min(length.value, jet.end))

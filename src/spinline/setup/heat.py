@@ -74,11 +74,21 @@ class HeatedAir:
         from spinline.rheology.heat import dry_with_heat
 
         return dry_with_heat(
-            path, volume_fraction, self.evaporants, self.shares, temperature=self.temperature,
-            air_temperature=self.air_temperature, pressure=self.pressure, polymer_density=self.polymer_density,
-            polymer_heat_capacity=self.polymer_heat_capacity, transfer=self.transfer, sherwood_floor=self.floor,
-            air_velocity=self.velocity, polymer_molar_volume=self.polymer_molar_volume, pair_interactions=self.pairs,
-        )  # fmt: skip
+            path,
+            volume_fraction,
+            self.evaporants,
+            self.shares,
+            temperature=self.temperature,
+            air_temperature=self.air_temperature,
+            pressure=self.pressure,
+            polymer_density=self.polymer_density,
+            polymer_heat_capacity=self.polymer_heat_capacity,
+            transfer=self.transfer,
+            sherwood_floor=self.floor,
+            air_velocity=self.velocity,
+            polymer_molar_volume=self.polymer_molar_volume,
+            pair_interactions=self.pairs,
+        )
 
     def dry_radially(
         self, path: "ElementPath", volume_fraction: float, diffusion: "DiffusionLaw", cells: int, rtol: float
@@ -87,11 +97,21 @@ class HeatedAir:
         from spinline.rheology.heat_map import dry_radially_with_heat
 
         return dry_radially_with_heat(
-            path, volume_fraction, self.evaporants[0], diffusion, temperature=self.temperature,
-            air_temperature=self.air_temperature, pressure=self.pressure, polymer_density=self.polymer_density,
-            polymer_heat_capacity=self.polymer_heat_capacity, transfer=self.transfer, sherwood_floor=self.floor,
-            air_velocity=self.velocity, cells=cells, rtol=rtol,
-        )  # fmt: skip
+            path,
+            volume_fraction,
+            self.evaporants[0],
+            diffusion,
+            temperature=self.temperature,
+            air_temperature=self.air_temperature,
+            pressure=self.pressure,
+            polymer_density=self.polymer_density,
+            polymer_heat_capacity=self.polymer_heat_capacity,
+            transfer=self.transfer,
+            sherwood_floor=self.floor,
+            air_velocity=self.velocity,
+            cells=cells,
+            rtol=rtol,
+        )
 
     @property
     def wet_bulb(self) -> float:
@@ -100,9 +120,12 @@ class HeatedAir:
 
         try:
             return wet_bulb(
-                self.evaporants[0], self.air_temperature, pressure=self.pressure, transfer=self.transfer,
+                self.evaporants[0],
+                self.air_temperature,
+                pressure=self.pressure,
+                transfer=self.transfer,
                 floor=self.floor,
-            ).temperature  # fmt: skip
+            ).temperature
         except InputError:
             return float("nan")
 
@@ -184,12 +207,19 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
 
     heat = solution.polymer.heat_capacity
     return HeatedAir(
-        evaporants=tuple(liquids), shares=shares, temperature=solution.temperature, air_temperature=warm,
-        pressure=pressure, velocity=given(ambient.air_velocity, 0.0), floor=laws.sherwood_floor.value,
-        transfer=laws.transfer, polymer_density=solution.polymer.density,
+        evaporants=tuple(liquids),
+        shares=shares,
+        temperature=solution.temperature,
+        air_temperature=warm,
+        pressure=pressure,
+        velocity=given(ambient.air_velocity, 0.0),
+        floor=laws.sherwood_floor.value,
+        transfer=laws.transfer,
+        polymer_density=solution.polymer.density,
         polymer_heat_capacity=heat if heat > 0 else POLYMER_HEAT_CAPACITY,
-        polymer_molar_volume=molar if laws.activity == "raoult" else None, pairs=_pairs(laws, liquids),
-    )  # fmt: skip
+        polymer_molar_volume=molar if laws.activity == "raoult" else None,
+        pairs=_pairs(laws, liquids),
+    )
 
 
 def _vapour_in_air(scene: Scene, names: list[str], warm: float) -> float:
@@ -198,9 +228,10 @@ def _vapour_in_air(scene: Scene, names: list[str], warm: float) -> float:
     if ambient.relative_humidity is None:
         if "water" in names:
             raise InputError(
-                "ambient.relative_humidity", "is missing: how fast water evaporates depends on it",
+                "ambient.relative_humidity",
+                "is missing: how fast water evaporates depends on it",
                 remedy='give it, for example "40 %"',
-            )  # fmt: skip
+            )
         return 0.0
     from spinline.rheology.thermal import saturation_pressure
 
@@ -224,18 +255,30 @@ def _evaporant(scene: Scene, solution: Solution, name: str, warm: float, pressur
         pull = ambient.saturation.value * solution.solvent_density * _GAS * solution.temperature / mass
     try:
         return Evaporant.build(
-            name, solution.temperature, ambient_pressure=far if name == "water" else 0.0,
-            chi=interaction_with(scene, solution, name), pressure=pressure,
-            density=solution.solvent_density if alone else None, molar_mass=mass, vapour_pressure=pull,
-            latent_heat=given(own.latent_heat), heat_capacity=given(own.heat_capacity), diffusivity=spread,
-        )  # fmt: skip
+            name,
+            solution.temperature,
+            ambient_pressure=far if name == "water" else 0.0,
+            chi=interaction_with(scene, solution, name),
+            pressure=pressure,
+            density=solution.solvent_density if alone else None,
+            molar_mass=mass,
+            vapour_pressure=pull,
+            latent_heat=given(own.latent_heat),
+            heat_capacity=given(own.heat_capacity),
+            diffusivity=spread,
+        )
     except InputError as error:
         key = error.field.split(" of ")[0]
         field = "ambient.vapour_diffusivity" if key == "diffusivity" else f"solution.solvent.{key}"
         if key == "temperature":
             field = "solution.temperature"
-        raise InputError(field if " of " in error.field or key == "temperature" else error.field, error.problem,
-                         value=error.value, allowed=error.allowed, remedy=error.remedy) from None  # fmt: skip
+        raise InputError(
+            field if " of " in error.field or key == "temperature" else error.field,
+            error.problem,
+            value=error.value,
+            allowed=error.allowed,
+            remedy=error.remedy,
+        ) from None
 
 
 def _water(scene: Scene, solution: Solution, warm: float, pressure: float, far: float) -> "Evaporant":
@@ -247,9 +290,14 @@ def _water(scene: Scene, solution: Solution, warm: float, pressure: float, far: 
     from spinline.rheology.solvents import solvent_density
 
     return Evaporant.build(
-        "water", warm, ambient_pressure=far, chi=interaction_with(scene, solution, "water"), pressure=pressure,
-        density=solvent_density("water", min(cold, 600.0)), diffusivity=spread,
-    )  # fmt: skip
+        "water",
+        warm,
+        ambient_pressure=far,
+        chi=interaction_with(scene, solution, "water"),
+        pressure=pressure,
+        density=solvent_density("water", min(cold, 600.0)),
+        diffusivity=spread,
+    )
 
 
 def _pairs(laws: RheologySection, liquids: "list[Evaporant]") -> FloatArray | None:

@@ -39,9 +39,12 @@ Surface = Plate | Belt | Drum
 def collector_of(section: CollectorSection) -> Surface:
     """Collector of a scene."""
     return collector(
-        section.kind, section.distance.value, speed=section.speed.value if section.speed else None,
-        rotation=section.rotation, radius=section.radius.value if section.radius else None,
-    )  # fmt: skip
+        section.kind,
+        section.distance.value,
+        speed=section.speed.value if section.speed else None,
+        rotation=section.rotation,
+        radius=section.radius.value if section.radius else None,
+    )
 
 
 def laydown_of(section: LaydownSection) -> Laydown:
@@ -51,21 +54,31 @@ def laydown_of(section: LaydownSection) -> Laydown:
     s2 = float(np.log1p((deviation / mean) ** 2))
     fraction = section.polymer_fraction
     return Laydown(
-        speed=section.speed.value, covariance=section.spread.value**2, noise=float(np.sqrt(2 / section.turning_length.value)),
-        radius=0.5 * mean * float(np.exp(-s2 / 2)), radius_spread=s2**0.5,
+        speed=section.speed.value,
+        covariance=section.spread.value**2,
+        noise=float(np.sqrt(2 / section.turning_length.value)),
+        radius=0.5 * mean * float(np.exp(-s2 / 2)),
+        radius_spread=s2**0.5,
         radius_length=section.correlation.value if section.correlation else 0.0,
         polymer_fraction=1.0 if isinstance(fraction, int) else fraction.value,
-    )  # fmt: skip
+    )
 
 
 def options_of(section: MatSection) -> MatOptions:
     """Options of a mat's analysis."""
     return MatOptions(
-        window=section.window.value if section.window else None, slope=section.slope.value, envelope=section.envelope,
-        voxel=section.voxel.value if section.voxel else None, flatten=section.flatten.value,
-        permeability=tuple(section.permeability), direct=section.direct, realisations=section.realisations,
-        polymer_density=section.polymer_density.value, face_velocity=section.face_velocity.value, seed=section.seed,
-    )  # fmt: skip
+        window=section.window.value if section.window else None,
+        slope=section.slope.value,
+        envelope=section.envelope,
+        voxel=section.voxel.value if section.voxel else None,
+        flatten=section.flatten.value,
+        permeability=tuple(section.permeability),
+        direct=section.direct,
+        realisations=section.realisations,
+        polymer_density=section.polymer_density.value,
+        face_velocity=section.face_velocity.value,
+        seed=section.seed,
+    )
 
 
 def options_text(options: MatOptions) -> str:
@@ -131,8 +144,12 @@ def scene_jet(source: str | Path, overrides: Sequence[str]) -> tuple[Path | None
     scene = load_scene(source, overrides)
     path = getattr(scene.jet, "path", None)
     if scene.jet.profile not in ("jetspin", "lagrangian") or path is None:
-        raise InputError("jet.profile", "has no beads that land", value=scene.jet.profile,
-                         remedy="take a bead jet that ran to its collector, or give [laydown] in place of [jet]")  # fmt: skip
+        raise InputError(
+            "jet.profile",
+            "has no beads that land",
+            value=scene.jet.profile,
+            remedy="take a bead jet that ran to its collector, or give [laydown] in place of [jet]",
+        )
     if scene.collector is None:
         raise InputError("collector", "is missing", remedy='add [collector] with kind = "plate" and its distance')
     place = Path(path) if Path(path).is_absolute() else scene.folder / path
@@ -162,8 +179,9 @@ def landings_of(source: str | Path) -> LandingRecord:
     if path.is_dir():
         path = path / "bead.dat"
         if not path.exists():
-            raise InputError(str(source), "has no table of landed beads (bead.dat)",
-                             remedy="run JETSPIN with `print binary removed`")  # fmt: skip
+            raise InputError(
+                str(source), "has no table of landed beads (bead.dat)", remedy="run JETSPIN with `print binary removed`"
+            )
     if path.suffix == ".nc":
         return LandingRecord.from_dataset(_with_landings(path))
     if not path.exists():
@@ -178,6 +196,10 @@ def _with_landings(path: Path) -> "xr.Dataset":
 
     data = open_dataset(path)
     if "landing" not in data.dims:
-        raise InputError(str(path), "has no landings", value=", ".join(map(str, data.dims)),
-                         remedy="run the jet until it reaches its collector, with its landings kept")  # fmt: skip
+        raise InputError(
+            str(path),
+            "has no landings",
+            value=", ".join(map(str, data.dims)),
+            remedy="run the jet until it reaches its collector, with its landings kept",
+        )
     return data

@@ -177,9 +177,10 @@ def diffusion_law(scene: Scene) -> "DiffusionLaw":
     laws = scene.rheology or RheologySection()
     if laws.diffusivity is None:
         raise InputError(
-            "rheology.diffusivity", "is missing: radial drying needs the diffusivity of the solvent in the solution",
+            "rheology.diffusivity",
+            "is missing: radial drying needs the diffusivity of the solvent in the solution",
             remedy='give it, for example "1e-9 m2/s"',
-        )  # fmt: skip
+        )
     value = laws.diffusivity.value
     if laws.D_law == "constant":
         return ConstantDiffusion(value)
@@ -199,9 +200,12 @@ def glass_fraction(scene: Scene, solution: Solution) -> tuple[float, str]:
         value = laws.vitrification_fraction.value
         if value <= phi:
             raise InputError(
-                "rheology.vitrification_fraction", "is not above the solution's own fraction", value=value,
-                allowed=f"({phi:.6g}, 1)", remedy="raise it",
-            )  # fmt: skip
+                "rheology.vitrification_fraction",
+                "is not above the solution's own fraction",
+                value=value,
+                allowed=f"({phi:.6g}, 1)",
+                remedy="raise it",
+            )
         return value, "given"
     try:
         value = solution.vitrification_fraction()

@@ -32,9 +32,10 @@ def needle_settings(section: NeedleJet, scene: Scene, solution: Solution) -> "Ne
     theta = solution.relaxation_time
     if theta is None and section.law != "newtonian":
         raise InputError(
-            "solution.relaxation_time", f'is missing: jet.law = "{section.law}" needs it',
+            "solution.relaxation_time",
+            f'is missing: jet.law = "{section.law}" needs it',
             remedy='give it, or jet.law = "newtonian" (a Newtonian jet of a polymer solution thins ten times too far)',
-        )  # fmt: skip
+        )
     field: Any = section.field
     if isinstance(field, FieldTable):
         path = scene.folder / field.table
@@ -49,13 +50,26 @@ def needle_settings(section: NeedleJet, scene: Scene, solution: Solution) -> "Ne
         limit = float(rest.full_stretch) ** 2
     try:
         return NeedleSettings(
-            radius=section.radius.value, flow_rate=section.flow_rate.value, voltage=section.voltage.value,
-            gap=section.gap.value, conductivity=section.conductivity.value, surface_tension=section.surface_tension.value,
-            viscosity=solution.viscosity, density=solution.density, permittivity=section.permittivity.value,
-            relaxation_time=0.0 if theta is None else theta, law=section.law, solvent_share=section.solvent_share.value,
-            extensibility=limit, mobility=section.mobility.value, field=field, log=section.log, end=given(section.end),
-            current=given(section.current), gravity=section.gravity.value,
-        )  # fmt: skip
+            radius=section.radius.value,
+            flow_rate=section.flow_rate.value,
+            voltage=section.voltage.value,
+            gap=section.gap.value,
+            conductivity=section.conductivity.value,
+            surface_tension=section.surface_tension.value,
+            viscosity=solution.viscosity,
+            density=solution.density,
+            permittivity=section.permittivity.value,
+            relaxation_time=0.0 if theta is None else theta,
+            law=section.law,
+            solvent_share=section.solvent_share.value,
+            extensibility=limit,
+            mobility=section.mobility.value,
+            field=field,
+            log=section.log,
+            end=given(section.end),
+            current=given(section.current),
+            gravity=section.gravity.value,
+        )
     except InputError as error:
         raise InputError(
             f"jet.{error.field}", error.problem, value=error.value, allowed=error.allowed, remedy=error.remedy

@@ -108,18 +108,23 @@ def build_solid(scene: Scene, solution: Solution, names: list[str], first: Liqui
     kinetics = None
     if laws.crystallisation == "nakamura":
         kinetics = Nakamura(
-            half_time=given(laws.crystallisation_half_time), exponent=laws.avrami_exponent or 3.0,
-            flow_enhancement=given(laws.flow_enhancement, 0.0), maximum=given(laws.maximum_crystallinity, 1.0),
-        )  # fmt: skip
+            half_time=given(laws.crystallisation_half_time),
+            exponent=laws.avrami_exponent or 3.0,
+            flow_enhancement=given(laws.flow_enhancement, 0.0),
+            maximum=given(laws.maximum_crystallinity, 1.0),
+        )
     glass = _glass(scene, solution, names)
     crystals, words = _crystals(laws, solution)
     found = Solid(glass, crystals, kinetics, laws.supercooling.value, words, solution.temperature)
     if crystals is None or kinetics is not None or float(found.crystal_margin(first)[0]) <= 0:
         return found
     least = max(NUCLEATION, laws.supercooling.value)
-    later = replace(found, supercooling=least, words=words.rpartition("supercooling ")[0] + (
-        f"supercooling {least:g} K, since the solution is under its melting point at the nozzle already"
-    ))  # fmt: skip
+    later = replace(
+        found,
+        supercooling=least,
+        words=words.rpartition("supercooling ")[0]
+        + (f"supercooling {least:g} K, since the solution is under its melting point at the nozzle already"),
+    )
     if float(later.crystal_margin(first)[0]) > 0:
         words = (
             "the solution is under its melting point at the nozzle already: it is a question of time, not of equilibrium; give "
@@ -137,9 +142,11 @@ def _crystals(laws: RheologySection, solution: Solution) -> tuple[Crystals | Non
     if not all(value > 0 for value in known):
         if laws.crystallisation == "nakamura":
             raise InputError(
-                "rheology.crystallisation", "needs melting_temperature, melting_enthalpy and repeat_unit_molar_mass of "
-                f"{p.name}", value="nakamura", remedy="give them in solution.polymer, or in a file of materials",
-            )  # fmt: skip
+                "rheology.crystallisation",
+                f"needs melting_temperature, melting_enthalpy and repeat_unit_molar_mass of {p.name}",
+                value="nakamura",
+                remedy="give them in solution.polymer, or in a file of materials",
+            )
         return None, f"{p.name} is not known to crystallise"
     return Crystals(known[0], known[1], known[2] / p.density), (
         f"Flory's melting-point depression, T_m0 = {known[0]:g} K, {known[1] * 1e-3:g} kJ/mol, supercooling "

@@ -37,37 +37,61 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
     conductivity = 0.0 if frozen or section.charge == "none" else given(section.conductivity) or 0.0
     if section.charge == "conducting":
         raise InputError(
-            "jet.charge", "is conducting: not offered for a whole, bent jet, whose free charged front runs away",
+            "jet.charge",
+            "is conducting: not offered for a whole, bent jet, whose free charged front runs away",
             value=section.charge,
             remedy='charge = "frozen" by name, with charge_density or current (and what it costs: spinline check); '
             "the straight part with moving charge is the needle's jet",
-        )  # fmt: skip
+        )
     kind = {"hyperboloid": "hyperboloid", "uniform": "uniform"}[section.field]
     loads = Loads(
-        gap, kind=kind, voltage=section.voltage.value, field=section.voltage.value / gap, tip=radius,
-        gravity=9.81, image=section.image,
-    )  # fmt: skip
+        gap,
+        kind=kind,
+        voltage=section.voltage.value,
+        field=section.voltage.value / gap,
+        tip=radius,
+        gravity=9.81,
+        image=section.image,
+    )
     step = given(section.element_length) or radius / 5
     amplitude = given(section.nozzle_amplitude) or 0.0
     frequency = 2 * math.pi * (given(section.nozzle_frequency) or 0.0)
     given_stress = law.solvent_viscosity > 0.0 or section.inlet_stress == "given"
     inlet = Inlet(
-        flow, radius, charge_density=density, stress="given" if given_stress else "free", length=2 * step,
-        amplitude=amplitude, frequency=frequency, ramp=5 / frequency if frequency else 0.0,
-    )  # fmt: skip
+        flow,
+        radius,
+        charge_density=density,
+        stress="given" if given_stress else "free",
+        length=2 * step,
+        amplitude=amplitude,
+        frequency=frequency,
+        ramp=5 / frequency if frequency else 0.0,
+    )
     grid = Grid(
-        step, tolerance=section.tolerance, repulsion="none" if section.charge == "none" else "hybrid",
-        pressure=not frozen, feed_length=gap if frozen else 0.0, feed_charge=density * area if frozen else 0.0,
-        log_length=gap, bending=section.bending,
+        step,
+        tolerance=section.tolerance,
+        repulsion="none" if section.charge == "none" else "hybrid",
+        pressure=not frozen,
+        feed_length=gap if frozen else 0.0,
+        feed_charge=density * area if frozen else 0.0,
+        log_length=gap,
+        bending=section.bending,
         longest=given(section.longest_element) or 0.0,
-    )  # fmt: skip
+    )
     return SpunSettings(
-        density=solution.density, law=law, inlet=inlet, loads=loads, grid=grid,
-        surface_tension=given(section.surface_tension) or 0.0, conductivity=conductivity,
+        density=solution.density,
+        law=law,
+        inlet=inlet,
+        loads=loads,
+        grid=grid,
+        surface_tension=given(section.surface_tension) or 0.0,
+        conductivity=conductivity,
         current=None if frozen or not conductivity else given(section.current),
-        collector=Collector(section.collector, given(section.collector_speed) or 0.0, given(section.collector_radius) or 0.0),
+        collector=Collector(
+            section.collector, given(section.collector_speed) or 0.0, given(section.collector_radius) or 0.0
+        ),
         seed=section.seed if seed is None else seed,
-    )  # fmt: skip
+    )
 
 
 def spun_remarks(section: "SpunJet", solution: "Solution") -> tuple[str, ...]:
@@ -124,7 +148,7 @@ def _law(section: "SpunJet", solution: "Solution") -> JetLaw:
         }
     return JetLaw.from_viscosity(
         section.law, solution.viscosity, solution.relaxation_time, solvent_ratio=share, **numbers
-    )  # fmt: skip
+    )
 
 
 def build_spun(section: "SpunJet", scene: "Scene", solution: "Solution") -> "LagrangianJet":

@@ -28,12 +28,26 @@ __all__ = ["BANDED", "LEVELS", "RATIOS", "banded", "draw_scenes", "quantiles"]
 
 LEVELS = (0.025, 0.16, 0.5, 0.84, 0.975)
 BANDED = (
-    "radius", "network_radius", "network_radius_conservative", "relative_extension", "orientation", "radial_contraction",
-    "stretch_ratio", "network_velocity_ratio", "strand_stretch", "axial_stretch", "core_polymer_fraction",
+    "radius",
+    "network_radius",
+    "network_radius_conservative",
+    "relative_extension",
+    "orientation",
+    "radial_contraction",
+    "stretch_ratio",
+    "network_velocity_ratio",
+    "strand_stretch",
+    "axial_stretch",
+    "core_polymer_fraction",
     "core_polymer_fraction_eq40",
-    "core_polymer_fraction_conservative", "mean_polymer_fraction", "evaporated_fraction", "stress", "weissenberg_number",
-    "surface_polymer_fraction", "axis_polymer_fraction",
-)  # fmt: skip
+    "core_polymer_fraction_conservative",
+    "mean_polymer_fraction",
+    "evaporated_fraction",
+    "stress",
+    "weissenberg_number",
+    "surface_polymer_fraction",
+    "axis_polymer_fraction",
+)
 RATIOS = ("viscosity", "relaxation_time")  # over what they are at the nozzle, as they are drawn
 _FAR = 1e200
 _LEFT_OUT = 0.01  # share of the draws that is worth a word

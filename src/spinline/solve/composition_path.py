@@ -33,10 +33,15 @@ def composition_path(context: Context, position: FloatArray, here: Liquids, name
     name, polymer = names[solvent], context.solution.polymer.name
     library = interaction(polymer, name), interaction(polymer, "water"), water_interaction(name)
     chosen = (laws.chi, laws.chi_water, laws.chi_water_solvent)
-    keys = (f"rheology.chi ({polymer} with {name})", f"rheology.chi_water ({polymer} with water)",
-            f"rheology.chi_water_solvent (water with {name})")  # fmt: skip
-    found = [given if given is not None else None if known is None else known[0]
-             for given, known in zip(chosen, library, strict=True)]  # fmt: skip
+    keys = (
+        f"rheology.chi ({polymer} with {name})",
+        f"rheology.chi_water ({polymer} with water)",
+        f"rheology.chi_water_solvent (water with {name})",
+    )
+    found = [
+        given if given is not None else None if known is None else known[0]
+        for given, known in zip(chosen, library, strict=True)
+    ]
     missing = [key for key, value in zip(keys, found, strict=True) if value is None]
     values = [value for value in found if value is not None]
     if missing:

@@ -106,15 +106,22 @@ def follow(
         history, arrest, said = _solidified(context, dried, history, beyond=not bare)
         if history.stiffening is not None:
             material = material.stiffened(history.stiffening)
-    fields: dict[str, Any] = {"radius": history.radius, "velocity": history.velocity, "residence_time": history.time,
-                              "stretch_ratio": history.stretch}  # fmt: skip
+    fields: dict[str, Any] = {
+        "radius": history.radius,
+        "velocity": history.velocity,
+        "residence_time": history.time,
+        "stretch_ratio": history.stretch,
+    }
     attributes: dict[str, str] = {"concentration_laws": material.words} | said
     remarks: list[str] = []
     if history.strain_rate is not None:
         fields["strain_rate"] = history.strain_rate
     if dried is not None:
-        fields |= {"evaporated_fraction": dried.lost, "reynolds_number": dried.reynolds,
-                   "sherwood_number": dried.sherwood}  # fmt: skip
+        fields |= {
+            "evaporated_fraction": dried.lost,
+            "reynolds_number": dried.reynolds,
+            "sherwood_number": dried.sherwood,
+        }
         attributes["evaporation"] = str(context.air if dried.temperature is None else context.heated_air)
         remarks += [f"evaporation: {note}" for note in dried.notes]
         if dried.temperature is not None:
@@ -182,9 +189,10 @@ def _held(history: History, arrest: Arrest | None) -> History:
     last = float(np.exp(np.interp(arrest.position, history.position, np.log(history.stretch))))
     rate = history.strain_rate
     return replace(
-        history, stretch=np.where(beyond, last, history.stretch),
+        history,
+        stretch=np.where(beyond, last, history.stretch),
         strain_rate=None if rate is None else np.where(beyond, 0.0, rate),
-    )  # fmt: skip
+    )
 
 
 def spread(values: FloatArray, known: BoolArray) -> FloatArray:

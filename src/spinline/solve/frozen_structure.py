@@ -110,9 +110,14 @@ def freeze(
             w, affine = here["stretch"], here["stretch_ratio"]
             extension, orientation = conformation(w)
             values |= {
-                "position": place, "time": here["time"], "radius": here["radius"], "stretch": w,
-                "extension": extension, "orientation": orientation, "relaxed": 1 - w / affine,
-            }  # fmt: skip
+                "position": place,
+                "time": here["time"],
+                "radius": here["radius"],
+                "stretch": w,
+                "extension": extension,
+                "orientation": orientation,
+                "relaxed": 1 - w / affine,
+            }
         scalars |= {f"{name}_{key}": value for key, value in values.items()}
         words[name] = _sentence(name, values, predicted, fraction, why, never)
     return Frozen(places["frozen"][0], scalars, words)

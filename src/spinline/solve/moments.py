@@ -180,8 +180,10 @@ def _attributes(context: Context, moments: list[Followed]) -> dict[str, Any]:
     """What a result says of the last moment, and of the solution."""
     solution, first = context.solution, moments[0]
     attributes: dict[str, Any] = dict(moments[-1].attributes)
-    for name, value in (("zero_shear_viscosity", solution.viscosity),
-                        ("relaxation_time_at_rest", solution.relaxation_time)):  # fmt: skip
+    for name, value in (
+        ("zero_shear_viscosity", solution.viscosity),
+        ("relaxation_time_at_rest", solution.relaxation_time),
+    ):
         if value is not None:
             attributes[name] = value
     if context.effects.radial:

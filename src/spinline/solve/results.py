@@ -170,8 +170,11 @@ def described(name: str) -> tuple[str, str]:
     """Unit of a variable of a result, and what it is; of ``<name>_std`` and ``<name>_band`` too."""
     if name.endswith("_band"):
         stem = name.removesuffix("_band")
-        unit, words = VARIABLES[stem] if stem in VARIABLES else ("1", f"{VARIABLES[stem.removesuffix('_ratio')][1]}, over "
-                                                                 "that at the nozzle")  # fmt: skip
+        unit, words = (
+            VARIABLES[stem]
+            if stem in VARIABLES
+            else ("1", f"{VARIABLES[stem.removesuffix('_ratio')][1]}, over that at the nozzle")
+        )
         return unit, f"quantiles over the inputs' uncertainty: {words}"
     if name not in VARIABLES and name.endswith("_std"):
         unit, words = VARIABLES[name.removesuffix("_std")]
@@ -219,17 +222,21 @@ def assemble(
             dims = (*lead, "bead") if beads and name in ("x", "y", "z") else along
             inwards = (_LAYERED.get(name, "r"),) if np.ndim(values) > len(dims) else ()
             data[name] = ((*dims, *inwards), values, _units(name, beads))
-    data |= {name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
-             for name, value in numbers.items()}  # fmt: skip
+    data |= {
+        name: ((), value, _units(name)) if np.ndim(value) == 0 else (lead, value, _units(name))
+        for name, value in numbers.items()
+    }
     return NamedArrays(data, coordinates, {key: _storable(value) for key, value in attributes.items()})
 
 
 def with_numbers(result: NamedArrays, numbers: dict[str, Any]) -> NamedArrays:
     """The result with further numbers (or arrays along time)."""
-    return result.assign({
-        name: ((), value, _units(name)) if np.ndim(value) == 0 else ("time", value, _units(name))
-        for name, value in numbers.items()
-    })  # fmt: skip
+    return result.assign(
+        {
+            name: ((), value, _units(name)) if np.ndim(value) == 0 else ("time", value, _units(name))
+            for name, value in numbers.items()
+        }
+    )
 
 
 def with_bands(result: NamedArrays, bands: dict[str, Any]) -> NamedArrays:
@@ -239,10 +246,12 @@ def with_bands(result: NamedArrays, bands: dict[str, Any]) -> NamedArrays:
     from spinline.solve.bands import LEVELS
 
     along = "element" if "element" in result.dims else "z"
-    return result.assign_coords(quantile=list(LEVELS)).assign({
-        name: (("quantile",) if np.ndim(value) == 1 else ("quantile", along), value, _units(name))
-        for name, value in bands.items()
-    })  # fmt: skip
+    return result.assign_coords(quantile=list(LEVELS)).assign(
+        {
+            name: (("quantile",) if np.ndim(value) == 1 else ("quantile", along), value, _units(name))
+            for name, value in bands.items()
+        }
+    )
 
 
 def scalars(result: "xr.Dataset | NamedArrays") -> dict[str, float]:

@@ -239,5 +239,10 @@ def _network(context: Context, plan: Plan | None) -> tuple[Context, Network | No
                 ],
             )
         remedy = f"{error.remedy}; or" if error.remedy else "take"
-        raise InputError(error.field, f"{error.problem} (the rung that rtol = {plan.rtol:g} needs)", value=error.value,
-                         allowed=error.allowed, remedy=f'{remedy} model = "{simplest().name}"') from None  # fmt: skip
+        raise InputError(
+            error.field,
+            f"{error.problem} (the rung that rtol = {plan.rtol:g} needs)",
+            value=error.value,
+            allowed=error.allowed,
+            remedy=f'{remedy} model = "{simplest().name}"',
+        ) from None

@@ -28,8 +28,13 @@ def axes_of(vary: Mapping[str, Any]) -> list[Axis]:
         field = f"vary.{key}"
         name = full_key(key, field)
         if len(form) != 1 or next(iter(form)) not in _FORMS:
-            raise InputError(field, "needs one way to vary", value=form, allowed=", ".join(_FORMS),
-                             remedy='for example { linspace = ["3 wt%", "8 wt%", 6] }')  # fmt: skip
+            raise InputError(
+                field,
+                "needs one way to vary",
+                value=form,
+                allowed=", ".join(_FORMS),
+                remedy='for example { linspace = ["3 wt%", "8 wt%", 6] }',
+            )
         ((how, given),) = form.items()
         axes.append(_axis(name, how, given, f"{field}.{how}"))
     keys = [axis.key for axis in axes]
@@ -56,16 +61,25 @@ def _axis(key: str, how: str, given: Any, field: str) -> Axis:
     if isinstance(low, str) or isinstance(high, str):
         raise InputError(field, "needs two numbers", value=given, remedy="give values = [...]")
     if how in ("logspace", "loguniform") and not (low > 0 and high > 0):
-        raise InputError(field, "cannot be spaced by logarithms: an end is not positive", value=given,
-                         remedy=f"take {how.replace('log', 'lin' if steps else '')}")  # fmt: skip
+        raise InputError(
+            field,
+            "cannot be spaced by logarithms: an end is not positive",
+            value=given,
+            remedy=f"take {how.replace('log', 'lin' if steps else '')}",
+        )
     if not steps:
         if not low < high:
             raise InputError(field, "does not rise", value=given, allowed="[low, high]", remedy="swap the ends")
         return Axis(key, np.array([low, high], dtype=np.float64), "log" if how == "loguniform" else "linear")
     number = given[2]
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= _MOST_STEPS:
-        raise InputError(field, "needs a whole number of steps", value=number, allowed=f"1 to {_MOST_STEPS}",
-                         remedy='for example ["3 wt%", "8 wt%", 6]')  # fmt: skip
+        raise InputError(
+            field,
+            "needs a whole number of steps",
+            value=number,
+            allowed=f"1 to {_MOST_STEPS}",
+            remedy='for example ["3 wt%", "8 wt%", 6]',
+        )
     space = np.linspace if how == "linspace" else np.geomspace
     return Axis(key, np.asarray(space(low, high, number), dtype=np.float64))
 
@@ -92,14 +106,22 @@ def _flat(vary: Mapping[str, Any], before: str = "") -> list[tuple[str, dict[str
         elif isinstance(value, list):
             found.append((name, {"values": value}))
         else:
-            raise InputError(f"vary.{name}", "is one value: nothing varies", value=value, allowed=", ".join(_FORMS),
-                             remedy=f"set it in the scene, or with --set {name}=VALUE")  # fmt: skip
+            raise InputError(
+                f"vary.{name}",
+                "is one value: nothing varies",
+                value=value,
+                allowed=", ".join(_FORMS),
+                remedy=f"set it in the scene, or with --set {name}=VALUE",
+            )
     return found
 
 
 def not_both(keys: list[str]) -> None:
     """Refuse two keys of which one sets the other."""
-    for one, other in (("solution.mass_fraction", "solution.volume_fraction"), ("jet.k", "jet.electric_field"),
-                       ("jet.k", "jet.conductivity")):  # fmt: skip
+    for one, other in (
+        ("solution.mass_fraction", "solution.volume_fraction"),
+        ("jet.k", "jet.electric_field"),
+        ("jet.k", "jet.conductivity"),
+    ):
         if one in keys and other in keys:
             raise InputError(f"vary.{one}", f"varies beside {other}: one sets the other", remedy="drop one of them")

@@ -136,8 +136,14 @@ def _group(task: Task, block: Block, rows: Any, values: dict[str, FloatArray], w
     except InputError:
         return
     chosen = np.flatnonzero(good)
-    _fill(task, block, np.arange(len(block.status))[rows][chosen], scene, solution,
-          {key: column[chosen] for key, column in values.items()})  # fmt: skip
+    _fill(
+        task,
+        block,
+        np.arange(len(block.status))[rows][chosen],
+        scene,
+        solution,
+        {key: column[chosen] for key, column in values.items()},
+    )
 
 
 def _no_estimate(scene: Scene, values: Mapping[str, FloatArray]) -> bool:

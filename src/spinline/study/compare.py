@@ -22,8 +22,20 @@ from spinline.base.errors import InputError
 
 __all__ = ["Comparison", "ProfileDifference", "ScalarDifference", "TextDifference", "compare"]
 
-_NOT_MODELS = ("plan", "trade", "bands", "scene", "title", "warnings", "references", "Conventions", "source", "crossover",
-               "crossover_extension", "jet_attributes")  # fmt: skip
+_NOT_MODELS = (
+    "plan",
+    "trade",
+    "bands",
+    "scene",
+    "title",
+    "warnings",
+    "references",
+    "Conventions",
+    "source",
+    "crossover",
+    "crossover_extension",
+    "jet_attributes",
+)
 _ROUNDING = 1e-12
 
 
@@ -182,9 +194,10 @@ def compare(a: xr.Dataset, b: xr.Dataset, *, rtol: float = _ROUNDING) -> Compari
 def _names(result: xr.Dataset) -> list[str]:
     """Variables that are compared: of uncertainties only the numbers' own, with their number."""
     return [
-        str(name) for name, v in result.data_vars.items()
+        str(name)
+        for name, v in result.data_vars.items()
         if not {"bead", "quantile"} & set(v.dims) and v.dtype.kind in "fb" and not str(name).endswith("_std")
-    ]  # fmt: skip
+    ]
 
 
 def _along(variable: xr.DataArray) -> bool:
@@ -205,11 +218,17 @@ def _scalar(name: str, a: xr.Dataset, b: xr.Dataset) -> list[ScalarDifference]:
     spread = float(np.sqrt(np.nansum(np.square(stds))))
     return [
         ScalarDifference(
-            text, unit, float(x), float(y), float(_relative(x, y)), stds[0], stds[1],
+            text,
+            unit,
+            float(x),
+            float(y),
+            float(_relative(x, y)),
+            stds[0],
+            stds[1],
             abs(float(x) - float(y)) / spread if spread > _ROUNDING * abs(x) else float("nan"),
         )
         for text, x, y in zip(label, one, other, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _relative(x: Any, y: Any) -> FloatArray:

@@ -90,8 +90,12 @@ class Design:
         if kind == "grid":
             for axis in self.axes:
                 if axis.scale != "list":
-                    raise InputError(f"vary.{axis.key}", "is a range, and a grid needs steps", allowed="values, linspace, "
-                                     "logspace", remedy='or [design] kind = "latin-hypercube"')  # fmt: skip
+                    raise InputError(
+                        f"vary.{axis.key}",
+                        "is a range, and a grid needs steps",
+                        allowed="values, linspace, logspace",
+                        remedy='or [design] kind = "latin-hypercube"',
+                    )
             self.shape = tuple(len(axis.values) for axis in self.axes)
             self.size = int(np.prod([float(n) for n in self.shape]))
         elif kind == "table":
@@ -100,19 +104,36 @@ class Design:
         else:
             if kind != "latin-hypercube" and samples & (samples - 1):
                 if kind == "sensitivity":
-                    raise InputError("design.samples", "is not a power of two", value=samples, allowed="2, 4, 8 ...",
-                                     remedy=f"take {1 << samples.bit_length()}")  # fmt: skip
-                warnings.warn(f"design.samples = {samples} is not a power of two: Sobol' points are balanced only there",
-                              SpinlineWarning, stacklevel=2)  # fmt: skip
+                    raise InputError(
+                        "design.samples",
+                        "is not a power of two",
+                        value=samples,
+                        allowed="2, 4, 8 ...",
+                        remedy=f"take {1 << samples.bit_length()}",
+                    )
+                warnings.warn(
+                    f"design.samples = {samples} is not a power of two: Sobol' points are balanced only there",
+                    SpinlineWarning,
+                    stacklevel=2,
+                )
             self._check_sensitivity()
             self.size = samples * (d + 2) if kind == "sensitivity" else samples
             self.shape = (self.size,)
             if samples * d * (2 if kind == "sensitivity" else 1) > _MOST_SAMPLED:
-                raise InputError("design.samples", "makes a design too large to hold", value=samples,
-                                 allowed=f"up to {_MOST_SAMPLED // max(d, 1)} here", remedy="split the sweep")  # fmt: skip
+                raise InputError(
+                    "design.samples",
+                    "makes a design too large to hold",
+                    value=samples,
+                    allowed=f"up to {_MOST_SAMPLED // max(d, 1)} here",
+                    remedy="split the sweep",
+                )
         if self.size > MOST_ROWS:
-            raise InputError("vary", f"makes {self.size:.3g} scenes", allowed=f"up to {MOST_ROWS:.0e}",
-                             remedy="take fewer steps, or samples")  # fmt: skip
+            raise InputError(
+                "vary",
+                f"makes {self.size:.3g} scenes",
+                allowed=f"up to {MOST_ROWS:.0e}",
+                remedy="take fewer steps, or samples",
+            )
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -169,5 +190,8 @@ class Design:
             raise InputError("vary", "holds one key: it carries all the variance", remedy="vary two or more")
         for axis in self.axes:
             if axis.scale == "list":
-                raise InputError(f"vary.{axis.key}", "is a list, and Sobol' indices need a range",
-                                 remedy="give uniform = [low, high] or loguniform = [low, high]")  # fmt: skip
+                raise InputError(
+                    f"vary.{axis.key}",
+                    "is a list, and Sobol' indices need a range",
+                    remedy="give uniform = [low, high] or loguniform = [low, high]",
+                )

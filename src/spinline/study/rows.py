@@ -46,11 +46,26 @@ STATUS_NAMES = {OK: "ok", INCOMPLETE: "incomplete", REFUSED: "refused", FAILED: 
 
 # along the jet; the flags and what only some models have are left to `spinline run`
 PROFILES = (
-    "z", "radius", "velocity", "velocity_ratio", "strain_rate", "residence_time", "stretch_ratio", "mean_polymer_fraction",
-    "network_velocity_ratio", "axial_stretch", "relative_extension", "radial_contraction", "orientation", "network_radius",
-    "network_radius_conservative", "core_polymer_fraction", "core_polymer_fraction_eq40",
-    "core_polymer_fraction_conservative", "strand_force",
-)  # fmt: skip
+    "z",
+    "radius",
+    "velocity",
+    "velocity_ratio",
+    "strain_rate",
+    "residence_time",
+    "stretch_ratio",
+    "mean_polymer_fraction",
+    "network_velocity_ratio",
+    "axial_stretch",
+    "relative_extension",
+    "radial_contraction",
+    "orientation",
+    "network_radius",
+    "network_radius_conservative",
+    "core_polymer_fraction",
+    "core_polymer_fraction_eq40",
+    "core_polymer_fraction_conservative",
+    "strand_force",
+)
 AT_CROSSOVER = SUMMARISED
 STD_FLAG = "uncertainty"  # 0 followed, 1 for some inputs in part or not at all, 2 not followed
 # name: (unit, what it is)
@@ -282,9 +297,10 @@ def _built(key: _Key) -> Any:
 def _missing(block: Block, i: int) -> str:
     """Why numbers of a computed row are NaN; empty where none is."""
     absent = [
-        name for name, values in block.numbers.items()
+        name
+        for name, values in block.numbers.items()
         if np.isnan(values[i]) and name != STD_FLAG and not name.endswith("_std")
-    ]  # fmt: skip
+    ]
     words = [text for name, text in BEYOND.items() if name in absent]
     others = [name for name in absent if not (name.startswith("crossover") and words)]
     return "; ".join([*words, *([f"does not happen in this jet: {', '.join(others)}"] if others else [])])

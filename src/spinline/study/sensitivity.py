@@ -57,8 +57,13 @@ def sobol(
     import xarray as xr
 
     if result.attrs.get("design") != "sensitivity":
-        raise InputError("design", "has no Sobol' indices", value=result.attrs.get("design"), allowed='"sensitivity"',
-                         remedy='make the sweep with --sobol, or design.kind = "sensitivity"')  # fmt: skip
+        raise InputError(
+            "design",
+            "has no Sobol' indices",
+            value=result.attrs.get("design"),
+            allowed='"sensitivity"',
+            remedy='make the sweep with --sobol, or design.kind = "sensitivity"',
+        )
     keys, n = str(result.attrs["keys"]).split(), int(result.attrs["samples"])
     d = len(keys)
     status = result["status"].values
@@ -66,19 +71,33 @@ def sobol(
     for name in outputs:
         if name not in result or result[name].dims != ("scene",) or name in keys:
             known = [str(v) for v in result.data_vars if result[v].dtype == np.float64 and v not in keys]
-            raise InputError("outputs", "is not a number of this sweep", value=name, allowed=", ".join(known),
-                             remedy="take one of those")  # fmt: skip
+            raise InputError(
+                "outputs",
+                "is not a number of this sweep",
+                value=name,
+                allowed=", ".join(known),
+                remedy="take one of those",
+            )
         column = np.asarray(result[name].values, dtype=np.float64)
         bad = ~np.isfinite(column)
         if bad.any():
             first = int(np.argmax(bad))
             reason = "it is not computed yet" if status[first] == 255 else str(result["reason"].values[first])
-            raise InputError(name, f"is missing in {bad.sum()} of {bad.size} scenes: indices need it in all. First: {reason}",
-                             remedy="narrow the ranges, lengthen the jet, or take other outputs")  # fmt: skip
+            raise InputError(
+                name,
+                f"is missing in {bad.sum()} of {bad.size} scenes: indices need it in all. First: {reason}",
+                remedy="narrow the ranges, lengthen the jet, or take other outputs",
+            )
         values.append(column.reshape(d + 2, n))
     table = np.stack(values)  # output, block, sample
-    found = indices(table[:, 0], table[:, 1], np.moveaxis(table[:, 2:], 1, 0), resamples=resamples, confidence=confidence,
-                    seed=int(result.attrs["seed"]))  # fmt: skip
+    found = indices(
+        table[:, 0],
+        table[:, 1],
+        np.moveaxis(table[:, 2:], 1, 0),
+        resamples=resamples,
+        confidence=confidence,
+        seed=int(result.attrs["seed"]),
+    )
     data = {name: (("output", "parameter"), array) for name, array in found.items()}
     both = table[:, :2].reshape(len(outputs), -1)
     return xr.Dataset(
@@ -127,8 +146,14 @@ def indices(
         pick = rng.integers(n, size=n)
         drawn.append(_estimate(at_a[:, pick], at_b[:, pick], at_ab[..., pick]))
     low, high = np.quantile(np.array(drawn), [0.5 - level / 2, 0.5 + level / 2], axis=0)
-    result = {"first_order": first, "first_order_low": low[0], "first_order_high": high[0],
-              "total_order": total, "total_order_low": low[1], "total_order_high": high[1]}  # fmt: skip
+    result = {
+        "first_order": first,
+        "first_order_low": low[0],
+        "first_order_high": high[0],
+        "total_order": total,
+        "total_order_low": low[1],
+        "total_order_high": high[1],
+    }
     spread, size = np.ptp(np.hstack((at_a, at_b)), axis=1), np.abs(at_a).max(axis=1)
     constant = (spread <= _CONSTANT * size)[:, np.newaxis]
     return {name: np.where(constant, np.nan, values) for name, values in result.items()}

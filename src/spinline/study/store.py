@@ -109,8 +109,11 @@ class Store:
                 raise InputError(str(path), "exists and is no sweep", remedy="choose another name")
             self._create(zarr, chunk, attributes)
         elif present["fingerprint"] != attributes["fingerprint"]:
-            raise InputError(str(path), "holds another sweep (or one of another version)",
-                             remedy="choose another name, or --force to start anew")  # fmt: skip
+            raise InputError(
+                str(path),
+                "holds another sweep (or one of another version)",
+                remedy="choose another name, or --force to start anew",
+            )
         lock_folder(path)
         for left in path.rglob("*.partial"):  # of a process that was killed
             left.unlink(missing_ok=True)
@@ -131,9 +134,16 @@ class Store:
                 kind: Any = str if text else np.uint8 if name == "status" else np.float64
                 fill: Any = "" if text else PENDING if name == "status" else float("nan")
                 wide = () if len(dims) == 1 else (self.task.points,)
-                group.create_array(name, shape=(size, *wide), chunks=(min(chunk, size), *wide), dtype=kind,
-                                   fill_value=fill, dimension_names=dims, attributes=described,
-                                   compressors=[ZstdCodec(level=0), Crc32cCodec()])  # fmt: skip
+                group.create_array(
+                    name,
+                    shape=(size, *wide),
+                    chunks=(min(chunk, size), *wide),
+                    dtype=kind,
+                    fill_value=fill,
+                    dimension_names=dims,
+                    attributes=described,
+                    compressors=[ZstdCodec(level=0), Crc32cCodec()],
+                )
             told = {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
             group.attrs.update(told | {"checksum": _checksum(place, told)})
 
@@ -143,8 +153,9 @@ class Store:
         if damaged:
             warnings.warn(
                 f"{self.path} is damaged in {len(damaged)} of {len(done)} chunks: their scenes are computed again",
-                SpinlineWarning, stacklevel=3,
-            )  # fmt: skip
+                SpinlineWarning,
+                stacklevel=3,
+            )
         return [i for i, whole in enumerate(done) if not whole]
 
     def close(self) -> None:
@@ -166,8 +177,11 @@ class Store:
                         self._group[name][rows] = _piece(name, columns, block)
                 self._group["status"][rows] = block.status
         except OSError as error:
-            raise InputError(str(self.path), f"cannot be written ({error.strerror or error})",
-                             remedy="make room; the same command goes on from here") from None  # fmt: skip
+            raise InputError(
+                str(self.path),
+                f"cannot be written ({error.strerror or error})",
+                remedy="make room; the same command goes on from here",
+            ) from None
 
     def dataset(self) -> "xr.Dataset":
         """The store, read as needed."""
@@ -203,8 +217,11 @@ def open_sweep(path: str | Path, *, grid: bool = False) -> "xr.Dataset":
 
     _, damaged = examine(zarr.open_group(str(path), mode="r"), Path(path))
     if damaged:
-        raise InputError(str(path), f"is damaged in chunks {', '.join(map(str, damaged[:5]))}",
-                         remedy="the command that made it computes them again")  # fmt: skip
+        raise InputError(
+            str(path),
+            f"is damaged in chunks {', '.join(map(str, damaged[:5]))}",
+            remedy="the command that made it computes them again",
+        )
     data = xr.open_zarr(str(path), consolidated=False, chunks=None, mask_and_scale=False)
     data = data[str(data.attrs["variables"]).split()]
     return as_grid(data) if grid else data
@@ -248,8 +265,11 @@ def peek(path: Path) -> Mapping[str, Any] | None:
     """
     if not _looks_ours(path):
         return None
-    broken = InputError(str(path), "is damaged: what it says of itself has changed",
-                        remedy="choose another name, or --force to start anew")  # fmt: skip
+    broken = InputError(
+        str(path),
+        "is damaged: what it says of itself has changed",
+        remedy="choose another name, or --force to start anew",
+    )
     try:
         attributes = dict(json.loads((path / "zarr.json").read_bytes())["attributes"])
         told = {key: value for key, value in attributes.items() if key != "checksum"}

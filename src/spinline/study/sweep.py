@@ -185,9 +185,11 @@ def _pooled(
             deaths += 1
             if deaths >= _DEATHS:
                 raise InputError(
-                    "workers", f"died {deaths} times (out of memory, or started from a script without "
-                    'if __name__ == "__main__")', value=workers, remedy="take fewer, or workers = 1; what is done is kept",
-                ) from None  # fmt: skip
+                    "workers",
+                    f'died {deaths} times (out of memory, or started from a script without if __name__ == "__main__")',
+                    value=workers,
+                    remedy="take fewer, or workers = 1; what is done is kept",
+                ) from None
         except BaseException:  # Ctrl-C, a full disk: the chunks under way are not waited for
             for process in list((getattr(pool, "_processes", None) or {}).values()):
                 process.terminate()
@@ -217,13 +219,20 @@ def _distributed(
         from distributed import Client, as_completed
         from distributed.scheduler import KilledWorker
     except ImportError:
-        raise InputError("--scheduler", "needs dask.distributed, which is not installed",
-                         remedy='pip install "spinline[parallel]", or ".[parallel]" from the source') from None  # fmt: skip
+        raise InputError(
+            "--scheduler",
+            "needs dask.distributed, which is not installed",
+            remedy='pip install "spinline[parallel]", or ".[parallel]" from the source',
+        ) from None
     try:
         client = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError, TimeoutError) as error:
-        raise InputError("--scheduler", f"cannot be reached ({error})", value=address,
-                         remedy='give the address that `dask scheduler` prints, "tcp://host:8786"') from None  # fmt: skip
+        raise InputError(
+            "--scheduler",
+            f"cannot be reached ({error})",
+            value=address,
+            remedy='give the address that `dask scheduler` prints, "tcp://host:8786"',
+        ) from None
     with client:
         name = sweep.fingerprint()[:16]
         waiting = iter(chunks)
@@ -240,18 +249,27 @@ def _distributed(
             return future
 
         slots = max(1, sum(client.nthreads().values()))
-        queue = as_completed([future for future in (submit() for _ in range(4 * slots)) if future is not None],
-                             loop=client.loop)  # fmt: skip
+        queue = as_completed(
+            [future for future in (submit() for _ in range(4 * slots)) if future is not None], loop=client.loop
+        )
         for future in queue:
             i = running.pop(future.key)
             try:
                 block = future.result()
             except KilledWorker:
-                raise InputError("--scheduler", f"workers died again and again over rows {_extent(sweep, chunk, i)[0]} on",
-                                 value=address, remedy="give them more memory, or a smaller chunk") from None  # fmt: skip
+                raise InputError(
+                    "--scheduler",
+                    f"workers died again and again over rows {_extent(sweep, chunk, i)[0]} on",
+                    value=address,
+                    remedy="give them more memory, or a smaller chunk",
+                ) from None
             except ModuleNotFoundError as error:
-                raise InputError("--scheduler", f"workers cannot import {error.name}", value=address,
-                                 remedy="install the same spinline there") from None  # fmt: skip
+                raise InputError(
+                    "--scheduler",
+                    f"workers cannot import {error.name}",
+                    value=address,
+                    remedy="install the same spinline there",
+                ) from None
             yield i, _rows(sweep, chunk, i), block
             future.release()
             more = submit()
@@ -261,8 +279,13 @@ def _distributed(
 
 def _probe(sweep: Sweep, vectorise: bool) -> tuple[Task, float]:
     """What a row holds and costs, by trying some; and whether the closed forms say the same."""
-    task = Task(base=sweep.base, folder=str(sweep.folder), profiles=sweep.profiles, points=sweep.points,
-                uncertain=_uncertain(sweep))  # fmt: skip
+    task = Task(
+        base=sweep.base,
+        folder=str(sweep.folder),
+        profiles=sweep.profiles,
+        points=sweep.points,
+        uncertain=_uncertain(sweep),
+    )
     size = sweep.design.size
     trial = sorted({0, size // 2, size - 1})
     affine = vectorise and _has_closed_forms(sweep, trial)
@@ -321,8 +344,11 @@ def _checked(sweep: Sweep, task: Task, trial: Sequence[int]) -> tuple[Task, floa
             )  # a difference of two runs is no better than they are
             room = _AGREE * float(np.nan_to_num(size).max()) if name.endswith("_std") else 0.0
             if not np.allclose(fast.numbers[name], value, rtol=_AGREE, atol=room, equal_nan=True):
-                warnings.warn(f"closed forms and single runs differ in {name}: every scene is run by itself",
-                              SpinlineWarning, stacklevel=4)  # fmt: skip
+                warnings.warn(
+                    f"closed forms and single runs differ in {name}: every scene is run by itself",
+                    SpinlineWarning,
+                    stacklevel=4,
+                )
                 return replace(task, vectorise=False), 2e-3
     return task, _mixed_cost(sweep, task)
 

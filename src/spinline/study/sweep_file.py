@@ -158,8 +158,13 @@ def sweep_from_dict(
     _known(design, _DESIGN, "design.")
     kind = design.get("kind", "grid")
     if kind not in KINDS:
-        raise InputError("design.kind", "is not known", value=kind, allowed=", ".join(f'"{k}"' for k in KINDS),
-                         remedy="take one of those")  # fmt: skip
+        raise InputError(
+            "design.kind",
+            "is not known",
+            value=kind,
+            allowed=", ".join(f'"{k}"' for k in KINDS),
+            remedy="take one of those",
+        )
     vary = {} if kind == "table" and "vary" not in data else _table(data, "vary")
     axes = axes_of(vary)
     if kind == "table":
@@ -204,8 +209,13 @@ def _base(scene: Any, home: Path) -> tuple[dict[str, Any], Path]:
         path = home / scene if (home / scene).exists() else bundled_scenes().get(scene, Path(scene))
         if not path.is_file():
             near = difflib.get_close_matches(scene, bundled_scenes(), n=1)
-            raise InputError("scene", "is not a scene", value=scene, allowed="a path from the sweep file, or a bundled name",
-                             remedy=f"did you mean {near[0]!r}?" if near else "`spinline scenes` lists them")  # fmt: skip
+            raise InputError(
+                "scene",
+                "is not a scene",
+                value=scene,
+                allowed="a path from the sweep file, or a bundled name",
+                remedy=f"did you mean {near[0]!r}?" if near else "`spinline scenes` lists them",
+            )
         data, _ = read_toml_text(path, "scene", LONGEST, "give a TOML scene")
         at = path.resolve().parent
     else:
@@ -231,8 +241,12 @@ def _from_table(design: Mapping[str, Any], axes: list[Axis], home: Path) -> list
         raise InputError("vary", "is given beside a table", remedy="put its keys into the table's columns, or drop it")
     path = design.get("path")
     if not isinstance(path, str):
-        raise InputError("design.path", "is missing" if path is None else "is not a path", value=path,
-                         remedy='give the CSV file: path = "conditions.csv"')  # fmt: skip
+        raise InputError(
+            "design.path",
+            "is missing" if path is None else "is not a path",
+            value=path,
+            remedy='give the CSV file: path = "conditions.csv"',
+        )
     return [Axis(key, column(values)) for key, values in read_table(home / path).items()]
 
 
@@ -244,8 +258,13 @@ def _profiles(names: Any) -> tuple[str, ...]:
     for name in names:
         if name not in PROFILES:
             near = difflib.get_close_matches(str(name), PROFILES, n=1)
-            raise InputError("profiles", "is not a variable along a jet", value=name, allowed=", ".join(PROFILES),
-                             remedy=f"did you mean {near[0]!r}?" if near else "take one of those")  # fmt: skip
+            raise InputError(
+                "profiles",
+                "is not a variable along a jet",
+                value=name,
+                allowed=", ".join(PROFILES),
+                remedy=f"did you mean {near[0]!r}?" if near else "take one of those",
+            )
     return tuple(dict.fromkeys(names))
 
 
@@ -268,16 +287,25 @@ def _sound(sweep: Sweep) -> None:
         if sweep.profiles and scene.jet.profile in ("jetspin", "lagrangian"):
             raise InputError("profiles", "needs a straight jet", value=list(sweep.profiles), remedy="drop it")
         if getattr(scene.jet, "time", "") == "all":
-            raise InputError("scene.jet.time", "is all of them, and a row of a sweep is one", value="all",
-                             remedy="give a time, or vary it")  # fmt: skip
+            raise InputError(
+                "scene.jet.time",
+                "is all of them, and a row of a sweep is one",
+                value="all",
+                remedy="give a time, or vary it",
+            )
         return
     first = errors[0]
     same = all(str(error) == str(first) for error in errors)
     varied = any(key in first.field or first.field in key for key in sweep.design.keys)
     if same and (not varied or first.problem == "is not a known key"):
         field = first.field if varied or first.field == "scene" else f"scene.{first.field}"
-        raise InputError(field, first.problem, value=first.value, allowed=first.allowed,
-                         remedy=first.remedy.replace("in the scene", "in the base scene"))  # fmt: skip
+        raise InputError(
+            field,
+            first.problem,
+            value=first.value,
+            allowed=first.allowed,
+            remedy=first.remedy.replace("in the scene", "in the base scene"),
+        )
 
 
 def _files(base: Mapping[str, Any], folder: Path) -> list[Any]:
@@ -295,8 +323,13 @@ def _known(data: Mapping[str, Any], allowed: Sequence[str], before: str) -> None
     for key in data:
         if key not in allowed:
             near = difflib.get_close_matches(key, allowed, n=1)
-            raise InputError(f"{before}{key}", "is not a known key", value=data[key], allowed=", ".join(allowed),
-                             remedy=f"did you mean {near[0]!r}?" if near else "take it out")  # fmt: skip
+            raise InputError(
+                f"{before}{key}",
+                "is not a known key",
+                value=data[key],
+                allowed=", ".join(allowed),
+                remedy=f"did you mean {near[0]!r}?" if near else "take it out",
+            )
 
 
 def _table(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
@@ -316,6 +349,11 @@ def _string(data: Mapping[str, Any], key: str) -> str:
 def _whole(data: Mapping[str, Any], key: str, low: int, high: int, before: str, default: int | None = None) -> int:
     value = data.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-        raise InputError(f"{before}{key}", "is not a whole number in range", value=value, allowed=f"{low} to {high}",
-                         remedy="change it in the sweep file")  # fmt: skip
+        raise InputError(
+            f"{before}{key}",
+            "is not a whole number in range",
+            value=value,
+            allowed=f"{low} to {high}",
+            remedy="change it in the sweep file",
+        )
     return value

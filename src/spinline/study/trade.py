@@ -97,13 +97,15 @@ class Trade:
         data = json.loads(text)
         nan = float("nan")
         rungs = tuple(
-            Measured(**{
-                **rung,
-                "seconds": nan if rung["seconds"] is None else rung["seconds"],
-                "errors": {branch: nan if error is None else error for branch, error in rung["errors"].items()},
-            })
+            Measured(
+                **{
+                    **rung,
+                    "seconds": nan if rung["seconds"] is None else rung["seconds"],
+                    "errors": {branch: nan if error is None else error for branch, error in rung["errors"].items()},
+                }
+            )
             for rung in data["rungs"]
-        )  # fmt: skip
+        )
         return cls(rungs, data["references"], data["rtol"], data["recommendation"])
 
 

@@ -183,8 +183,13 @@ def _axes(
         ),
     }
     if jet.length is not None and jet.length.value > axes["gap"].min():
-        raise InputError("gap", "is shorter than the jet of the scene", value=float(axes["gap"].min()),
-                         allowed=f">= jet.length = {jet.length.value:g} m", remedy="shorten jet.length")  # fmt: skip
+        raise InputError(
+            "gap",
+            "is shorter than the jet of the scene",
+            value=float(axes["gap"].min()),
+            allowed=f">= jet.length = {jet.length.value:g} m",
+            remedy="shorten jet.length",
+        )
     return axes
 
 

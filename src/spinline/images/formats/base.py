@@ -173,9 +173,11 @@ def open_file(path: Path, inside: str | None, key: str) -> FrameReader:
     mine = [form for form in candidates if form.owns(head)] or [form for form in known if form.owns(head)] or candidates
     if not mine:
         raise InputError(
-            key, "is of no known kind", value=path.name,
+            key,
+            "is of no known kind",
+            value=path.name,
             allowed=", ".join(sorted({s for form in known for s in form.suffixes})) + ", or a pattern",
-        )  # fmt: skip
+        )
     return mine[0].open(path, inside, key)
 
 
@@ -203,6 +205,8 @@ def frames_shape(shape: tuple[int, ...], key: str, source: str) -> tuple[int, in
 def needs(package: str, key: str, source: str, why: str) -> InputError:
     """The refusal of a file whose decoder is not installed."""
     return InputError(
-        key, f"needs the package {package} ({why})", value=source,
+        key,
+        f"needs the package {package} ({why})",
+        value=source,
         remedy=f"pip install {package}, or all of them: pip install spinline[formats]; or save it uncompressed as TIFF or npy",
-    )  # fmt: skip
+    )

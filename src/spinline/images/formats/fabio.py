@@ -28,9 +28,11 @@ class _Images:
             self.image = fabio.open(str(path))
         except Exception as error:
             raise InputError(
-                key, f"cannot be read ({str(error).splitlines()[0] if str(error) else type(error).__name__})",
-                value=path.name, remedy="copy it again, or save it as TIFF",
-            ) from None  # fmt: skip
+                key,
+                f"cannot be read ({str(error).splitlines()[0] if str(error) else type(error).__name__})",
+                value=path.name,
+                remedy="copy it again, or save it as TIFF",
+            ) from None
         data = self.image.data
         if data is None or data.ndim < 2:
             raise InputError(key, "holds no image", value=path.name, remedy="copy it again: it may be cut short")
@@ -54,9 +56,30 @@ class _Images:
 class _Fabio:
     name = "fabio"
     suffixes = (
-        ".edf", ".cor", ".cbf", ".img", ".mar2300", ".mar3450", ".mccd", ".spe", ".mrc", ".map", ".kcd", ".fit2d", ".msk",
-        ".pnm", ".pgm", ".dm3", ".gfrm", ".raw2d", ".ehf", ".bef", ".edf.gz", ".sfrm", ".osc",
-    )  # fmt: skip
+        ".edf",
+        ".cor",
+        ".cbf",
+        ".img",
+        ".mar2300",
+        ".mar3450",
+        ".mccd",
+        ".spe",
+        ".mrc",
+        ".map",
+        ".kcd",
+        ".fit2d",
+        ".msk",
+        ".pnm",
+        ".pgm",
+        ".dm3",
+        ".gfrm",
+        ".raw2d",
+        ".ehf",
+        ".bef",
+        ".edf.gz",
+        ".sfrm",
+        ".osc",
+    )
     inside = False
 
     def owns(self, head: bytes) -> bool:

@@ -26,8 +26,15 @@ _DEPTH = 12  # of groups in groups
 _NUMBERED = re.compile(r"(?P<stem>.*?)(?P<number>\d+)$")
 _IMAGE_KEYS = {"counts": 0, "transmission": 0, "flat": 1, "flat_after": 1, "dark": 2}
 _FILTERS = {
-    32001: "blosc", 32004: "lz4", 32008: "bitshuffle", 32015: "zstd", 32013: "zfp", 32026: "blosc2", 307: "bzip2", 305: "lzo",
-}  # fmt: skip
+    32001: "blosc",
+    32004: "lz4",
+    32008: "bitshuffle",
+    32015: "zstd",
+    32013: "zfp",
+    32026: "blosc2",
+    307: "bzip2",
+    305: "lzo",
+}
 _ENERGY = ("incident_energy", "energy", "photon_energy")
 _PIXEL = ("x_pixel_size", "pixel_size", "y_pixel_size")
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "nm": 1e-9}
@@ -43,9 +50,12 @@ class _Datasets:
         shapes = [frames_shape(d.shape, key, source) for d in datasets]
         if len({shape[1:] for shape in shapes}) > 1:
             raise InputError(
-                key, "has datasets of different frames", value=source, allowed=", ".join(map(str, shapes)),
+                key,
+                "has datasets of different frames",
+                value=source,
+                allowed=", ".join(map(str, shapes)),
                 remedy="name one of them",
-            )  # fmt: skip
+            )
         for dataset in datasets:
             if getattr(dataset, "external", None):  # raw bytes of any file on this machine
                 raise InputError(
@@ -196,10 +206,11 @@ def _no_gap(group: Any, path: Path, key: str) -> None:
         if _NUMBERED.match(name) and group.get(name) is None:
             link = group.get(name, getlink=True)
             raise InputError(
-                key, "is a stack of several datasets, and one is not there",
+                key,
+                "is a stack of several datasets, and one is not there",
                 value=f"{path.name}: {_lost(link, group.name + '/' + name)}",
                 remedy="copy the file it names beside the master",
-            )  # fmt: skip
+            )
 
 
 def _large(found: dict[str, Any]) -> list[str]:
@@ -239,9 +250,11 @@ def _chosen(file: Any, path: Path, key: str) -> list[Any]:
     found, broken = _walk(file, key)
     if broken and not [name for name in _large(found) if name.rpartition("/")[2] == key]:
         raise InputError(
-            key, "has a link that leads nowhere", value=f"{path.name}: {broken[0]}",
+            key,
+            "has a link that leads nowhere",
+            value=f"{path.name}: {broken[0]}",
             remedy=f'copy the file it names beside it, or write "{path.name}:/path/inside"',
-        )  # fmt: skip
+        )
     named = {d.id: d for name, d in found.items() if d.ndim >= 2 and name.rpartition("/")[2] == key}
     if len(named) == 1:
         return list(named.values())
@@ -265,9 +278,11 @@ def _chosen(file: Any, path: Path, key: str) -> list[Any]:
             return list(only.values())
     names = _large(found) or list(found)
     raise InputError(
-        key, f"does not say which dataset of {path.name}", allowed=", ".join(names) or "none",
+        key,
+        f"does not say which dataset of {path.name}",
+        allowed=", ".join(names) or "none",
         remedy=f'write "{path.name}:/path/inside"',
-    )  # fmt: skip
+    )
 
 
 def _image_key(file: Any, dataset: Any) -> Array | None:
@@ -329,17 +344,20 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
             name = path.parent / (source.file_name.replace("%b", "0"))
         if not name.is_file():
             raise InputError(
-                key, "is a virtual dataset, and a file that it refers to is not there",
-                value=f"{path.name} -> {source.file_name}", remedy=f"copy {Path(source.file_name).name} beside {path.name}",
-            )  # fmt: skip
+                key,
+                "is a virtual dataset, and a file that it refers to is not there",
+                value=f"{path.name} -> {source.file_name}",
+                remedy=f"copy {Path(source.file_name).name} beside {path.name}",
+            )
         file = dataset.file if here else h5py.File(name, "r")
         part = file.get(source.dset_name)
         if not isinstance(part, h5py.Dataset):
             raise InputError(
-                key, "is a virtual dataset, and a dataset that it refers to is not there",
+                key,
+                "is a virtual dataset, and a dataset that it refers to is not there",
                 value=f"{path.name} -> {source.file_name}:{source.dset_name}",
                 remedy="copy the source again, or write the master anew",
-            )  # fmt: skip
+            )
         lost = _unwritten(part, name, key, depth + 1) if depth < _DEPTH else set()
         low, high = _bounds(source.vspace, dataset)
         first, last = _bounds(source.src_space, part)
@@ -350,10 +368,11 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
         wanted = max(last[0] + 1, high[0] - low[0] + 1 if first[0] == 0 else 0)
         if part.ndim >= 3 and has < wanted:
             raise InputError(
-                key, "is a virtual dataset, and a dataset that it refers to holds fewer frames than it says",
+                key,
+                "is a virtual dataset, and a dataset that it refers to holds fewer frames than it says",
                 value=f"{path.name} -> {source.file_name}:{source.dset_name}, {has} of {wanted}",
                 remedy="copy the source again, or name the sources themselves by a pattern",
-            )  # fmt: skip
+            )
         step = max((high[0] - low[0]) // max(last[0] - first[0], 1), 1) if part.ndim >= 3 else 1
         at = first[0] if part.ndim >= 3 else 0
         for offset, frame in enumerate(range(low[0], min(high[0] + 1, frames), step)):
@@ -459,10 +478,11 @@ def _picked(file: Any, datasets: list[Any], key: str, frames: int, missing: list
         picked = [i for i in picked if i > last]
     if not picked:
         raise InputError(
-            key, f"has no frame of its kind: none of {frames} has image_key {wanted}",
+            key,
+            f"has no frame of its kind: none of {frames} has image_key {wanted}",
             allowed=", ".join(f"{int((keys == k).sum())} of {k}" for k in sorted(set(keys.tolist()))),
             remedy="name another file",
-        )  # fmt: skip
+        )
     return picked, f"{len(picked)} of {frames} frames, by image_key {wanted}"
 
 

@@ -24,9 +24,12 @@ class _Variable:
         wanted = inside.strip("/") if inside else key if key in names else names[0] if len(names) == 1 else ""
         if wanted not in self.file.variables:
             raise InputError(
-                key, f"does not say which variable of {path.name}", value=inside, allowed=", ".join(names) or "none",
+                key,
+                f"does not say which variable of {path.name}",
+                value=inside,
+                allowed=", ".join(names) or "none",
                 remedy=f'write "{path.name}:/variable"',
-            )  # fmt: skip
+            )
         self.data = self.file.variables[wanted]
         self.shape = frames_shape(tuple(self.data.shape), key, path.name)
         found = {

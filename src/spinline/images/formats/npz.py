@@ -27,9 +27,12 @@ class _Member:
         wanted = inside.strip("/") if inside else key if key in names else names[0] if len(names) == 1 else key
         if wanted not in names:
             raise InputError(
-                key, f"is not an array of {path.name}", value=wanted, allowed=", ".join(names) or "none",
+                key,
+                f"is not an array of {path.name}",
+                value=wanted,
+                allowed=", ".join(names) or "none",
                 remedy=f'store it as {key!r}, or write "{path.name}:name"',
-            )  # fmt: skip
+            )
         self.member = f"{wanted}.npy"
         self.account = Account(f"{path.name}:{wanted}")
         shape, fortran, self.dtype = self._rewind()

@@ -117,9 +117,11 @@ class _Tiff:
             planes, shape = shape[0], shape[1:]  # planes one after the other: frames that a writer took for colours
         if len(shape) == 3 and shape[-1] in _COLOURS:
             raise InputError(
-                key, "is a colour image, no counts", value=f"{path.name}: pages of shape {shape}",
+                key,
+                "is a colour image, no counts",
+                value=f"{path.name}: pages of shape {shape}",
                 remedy="give the detector's raw frames, (frame, z, x) or (z, x)",
-            )  # fmt: skip
+            )
         if dtype == "None" or len(shape) != 2:
             raise InputError(key, "holds pages that are no images", value=f"{path.name}: shape {shape}")
         others = {s: len(i) for (s, _), i in kinds.items() if i is not mine}
@@ -132,13 +134,17 @@ class _Tiff:
         said_to_be = int((file.imagej_metadata or {}).get("images", 0)) if file.is_imagej else 0
         if said_to_be > len(mine) * many:
             raise InputError(
-                key, f"is cut short: it says {said_to_be} frames, and holds {len(mine) * many}", value=path.name,
+                key,
+                f"is cut short: it says {said_to_be} frames, and holds {len(mine) * many}",
+                value=path.name,
                 remedy="copy it again",
-            )  # fmt: skip
+            )
         account = Account(
-            path.name, f"{len(mine)} page{'s' * (len(mine) > 1)}" + (f" of {many} frames" if many > 1 else ""), remarks=said,
+            path.name,
+            f"{len(mine)} page{'s' * (len(mine) > 1)}" + (f" of {many} frames" if many > 1 else ""),
+            remarks=said,
             metadata=_metadata(file, one),
-        )  # fmt: skip
+        )
         even = _even(pages, mine, one, many)
         size = frames_shape((len(mine) * many, *shape), key, path.name)
         if even is not None:

@@ -37,10 +37,16 @@ class Disentanglement(Effect):
         z = context.grid(201)
         z = z[z <= context.lateral_place * (1 + 1e-12)]
         state = disentangle(
-            jet.residence_time(z), jet.stretch_ratio(z), theta, strands.rouse_time(theta), segments=context.rest.segments,
-            release=strands.release, entanglement_release=strands.entanglement_release, strain_rate=jet.strain_rate(z),
+            jet.residence_time(z),
+            jet.stretch_ratio(z),
+            theta,
+            strands.rouse_time(theta),
+            segments=context.rest.segments,
+            release=strands.release,
+            entanglement_release=strands.entanglement_release,
+            strain_rate=jet.strain_rate(z),
             rtol=1e-6,
-        )  # fmt: skip
+        )
         lost = 1 - float(state.entanglements_left[-1])
         words = f"{lost:.2g} of Z = {strands.entanglements:.3g} let go (beta_c = {strands.entanglement_release:g})"
         return Estimate(self.name, self.symbol, lost, float(1 / np.sqrt(1 - lost) - 1), words)
@@ -57,8 +63,13 @@ class Disentanglement(Effect):
 
         rung, able = RUNGS[context.scene.network.model], cheapest(["relaxation"])
         if not rung.relaxes or rung.slips:
-            raise InputError("effects.disentanglement", f'is not in network.model = "{rung.name}"', value=True,
-                             allowed="false", remedy="" if able is None else f'take model = "{able.name}"')  # fmt: skip
+            raise InputError(
+                "effects.disentanglement",
+                f'is not in network.model = "{rung.name}"',
+                value=True,
+                allowed="false",
+                remedy="" if able is None else f'take model = "{able.name}"',
+            )
         _ = context.strands
 
     def held(self, context: Context, rung: "Rung", automatic: bool) -> bool:
