@@ -220,7 +220,9 @@ class Materials(Generated):
             (
                 p.name,
                 *(
-                    f"{scale * getattr(p, name):.3g}: {property_source(p, name)}" if getattr(p, name) > 0 else "not built in"
+                    f"{scale * getattr(p, name):.3g}: {property_source(p, name)}"
+                    if getattr(p, name) > 0
+                    else "not built in"
                     for name, scale in (
                         ("kuhn_length", 1e9),
                         ("entanglement_molar_mass", 1.0),

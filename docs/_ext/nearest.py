@@ -4,7 +4,6 @@ A bare name is looked for in the module that says it, then where that module has
 longest common path first. Words in the type of a parameter (``shape (n,)``) are no references.
 """
 
-import os
 import sys
 
 from docutils import nodes
@@ -47,7 +46,14 @@ class Nearest(SphinxPostTransform):
         home = f"{getattr(thing, '__module__', '')}.{target}"
         if home in names:
             return home
-        return max(names, key=lambda name: (len(os.path.commonprefix([name, module])), -len(name)))
+        path = module.split(".")
+
+        def together(name):
+            """How many parts of the path are shared."""
+            parts = list(zip(name.split("."), path, strict=False))
+            return next((i for i, (a, b) in enumerate(parts) if a != b), len(parts))
+
+        return max(names, key=lambda name: (together(name), -len(name)))
 
 
 def setup(app):
