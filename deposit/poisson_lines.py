@@ -46,7 +46,7 @@ def ball_probability(length_density: ArrayLike, radius: ArrayLike, ball: ArrayLi
     Examples
     --------
     >>> [round(float(p), 4) for p in ball_probability(0.012, 2.0, [0, 1, 2, 4])]
-    [0.86, 0.7123, 0.547, 0.2574]
+    [0.86, 0.7123, 0.5471, 0.2574]
     """
     nu = real("length_density", length_density, least=0.0)
     a, r = real("radius", radius, least=0.0), real("ball", ball, least=0.0)

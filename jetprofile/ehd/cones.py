@@ -70,8 +70,9 @@ def taylor_half_angle() -> float:
 
     Examples
     --------
+    >>> from math import degrees
     >>> round(degrees(taylor_half_angle()), 9)
-    49.290089289
+    49.290089292
     """
     return TAYLOR_ANGLE
 
@@ -109,9 +110,10 @@ def dielectric_cone(permittivity: float) -> DielectricCone:
 
     Examples
     --------
+    >>> from math import degrees
     >>> cone = dielectric_cone(80.0)
     >>> round(degrees(cone.upper), 7), round(degrees(cone.lower), 7)
-    (47.2235659, 7.2013910)
+    (47.2235659, 7.201391)
     """
     eps = positive("permittivity", permittivity)
     if eps < LEAST_PERMITTIVITY:
@@ -143,6 +145,7 @@ def hyperboloid_half_angle() -> float:
 
     Examples
     --------
+    >>> from math import degrees
     >>> round(degrees(hyperboloid_half_angle()), 9)
     33.534164873
     """
