@@ -72,6 +72,8 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
         For a file that is no table, has no header, or holds rows that do not fit it; it names the format that was seen.
     """
     name = str(path)
+    if not Path(path).exists():
+        raise InputError(name, "cannot be read: there is no such file", allowed=allowed, remedy="check the path")
     if Path(path).suffix.lower() in (".xlsx", ".xlsm", ".xls", ".ods"):
         lines, kind = _sheet(path), "Excel workbook"
     else:
@@ -88,6 +90,8 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
 def _sheet(path: str | Path) -> list[str]:
     """First sheet of a workbook as tab-separated lines."""
     name = str(path)
+    if not Path(path).exists():
+        raise InputError(name, "cannot be read: there is no such file", allowed=allowed, remedy="check the path")
     if Path(path).suffix.lower() in (".xls", ".ods"):
         raise InputError(
             name, "is an old Excel or an OpenDocument workbook", remedy="save it as .xlsx or as CSV (UTF-8)"

@@ -63,7 +63,7 @@ def terminal_radius(charge_density: ArrayLike, surface_tension: ArrayLike, chi: 
     Examples
     --------
     >>> round(float(terminal_radius(100.0, 0.03)) * 1e9, 1)
-    3248.1
+    3246.5
     """
     q = real("charge_density", charge_density, above=0.0, unit="C/m3")
     gamma = real("surface_tension", surface_tension, above=0.0, unit="N/m")

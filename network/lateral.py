@@ -24,8 +24,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import solve_banded
-from scipy.optimize import brentq
 
 from spinline.base.checks import BoolArray, FloatArray, number, positive, real
 from spinline.base.errors import InputError
@@ -233,6 +231,8 @@ def lateral_network(
 
 def _distances(layers: int, depth: float) -> FloatArray:
     """Distances of the layers' edges from the surface, 1 ... 0: the outermost layers a few per cent of `depth` thick."""
+    from scipy.optimize import brentq  # slow to import, and seldom needed
+
     y = np.linspace(1.0, 0.0, layers + 1)
     share = min(3 * depth, 1.0)
     if share > 0.99:
@@ -295,6 +295,8 @@ def _times(bands: FloatArray, lag: FloatArray) -> FloatArray:
 
 def _solve(right: FloatArray, step: float, bands: FloatArray, source: float, least: float) -> tuple[FloatArray, bool]:
     """Implicit stage: free of the surface if that keeps it inside, held at it if not."""
+    from scipy.linalg import solve_banded  # slow to import, and seldom needed
+
     matrix = -step * bands
     matrix[1] += 1
     load = right.copy()

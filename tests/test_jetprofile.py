@@ -193,7 +193,7 @@ def test_table_from_csv_and_its_refusals(tmp_path) -> None:
         "z [mm], radius [s]\n0,1\n1,1\n": "not a length",
         "z [mm], radius [um]\n0,1\n": "two samples",
         "z [mm], radius [um]\n0,50\n1,60\n": "monotone",
-        "z [mm], radius [um]\n1,50\n0,40\n": "increase",
+        "z [mm], radius [um]\n1,50\n0,40\n2,30\n": "increase",
         "z [mm], radius [um]\n0,50\n1,x\n": "text",
         "z [mm], radius [um]\n0,50\n1,\n": "finite",
         "z [mm], radius [um]\n0,50\n1,-3\n": "range",

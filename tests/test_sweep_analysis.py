@@ -282,7 +282,7 @@ def test_jets_of_other_lengths_are_compared_where_both_are():
 
 def test_a_flag_that_flips_and_a_variable_of_one_side_are_named():
     found = compare(results(), results("network.model=manifold"))
-    assert set(found.only_b) == {"slip_velocity", "drag_force", "scission"}
+    assert set(found.only_b) == {"slip_velocity", "drag_force", "scission", "far_end_effect"}
     assert not found.same
     bead = sl.run(load_scene("pvp-jetspin"))
     assert compare(bead, bead).same

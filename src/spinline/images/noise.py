@@ -123,7 +123,7 @@ def _add_lags(d: FloatArray, near: FloatArray, lags: FloatArray, weight: FloatAr
 
 def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float, float, tuple[float, ...]]:
     """S, its relative standard deviation and the covariance along; the variance where neighbours are not seen to share."""
-    if not weight.any():
+    if not weight.any() or not 0 < variance < np.inf:
         return variance, np.nan, (1.0,)
     reach = lags.shape[0] // 2
     covariance = lags / np.maximum(weight, 1.0)

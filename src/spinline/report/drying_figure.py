@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spinline.report.figures import shade
-from spinline.report.style import BLUE, GREEN, GREY, LEGEND, ORANGE, RED, shade_between
+from spinline.report.style import BLUE, GREEN, GREY, LEGEND, ORANGE, RED, shade, shade_between
 
 if TYPE_CHECKING:
     import xarray as xr

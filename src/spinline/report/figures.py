@@ -27,7 +27,7 @@ from spinline.report.style import (
     check_format,
     grid,
     save_sheet,
-    shade_between,
+    shade,
     sheet_of,
     titled,
 )
@@ -110,25 +110,6 @@ def save_figure(result: "xr.Dataset | NamedArrays", path: str | Path, *, force: 
     """
     check_format(path)
     return save_sheet(figure(result), path, force=force)
-
-
-def shade(
-    axis: "Axes",
-    place: Any,
-    result: "xr.Dataset | NamedArrays",
-    name: str,
-    colour: str,
-    factor: float = 1.0,
-    *,
-    positive: bool = False,
-) -> None:
-    """Bands of 68 and 95 % of a variable, where the inputs carry an uncertainty; `positive` leaves zeros out (logarithms)."""
-    if f"{name}_band" not in result:
-        return
-    rows = factor * result[f"{name}_band"].values
-    if positive:
-        rows = np.where(rows > 0, rows, np.nan)
-    shade_between(axis, place, rows, colour)
 
 
 def _radii(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:

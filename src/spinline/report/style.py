@@ -16,7 +16,10 @@ from spinline.base.errors import InputError
 from spinline.base.files import write_bytes
 
 if TYPE_CHECKING:
+    import xarray as xr
     from numpy.typing import ArrayLike
+
+    from spinline.base.named_arrays import NamedArrays
 
 __all__ = [
     "BANDS",
@@ -27,6 +30,7 @@ __all__ = [
     "check_format",
     "grid",
     "save_sheet",
+    "shade",
     "shade_between",
     "sheet_of",
     "titled",
@@ -101,6 +105,25 @@ def shade_between(axis: Axes, place: "ArrayLike", rows: Any, colour: str) -> Non
     """Bands of 95 and 68 % from five rows of quantiles."""
     for low, high, alpha in BANDS:
         axis.fill_between(place, rows[low], rows[high], color=colour, alpha=alpha, linewidth=0)
+
+
+def shade(
+    axis: "Axes",
+    place: Any,
+    result: "xr.Dataset | NamedArrays",
+    name: str,
+    colour: str,
+    factor: float = 1.0,
+    *,
+    positive: bool = False,
+) -> None:
+    """Bands of 68 and 95 % of a variable, where the inputs carry an uncertainty; `positive` leaves zeros out (logarithms)."""
+    if f"{name}_band" not in result:
+        return
+    rows = factor * result[f"{name}_band"].values
+    if positive:
+        rows = np.where(rows > 0, rows, np.nan)
+    shade_between(axis, place, rows, colour)
 
 
 def check_format(path: str | Path) -> Path:
