@@ -8,11 +8,12 @@ A picture stands below the command that makes it: the last ``$ spinline`` line a
 
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from PIL import Image
 
 ROOT = Path(__file__).parents[1]
 # picture: the page that shows it, and the file that the command writes
@@ -40,6 +41,7 @@ def make(name, folder):
 
 if __name__ == "__main__":
     for wanted in sys.argv[1:] or PICTURES:
-        with tempfile.TemporaryDirectory() as scratch:
-            shutil.copyfile(make(wanted, scratch), ROOT / "docs" / "images" / f"{wanted}.png")
+        with tempfile.TemporaryDirectory() as scratch, Image.open(make(wanted, scratch)) as picture:
+            few = picture.convert("RGB").quantize(256)  # colours enough, and a third of the size
+            few.save(ROOT / "docs" / "images" / f"{wanted}.png", optimize=True)
         print(f"docs/images/{wanted}.png")

@@ -198,6 +198,7 @@ def _spielman_goren(constant: float, factor: float) -> Callable[[FloatArray], Fl
 
 
 _TINY = 1e-12
+#: Every law of permeability by its name.
 LAWS: Mapping[str, PermeabilityLaw] = {
     law.name: law
     for law in (

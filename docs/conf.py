@@ -13,7 +13,7 @@ author = "The spinline developers"
 copyright = "2026, The spinline developers"
 version = release = spinline.__version__
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "generated"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "generated", "nearest"]
 exclude_patterns = ["_build", "**.ipynb_checkpoints"]
 nitpicky = False
 default_role = "py:obj"

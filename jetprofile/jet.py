@@ -3,16 +3,16 @@
 An object with the members of `Jet` is a jet; a run takes it as it is (`complete` finds out the rest). What else a jet may say
 of itself, and saves or sharpens a computation where it does:
 
-===================  ==================================================================================================
-``initial_radius``   r_0, m; else the radius at its start
-``initial_velocity`` v_0, m/s; else from the residence time and V
-``flow_rate``        Q, m3/s; else pi r_0^2 v_0
-``position_of(V)``   first place where V is reached, NaN where never; else searched for
-``kinks()``          places where the profile is not smooth, in initial radii from its start
-``given``            "velocity" or "radius": what stays as it is when the jet dries
-``time``             moments (s) that `at` picks from; none for a steady jet
-``fields(place)``    further variables along it, by their names in a result
-===================  ==================================================================================================
+====================  ==================================================================================================
+``initial_radius``    r_0, m; else the radius at its start
+``initial_velocity``  v_0, m/s; else from the residence time and V
+``flow_rate``         Q, m3/s; else pi r_0^2 v_0
+``position_of(V)``    first place where V is reached, NaN where never; else searched for
+``kinks()``           places where the profile is not smooth, in initial radii from its start
+``given``             "velocity" or "radius": what stays as it is when the jet dries
+``time``              moments (s) that `at` picks from; none for a steady jet
+``fields(place)``     further variables along it, by their names in a result
+====================  ==================================================================================================
 """
 
 from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable

@@ -90,8 +90,6 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
 def _sheet(path: str | Path) -> list[str]:
     """First sheet of a workbook as tab-separated lines."""
     name = str(path)
-    if not Path(path).exists():
-        raise InputError(name, "cannot be read: there is no such file", allowed=allowed, remedy="check the path")
     if Path(path).suffix.lower() in (".xls", ".ods"):
         raise InputError(
             name, "is an old Excel or an OpenDocument workbook", remedy="save it as .xlsx or as CSV (UTF-8)"

@@ -52,8 +52,9 @@ def dry_radially_with_heat(
         As for `drying.dry_radially`.
     evaporant : Evaporant
         The solvent.
-    temperature, air_temperature, pressure, polymer_density, polymer_heat_capacity, transfer, sherwood_floor,
-    air_velocity, stefan
+    temperature, air_temperature, pressure, polymer_density, polymer_heat_capacity : float
+        As for `heat.dry_with_heat`.
+    transfer, sherwood_floor, air_velocity, stefan
         As for `heat.dry_with_heat`.
 
     Returns

@@ -21,7 +21,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 COMMANDS = {
     "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "sweep", "window", "compare",
-    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image", "fibre", "deposit", "mat",
+    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image", "fibre", "jet", "spin", "deposit", "mat",
 }  # fmt: skip
 
 
@@ -106,9 +106,11 @@ def test_python_of_the_readme_prints_what_it_says(capsys):
     assert len(said) == 2
 
 
-@pytest.mark.parametrize("scene", ["peo5-water", "pvp-jetspin", "pmma10-drying"])
-def test_output_in_the_readme_is_that_of_the_command(scene, spinline):
-    command = "crossover" if scene == "peo5-water" else "run"
+@pytest.mark.parametrize(
+    ("command", "scene"),
+    [("crossover", "peo5-water"), ("run", "pvp-jetspin"), ("run", "pmma10-drying"), ("fibre", "pan-dmf")],
+)
+def test_output_in_the_readme_is_that_of_the_command(command, scene, spinline):
     shown = README.split(f"$ spinline {command} {scene}\n", 1)[1].split("```", 1)[0]
     assert spinline(command, scene).out == shown
 

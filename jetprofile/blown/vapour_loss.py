@@ -1,6 +1,6 @@
 """Solvent lost along a straight blown jet whose velocity is held, Eqs. (43a), (44).
 
-``d(f v)/dz = -pi D_a b``, ``b = 0.495 Re_a^(1/3) Sc^(1/2) dC``, Re_a = 2 a |w|/nu with the slip w; with F the volume left,
+``d(f v)/dz = -pi D_a b``, ``b = 0.495 Re_a^(1/3) Sc^(1/2) dC``, ``Re_a = 2 a |w|/nu`` with the slip w; with F the volume left,
 ``a = (Q F/(pi v))^(1/2)``, so F^(1/6) separates::
 
     F = (1 - (5/6) int K |w|^(1/3) (Q/(pi v))^(1/6) dz)^(6/5)      K = pi D_a 0.495 Sc^(1/2) dC (2/nu)^(1/3)/Q

@@ -1,17 +1,17 @@
 """The three laws that an electrified jet tends to, in closed form, each a jet of its own.
 
-==============  ===============================================================  ============================================
-`InertialJet`   ``rho v^2 / 2 = rho v_0^2 / 2 + rho g z + (I/Q) int E_ext dz``  far away; beta = 1/4 in a uniform field
-`ViscousJet`    ``V = (1 + k s)^2``, ``k = (i A B / 6)^(1/2)``                   viscosity holds it back: **beta = 1**
-`ElasticJet`    ``V = V1 + s / De``, ``V1 = F0 / (pi r_0^2 G)``                  ``theta edot > 1/2``, solutions: beta = 1/2
-==============  ===============================================================  ============================================
+==============  ================================================================  ============================================
+`InertialJet`   ``rho v^2 / 2 = rho v_0^2 / 2 + rho g z + (I/Q) int E_ext dz``    far away; beta = 1/4 in a uniform field
+`ViscousJet`    ``V = (1 + k s)^2``, ``k = (i A B / 6)^(1/2)``                    viscosity holds it back: **beta = 1**
+`ElasticJet`    ``V = V1 + s / De``, ``V1 = F0 / (pi r_0^2 G)``                   ``theta edot > 1/2``, solutions: beta = 1/2
+==============  ================================================================  ============================================
 
 The elastic law holds where the polymer carries the load: the strain rate is then about 1 / theta whatever voltage,
 conductivity and radius are, and what a fit from a distance on calls beta rises slowly towards 1/2. With a tension that
 changes along the jet, `elastic_velocity_ratio`: ``V(z) = (F / F0) [V1 + int F0 dz / (theta v_0 F)]``.
 
 `viscous_prefactor` is the k of Reznik and Zussman with the prefactor that they leave open, from the full equations: 0.435
-to 0.574.
+to 0.66.
 """
 
 from functools import cached_property
@@ -38,7 +38,7 @@ __all__ = [
     "viscous_prefactor",
 ]
 
-VISCOUS_PREFACTOR = (0.435, 0.574)  # c_k over A = 1e-4 ... 1, B = 1e3 ... 1e5, uniform field
+VISCOUS_PREFACTOR = (0.435, 0.66)  # c_k over A = 1e-4 ... 1, B = 1e3 ... 1e5, gaps of 40 to 3000 radii, uniform field
 
 
 def initial_jump(tension: ArrayLike, radius: ArrayLike, modulus: ArrayLike) -> FloatArray:

@@ -1,7 +1,7 @@
 """The far tail of a detector's point spread: light that a scintillator sends further than its core (glare).
 
 A share s of the light is spread by ``exp(-r/l)/(2 pi l^2)``, all round; the rest stays in the core. Along a row, behind a jet
-that goes on for more than l either way, what counts is its line spread,
+that goes on for more than l either way, what counts is its line spread::
 
     E(x) = |x| K_1(|x|/l) / (pi l^2),    B = (1 - s) G + s E * G,
 

@@ -34,7 +34,8 @@ __all__ = [
     "without_nozzle",
 ]
 
-FRINGES = 5.0  # significance that is an alarm
+#: Significance of fringes that is an alarm.
+FRINGES = 5.0
 
 
 def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:

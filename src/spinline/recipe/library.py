@@ -21,6 +21,7 @@ class Prior:
 
 
 # kg/mol, weight average
+#: What is usual of a polymer, kg/mol.
 MOLAR_MASS: Mapping[str, Prior] = {
     "PEO": Prior(600.0, 0.7, _GRADES),
     "PMMA": Prior(350.0, 0.7, _GRADES),
@@ -41,6 +42,7 @@ _ANY = Prior(150.0, 0.9, "no entry for this polymer: a usual chain")
 
 _SALTS = "usual for polymer solutions in it; traces of salts decide, an estimate"
 # S/m, of the solution
+#: What is usual of a solution in a solvent, S/m.
 CONDUCTIVITY: Mapping[str, Prior] = {
     "water": Prior(3e-2, 1.0, _SALTS),
     "ethanol": Prior(1e-3, 1.0, _SALTS),

@@ -18,7 +18,7 @@ from spinline.recipe.constants import GLOBAL
 
 __all__ = ["UNKNOWNS", "Believed", "Fibres", "spun"]
 
-# name in a result: what it is
+#: What is uncertain of a recipe, by its name, in words.
 UNKNOWNS = {
     "entanglement_concentration": "concentration of entanglement (molar mass, solvent quality)",
     "viscosity": "viscosity at that concentration",

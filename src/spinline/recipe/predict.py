@@ -15,6 +15,7 @@ from spinline.recipe.regime import Regime, regime_of
 
 __all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
 
+#: Ways to compute the diameter.
 RUNGS = ("race", "terminal")
 _DRAWS = 2048
 _QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)

@@ -12,6 +12,7 @@ from spinline.recipe.model import Believed, Fibres
 
 __all__ = ["REGIMES", "Regime", "regime_of"]
 
+#: What a recipe can give, in words.
 REGIMES = {
     "jets": "smooth fibres",
     "beads": "fibres with beads: too few entanglements",

@@ -14,7 +14,7 @@ from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
 
-__all__ = ["read_experiments", "recipes_of"]
+__all__ = ["predict_table", "read_experiments", "recipes_of"]
 
 # what the published tables write for what the library has; the last two by their context
 _ALSO = {

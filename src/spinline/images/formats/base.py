@@ -26,6 +26,7 @@ __all__ = [
     "split_source",
 ]
 
+#: Any array of numbers.
 Array = NDArray[Any]
 _HEAD = 64  # bytes by which a format may know its files
 
