@@ -145,8 +145,10 @@ def judge(seed, index, tolerances=TOLERANCES):
             outcome["kind"] = "no reference"
         else:
             good = [found[other][1] for other, error in errors.items() if error <= rtol]
-            outcome |= {"kind": "met" if errors[model] <= rtol else "missed",
-                        "cost": found[model][1] / min(good) if good else 1.0}  # fmt: skip
+            outcome |= {
+                "kind": "met" if errors[model] <= rtol else "missed",
+                "cost": found[model][1] / min(good) if good else 1.0,
+            }
         outcomes.append(outcome)
     return outcomes
 
@@ -193,15 +195,28 @@ def main():
                 if outcome["kind"] == "missed":
                     missed.append({"index": index - 1, **outcome})
     summary = {
-        "seed": asked.seed, "scenes": done, "drawn": index, "seconds": round(time.perf_counter() - began, 1),
-        "rtol": {f"{rtol:g}": {
-            **dict(sorted(counts[rtol].items())),
-            "met of those judged": round(counts[rtol]["met"] / max(counts[rtol]["met"] + counts[rtol]["missed"], 1), 4),
-            "within twice the cheapest": round(float(np.mean(np.array(costs[rtol]) <= 2)), 4) if costs[rtol] else None,
-        } for rtol in TOLERANCES},
-        "missed": missed, "said and doubted": doubted, "refused for": dict(refused),
-        "remarks": remarks, "other warnings": dict(others),
-    }  # fmt: skip
+        "seed": asked.seed,
+        "scenes": done,
+        "drawn": index,
+        "seconds": round(time.perf_counter() - began, 1),
+        "rtol": {
+            f"{rtol:g}": {
+                **dict(sorted(counts[rtol].items())),
+                "met of those judged": round(
+                    counts[rtol]["met"] / max(counts[rtol]["met"] + counts[rtol]["missed"], 1), 4
+                ),
+                "within twice the cheapest": round(float(np.mean(np.array(costs[rtol]) <= 2)), 4)
+                if costs[rtol]
+                else None,
+            }
+            for rtol in TOLERANCES
+        },
+        "missed": missed,
+        "said and doubted": doubted,
+        "refused for": dict(refused),
+        "remarks": remarks,
+        "other warnings": dict(others),
+    }
     text = json.dumps(summary, indent=1)
     if asked.out:
         asked.out.write_text(text + "\n", encoding="utf-8")

@@ -63,26 +63,47 @@ def place_of(plan):
 
     known = {effect["name"]: effect for effect in plan["effects_used"] + plan["effects_left_out"]}
     slip, relaxing = known["elastic coupling"], known["relaxation"]
-    place = {"slip": slip["number"], "deborah": relaxing["number"], "inertia": known["inertia"]["number"],
-             "dried": known["evaporation"]["number"], "peclet": known["radial gradients"]["number"]}  # fmt: skip
+    place = {
+        "slip": slip["number"],
+        "deborah": relaxing["number"],
+        "inertia": known["inertia"]["number"],
+        "dried": known["evaporation"]["number"],
+        "peclet": known["radial gradients"]["number"],
+    }
     if slip["estimated_error"] is None or relaxing["estimated_error"] is None:
         return place, "unknown", None
     slips, relaxes = (MARGIN * effect["estimated_error"] > RTOL for effect in (slip, relaxing))
     lost = slip["number"] > UNSTEADY
     holds = (
-        "neither" if slips and relaxes else "unsteady" if lost else
-        "manifold" if slips else "conformation" if relaxes else "affine"
-    )  # fmt: skip
+        "neither"
+        if slips and relaxes
+        else "unsteady"
+        if lost
+        else "manifold"
+        if slips
+        else "conformation"
+        if relaxes
+        else "affine"
+    )
     out = [effect for effect in plan["effects_left_out"] if effect["name"] in ("elastic coupling", "relaxation")]
     return place, holds, max((effect["estimated_error"] for effect in out), default=0.0)
 
 
 BOUNDS = {
-    "radius": (0, 1), "velocity_ratio": (0, np.inf), "orientation": (-0.5, 1), "relative_extension": (0, 1 + 1e-9),
-    "axial_stretch": (0, np.inf), "radial_contraction": (0, 1.5), "core_polymer_fraction": (0, 1),
-    "core_polymer_fraction_eq40": (0, 1), "core_polymer_fraction_conservative": (0, 1), "mean_polymer_fraction": (0, 1),
-    "network_radius": (0, 1), "network_velocity_ratio": (0, np.inf), "polymer_fraction": (0, 1 + 1e-9),
-}  # fmt: skip
+    "radius": (0, 1),
+    "velocity_ratio": (0, np.inf),
+    "orientation": (-0.5, 1),
+    "relative_extension": (0, 1 + 1e-9),
+    "axial_stretch": (0, np.inf),
+    "radial_contraction": (0, 1.5),
+    "core_polymer_fraction": (0, 1),
+    "core_polymer_fraction_eq40": (0, 1),
+    "core_polymer_fraction_conservative": (0, 1),
+    "mean_polymer_fraction": (0, 1),
+    "network_radius": (0, 1),
+    "network_velocity_ratio": (0, np.inf),
+    "polymer_fraction": (0, 1 + 1e-9),
+}
 EXPLAINED = ("strand_force", "residence_time", "weissenberg", "strain_rate")  # NaN has a meaning of its own there
 
 
@@ -276,18 +297,31 @@ def campaign(seed, first, scenes, workers, wall=False):
         if done % 2000 == 0:
             print(f"{done} scenes, {len(bad)} failures, {time.perf_counter() - began:.0f} s", flush=True)
     return {
-        "seed": seed, "first": first, "scenes": scenes, "seconds": round(time.perf_counter() - began, 1),
-        "clock": "wall" if wall else "processor", "limit": LIMIT,
+        "seed": seed,
+        "first": first,
+        "scenes": scenes,
+        "seconds": round(time.perf_counter() - began, 1),
+        "clock": "wall" if wall else "processor",
+        "limit": LIMIT,
         "slowest": {"seconds": round(slowest[0], 2), "index": slowest[1]},
         "seconds_by_model": {model: round(value, 1) for model, value in spent.items()},
-        "outcomes": dict(sorted(outcomes.items())), "refusals": dict(reasons.most_common(60)), "warned": dict(warned),
-        "failed": len(bad), "failures": sorted(bad, key=lambda item: item["index"])[:500],
-        "rtol_of_maps": RTOL, "holds": dict(holding), "off_decades": [str(edge) for edge in OFF[:-1]] + ["not known"],
-        "off": dict(sorted(off.items())), "axes": AXES, "bins": BINS, "classes": HOLDS, "models": MODELS,
+        "outcomes": dict(sorted(outcomes.items())),
+        "refusals": dict(reasons.most_common(60)),
+        "warned": dict(warned),
+        "failed": len(bad),
+        "failures": sorted(bad, key=lambda item: item["index"])[:500],
+        "rtol_of_maps": RTOL,
+        "holds": dict(holding),
+        "off_decades": [str(edge) for edge in OFF[:-1]] + ["not known"],
+        "off": dict(sorted(off.items())),
+        "axes": AXES,
+        "bins": BINS,
+        "classes": HOLDS,
+        "models": MODELS,
         "held": {" ".join(pair): counts.tolist() for pair, counts in held.items()},
         "came": {" ".join(pair): counts.tolist() for pair, counts in came.items()},
         "letters": "".join(letters),
-    }  # fmt: skip
+    }
 
 
 def check(summary, scenes, workers=1, skip=0):

@@ -78,8 +78,10 @@ def _limits(axis, pair, summary):
     from spinline.network.concentration import compaction_velocity_ratio
 
     phi = np.logspace(-5, -0.01, 200)
-    for v, style, words in ((1 / phi, "-", r"full stretch, $1/\phi$"),
-                            (compaction_velocity_ratio(phi, "theta"), ":", "core compact")):  # fmt: skip
+    for v, style, words in (
+        (1 / phi, "-", r"full stretch, $1/\phi$"),
+        (compaction_velocity_ratio(phi, "theta"), ":", "core compact"),
+    ):
         axis.plot(np.log10(phi), np.log10(v), color="k", ls=style, lw=1, label=words)
     axis.set_xlim(*summary["axes"][pair[0]])
     axis.set_ylim(*summary["axes"][pair[1]])
@@ -100,8 +102,9 @@ def main():
     upper.legend(handles=patches, loc="outside lower center", ncols=len(patches), fontsize=9, frameon=False)
     upper.suptitle(
         f"What holds within rtol = {summary['rtol_of_maps']:g}, for most scenes of a place (fainter where they differ; "
-        f"{summary['scenes']} scenes)", fontsize=10.5,
-    )  # fmt: skip
+        f"{summary['scenes']} scenes)",
+        fontsize=10.5,
+    )
     axes = lower.subplots(2, 3).ravel()
     for axis, model in zip(axes, (*FORCED, None), strict=True):
         picture = _results(axis, summary, planes[1 if model is None else 0], model)

@@ -226,11 +226,19 @@ def kills(count: int, seed: int, only: list[str] | None = None) -> dict[str, Any
 # --- scenes ------------------------------------------------------------------------------------------------------------
 
 _RANGES = {
-    "relative_extension": (0.0, 1.0), "radial_contraction": (0.0, 1.0), "orientation": (-0.5, 1.0),
-    "mean_polymer_fraction": (0.0, 1.0), "core_polymer_fraction": (0.0, 1.0), "radius": (0.0, 1e3),
-    "network_radius": (0.0, 1e3), "velocity_ratio": (0.0, 1e300), "stretch_ratio": (0.0, 1e300),
-    "surface_polymer_fraction": (0.0, 1.0), "axis_polymer_fraction": (0.0, 1.0), "volume_fraction": (0.0, 1.0),
-}  # fmt: skip
+    "relative_extension": (0.0, 1.0),
+    "radial_contraction": (0.0, 1.0),
+    "orientation": (-0.5, 1.0),
+    "mean_polymer_fraction": (0.0, 1.0),
+    "core_polymer_fraction": (0.0, 1.0),
+    "radius": (0.0, 1e3),
+    "network_radius": (0.0, 1e3),
+    "velocity_ratio": (0.0, 1e300),
+    "stretch_ratio": (0.0, 1e300),
+    "surface_polymer_fraction": (0.0, 1.0),
+    "axis_polymer_fraction": (0.0, 1.0),
+    "volume_fraction": (0.0, 1.0),
+}
 
 
 def judged(tables: dict[str, Any]) -> str:
@@ -298,9 +306,15 @@ def scenes(count: int, seed: int, longest: float = np.inf) -> dict[str, Any]:
     count = len(seconds)
     share = sum(s <= PATIENCE for s in seconds) / count
     return {
-        "seed": seed, "scenes": count, "verdicts": dict(tally), "within_5_s": share, "median_s": round(ordered[count // 2], 4),
-        "longest_s": round(ordered[-1], 2), "commonest_refusals": dict(reasons.most_common(25)), "bad": bad,
-    }  # fmt: skip
+        "seed": seed,
+        "scenes": count,
+        "verdicts": dict(tally),
+        "within_5_s": share,
+        "median_s": round(ordered[count // 2], 4),
+        "longest_s": round(ordered[-1], 2),
+        "commonest_refusals": dict(reasons.most_common(25)),
+        "bad": bad,
+    }
 
 
 class Late(BaseException):

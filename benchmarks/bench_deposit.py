@@ -51,11 +51,17 @@ def scale():
             with dep.FibreFile(path) as file:
                 result = dep.analyse_mat(file, dep.MatOptions(realisations=2))
             total = time.process_time() - start
-            rows.append({
-                "segments": n, "cpu_lay_s": laid, "cpu_total_s": total, "wall_s": time.perf_counter() - wall,
-                "peak_memory_GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
-                "file_MB": path.stat().st_size / 1e6, "porosity": float(result.porosity),
-            })  # fmt: skip
+            rows.append(
+                {
+                    "segments": n,
+                    "cpu_lay_s": laid,
+                    "cpu_total_s": total,
+                    "wall_s": time.perf_counter() - wall,
+                    "peak_memory_GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+                    "file_MB": path.stat().st_size / 1e6,
+                    "porosity": float(result.porosity),
+                }
+            )
             print(rows[-1], flush=True)
     exponent = np.log(rows[-1]["cpu_total_s"] / rows[0]["cpu_total_s"]) / np.log(10)
     return {"rows": rows, "exponent": float(exponent)}
@@ -88,8 +94,14 @@ def beds():
                 warnings.simplefilter("ignore", SpinlineWarning)
                 for law in dep.LAWS:
                     laws[law] = float(dep.permeability_of(law, phi, 1.0))
-            row = {"bed": "layered, through" if layered else "random", "solidity": phi, "k_over_a2": float(ratio.mean()),
-                   "lowest": float(ratio.min()), "highest": float(ratio.max()), "laws": laws}  # fmt: skip
+            row = {
+                "bed": "layered, through" if layered else "random",
+                "solidity": phi,
+                "k_over_a2": float(ratio.mean()),
+                "lowest": float(ratio.min()),
+                "highest": float(ratio.max()),
+                "laws": laws,
+            }
             inside = [value for value in laws.values() if np.isfinite(value)]
             row["within_the_laws"] = bool(min(inside) <= ratio.mean() <= max(inside))
             out.append(row)
@@ -106,9 +118,14 @@ def drum():
         rolled = dep.Segments.join(list(_rolled(s, turn))) if speed else s
         window = dep.Window(8e-5, 8e-5, 1.6e-4 if speed else -4e-5, -4e-5)
         laid = dep.lay_stack(rolled, window, slope=0.3)
-        row = {"collector_speed": speed, "order_parameter": dep.order_of(s.angle, s.chord).order_parameter,
-               "coverage": laid.coverage, "thickness_m": laid.mean_thickness,
-               "porosity": {e: laid.porosity(e) for e in ("mean-top", "max-top", "percentile")}, "slope": 0.3}  # fmt: skip
+        row = {
+            "collector_speed": speed,
+            "order_parameter": dep.order_of(s.angle, s.chord).order_parameter,
+            "coverage": laid.coverage,
+            "thickness_m": laid.mean_thickness,
+            "porosity": {e: laid.porosity(e) for e in ("mean-top", "max-top", "percentile")},
+            "slope": 0.3,
+        }
         out.append(row)
         print(row, flush=True)
     return out

@@ -21,14 +21,35 @@ from spinline.jetprofile.ehd.boundary_value import interpolate, newton, remesh, 
 from spinline.jetprofile.ehd.solver import solve
 
 GLYCEROL = NeedleSettings(
-    radius=0.8e-3, flow_rate=1e-6 / 60, voltage=4e4, gap=0.08, conductivity=1e-6, viscosity=14.9e-4 * 1260,
-    surface_tension=0.063, density=1260.0, permittivity=46.5, law="newtonian", field="uniform", end=0.06, log="constant",
+    radius=0.8e-3,
+    flow_rate=1e-6 / 60,
+    voltage=4e4,
+    gap=0.08,
+    conductivity=1e-6,
+    viscosity=14.9e-4 * 1260,
+    surface_tension=0.063,
+    density=1260.0,
+    permittivity=46.5,
+    law="newtonian",
+    field="uniform",
+    end=0.06,
+    log="constant",
     current=170e-9,
-)  # fmt: skip
+)
 PEO = NeedleSettings(
-    radius=125e-6, flow_rate=3.2e-6 / 3600, voltage=6e3, gap=0.1, conductivity=0.01, viscosity=2.0, surface_tension=0.061,
-    density=1000.0, permittivity=80.0, relaxation_time=7e-3, extensibility=507.0, end=0.02,
-)  # fmt: skip
+    radius=125e-6,
+    flow_rate=3.2e-6 / 3600,
+    voltage=6e3,
+    gap=0.1,
+    conductivity=0.01,
+    viscosity=2.0,
+    surface_tension=0.061,
+    density=1000.0,
+    permittivity=80.0,
+    relaxation_time=7e-3,
+    extensibility=507.0,
+    end=0.02,
+)
 
 
 def feng() -> NeedleSettings:
@@ -36,10 +57,21 @@ def feng() -> NeedleSettings:
     v = np.sqrt(0.1 * 9.81 * r)
     k, e0 = 2 * EPS0 * v / (0.1 * r), np.sqrt(rho * v**2 / EPS0)
     return NeedleSettings(
-        radius=r, flow_rate=np.pi * r**2 * v, voltage=0.7 * e0 * 0.1, gap=0.1, conductivity=k, density=rho, permittivity=41.0,
-        viscosity=rho * v * r / 2.5e-3, surface_tension=rho * v**2 * r / 0.1, end=75 * r, field="uniform", log="constant",
-        current=np.pi * r**2 * k * e0, law="newtonian",
-    )  # fmt: skip
+        radius=r,
+        flow_rate=np.pi * r**2 * v,
+        voltage=0.7 * e0 * 0.1,
+        gap=0.1,
+        conductivity=k,
+        density=rho,
+        permittivity=41.0,
+        viscosity=rho * v * r / 2.5e-3,
+        surface_tension=rho * v**2 * r / 0.1,
+        end=75 * r,
+        field="uniform",
+        log="constant",
+        current=np.pi * r**2 * k * e0,
+        law="newtonian",
+    )
 
 
 def best(call, repeats: int = 5) -> float:
@@ -85,8 +117,16 @@ def against_scipy(settings: NeedleSettings) -> list[dict[str, object]]:
         call = lambda tol=tol: solve_bvp(rate, ends, mesh, first, tol=tol, max_nodes=50000)  # noqa: E731
         done = call()
         error = float(np.abs(np.exp(-done.sol(s)[0] / 2) * settings.radius / true - 1).max())
-        rows.append({"solver": "scipy solve_bvp", "tol": tol, "nodes": done.x.size, "ok": done.success, "error": error,
-                     "seconds": best(call, 3)})  # fmt: skip
+        rows.append(
+            {
+                "solver": "scipy solve_bvp",
+                "tol": tol,
+                "nodes": done.x.size,
+                "ok": done.success,
+                "error": error,
+                "seconds": best(call, 3),
+            }
+        )
     guess = interpolate(found.s, found.y, mesh) * np.array([0.97, 1.05, 1.02, 1.0, 1.0])
     guess[:, 3] = np.log(i)
     for nodes in (51, 101, 201, 401, 801):
@@ -95,13 +135,28 @@ def against_scipy(settings: NeedleSettings) -> list[dict[str, object]]:
         made = newton(p, grid, begin)
         curve, _ = spline(p, made)
         error = float(np.abs(np.exp(-curve(s)[:, 0] / 2) * settings.radius / true - 1).max())
-        rows.append({"solver": "spinline, same start", "nodes": nodes, "ok": made.converged, "error": error,
-                     "seconds": best(lambda g=grid, b=begin: newton(p, g, b))})  # fmt: skip
+        rows.append(
+            {
+                "solver": "spinline, same start",
+                "nodes": nodes,
+                "ok": made.converged,
+                "error": error,
+                "seconds": best(lambda g=grid, b=begin: newton(p, g, b)),
+            }
+        )
     for tol in (1e-4, 1e-6, 1e-8):
         jet = StraightEhdJet(settings, length=settings.end_position, tolerance=tol)
         error = float(np.abs(jet.radius(z) / true - 1).max())
-        rows.append({"solver": "spinline, from nothing", "tol": tol, "nodes": jet.solved.discrete.s.size, "ok": True,
-                     "error": error, "seconds": best(lambda tol=tol: solve(settings, tolerance=tol), 3)})  # fmt: skip
+        rows.append(
+            {
+                "solver": "spinline, from nothing",
+                "tol": tol,
+                "nodes": jet.solved.discrete.s.size,
+                "ok": True,
+                "error": error,
+                "seconds": best(lambda tol=tol: solve(settings, tolerance=tol), 3),
+            }
+        )
     return rows
 
 

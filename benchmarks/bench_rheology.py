@@ -120,8 +120,16 @@ def drying() -> None:
     phi = 1 - 2.0**-36
     there = Volatile("x", 2 * d * biot / (2.5e-5 * 2.0 * np.e), 2.5e-5)
     fourier = np.array([0.05, 0.2, 0.5])
-    done = dry_radially(straight_path(still, fourier * r0**2 / d), phi, there, ConstantDiffusion(d), air_viscosity=NU,
-                        sherwood_floor=2.0, cells=100, rtol=1e-10)  # fmt: skip
+    done = dry_radially(
+        straight_path(still, fourier * r0**2 / d),
+        phi,
+        there,
+        ConstantDiffusion(d),
+        air_viscosity=NU,
+        sherwood_floor=2.0,
+        cells=100,
+        rtol=1e-10,
+    )
     left = (1 / done.polymer_fraction - 1)[:, 0] / ((1 - phi) / phi)
     series = cylinder_series(done.edges[0, 1] / np.sqrt(2) / r0, fourier, biot)  # the mean of a parabola over the cell
     print(f"{'cylinder series, Bi = 1, axis':34s}{np.abs(left / series - 1).max():10.1e}")

@@ -35,9 +35,7 @@ def orders():
     worst = [float(np.abs(radii(spun(pvp(g, 6.0, stress="given"), 12e-3), STATIONS) / FAST - 1).max()) for g in grids]
     out["fast jet, worst radius against the exact one"] = dict(zip(map(str, grids), worst, strict=True))
     slow = {g: radii(spun(pvp(g), 20e-3), STATIONS) for g in (4e-4, 2e-4, 1e-4, 5e-5)}
-    out["slow jet, settled: orders"] = np.log2(
-        np.abs((slow[2e-4] - slow[1e-4]) / (slow[1e-4] - slow[5e-5]))
-    ).tolist()  # fmt: skip
+    out["slow jet, settled: orders"] = np.log2(np.abs((slow[2e-4] - slow[1e-4]) / (slow[1e-4] - slow[5e-5]))).tolist()
     out["slow jet: 0.2 and 0.1 mm against 0.05 mm"] = [
         float(np.abs(slow[g] / slow[5e-5] - 1).max()) for g in (2e-4, 1e-4)
     ]
@@ -50,9 +48,11 @@ def orders():
             found.append(material(spun(s, 8e-3), at))
         apart = [np.linalg.norm(a - b, axis=1) for a, b in itertools.pairwise(found)]
         out[f"bent jet, {charge:g} statC/cm3" if charge else "bent jet, field but no repulsion"] = {
-            "x": found[-1][:, 0].tolist(), "off the axis": np.hypot(found[-1][:, 1], found[-1][:, 2]).tolist(),
-            "between grids": [a.tolist() for a in apart], "last order": np.log2(apart[-2] / apart[-1]).tolist(),
-        }  # fmt: skip
+            "x": found[-1][:, 0].tolist(),
+            "off the axis": np.hypot(found[-1][:, 1], found[-1][:, 2]).tolist(),
+            "between grids": [a.tolist() for a in apart],
+            "last order": np.log2(apart[-2] / apart[-1]).tolist(),
+        }
     return out
 
 
@@ -103,9 +103,12 @@ def sums():
         error = np.linalg.norm(field[pick] - exact, axis=1)
         size = np.linalg.norm(exact, axis=1)
         out[str(n)] = {
-            "direct s": direct, "tree s": took, "ratio": direct / took,
-            "rms error": float(np.sqrt((error**2).mean() / (size**2).mean())), "worst": float((error / size).max()),
-        }  # fmt: skip
+            "direct s": direct,
+            "tree s": took,
+            "ratio": direct / took,
+            "rms error": float(np.sqrt((error**2).mean() / (size**2).mean())),
+            "worst": float((error / size).max()),
+        }
     took = [out[str(n)]["tree s"] for n in (10000, 100000)]
     out["cost exponent, 1e4 to 1e5"] = float(np.log10(took[1] / took[0]))
     return out
@@ -118,8 +121,12 @@ def whipping():
     out = {}
     for g in (4e-4, 2e-4):
         base = rotating(pvp(g, repulsion="hybrid", near=4, pressure=False), 1e4, ramp=5e-4)
-        base = replace(base, collector=Collector("plate"), surface_tension=0.021133,
-                       air=Air(xi=0.0, lift=False, noise=1e-9, interval=2e-5, grain=1e-13))  # fmt: skip
+        base = replace(
+            base,
+            collector=Collector("plate"),
+            surface_tension=0.021133,
+            air=Air(xi=0.0, lift=False, noise=1e-9, interval=2e-5, grain=1e-13),
+        )
         rows = []
         for seed in range(16):
             run = SpunRun.start(replace(base, seed=seed))
@@ -130,10 +137,14 @@ def whipping():
             turn = np.unwrap(np.arctan2(z, y))
             at = d[late, c.D_TIME]
             thin = np.sqrt(d[late, c.D_VOLUME] / (np.pi * d[late, c.D_FLIGHT]))
-            rows.append([
-                np.hypot(y, z).mean(), np.degrees(2 * np.arctan(np.hypot(y, z).mean() / 0.16)), thin.mean(),
-                abs(np.polyfit(at, turn, 1)[0]) / (2 * np.pi),
-            ])  # fmt: skip
+            rows.append(
+                [
+                    np.hypot(y, z).mean(),
+                    np.degrees(2 * np.arctan(np.hypot(y, z).mean() / 0.16)),
+                    thin.mean(),
+                    abs(np.polyfit(at, turn, 1)[0]) / (2 * np.pi),
+                ]
+            )
         rows = np.array(rows)
         half = student.ppf(0.975, 15) * rows.std(axis=0, ddof=1) / 4
         names = ("landing radius m", "2 atan(R/h) deg", "radius at the collector m", "turns per s")

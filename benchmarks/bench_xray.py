@@ -43,9 +43,19 @@ def phantom(radius, photons, fraction=PHI, width=3.0, blur=0.0, parts=32):
     fraction = np.asarray(fraction)
     flat = np.full(int(width * radius / PIXEL), float(photons))
     mean = _conftest.round_jet_counts(
-        lambda r: fraction[np.minimum((r * fraction.size).astype(int), fraction.size - 1)], radius, flat=flat, pixel=PIXEL,
-        solvent=531.9, contrast=-137.44, air=0.6, axis=3 * PIXEL, amplitude=1.01, slope=0.01, blur=blur, parts=parts,
-    )  # fmt: skip
+        lambda r: fraction[np.minimum((r * fraction.size).astype(int), fraction.size - 1)],
+        radius,
+        flat=flat,
+        pixel=PIXEL,
+        solvent=531.9,
+        contrast=-137.44,
+        air=0.6,
+        axis=3 * PIXEL,
+        amplitude=1.01,
+        slope=0.01,
+        blur=blur,
+        parts=parts,
+    )
     return mean, flat
 
 

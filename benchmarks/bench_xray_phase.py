@@ -197,14 +197,22 @@ def reduced(folder, counts, photons, **keys):
 
     rng = np.random.default_rng(5)
     np.savez(
-        folder / "a.npz", counts=counts, dark=np.zeros(counts.shape[1:]),
+        folder / "a.npz",
+        counts=counts,
+        dark=np.zeros(counts.shape[1:]),
         flat=rng.poisson(photons, (40, *counts.shape[1:])).astype(float),
-    )  # fmt: skip
+    )
     file = {
-        "counts": "a.npz", "flat": "a.npz", "dark": "a.npz", "gain": 1.0, "pixel_size": "0.67 um", "energy": "10 keV",
+        "counts": "a.npz",
+        "flat": "a.npz",
+        "dark": "a.npz",
+        "gain": 1.0,
+        "pixel_size": "0.67 um",
+        "energy": "10 keV",
         "shells": 1,
-        "solution": {"polymer": "PEO", "solvent": "water", "volume_fraction": 0.05}, **keys,
-    }  # fmt: skip
+        "solution": {"polymer": "PEO", "solvent": "water", "volume_fraction": 0.05},
+        **keys,
+    }
     try:
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always", SpinlineWarning)
@@ -228,9 +236,12 @@ def matrix(methods=("chord", "row", "map"), distances=(0.01, 0.1, 0.2)) -> None:
     """Fringed frames of 8 rows reduced as absorption: every one has to be refused or flagged."""
     tally, missed = {}, []
     cases = itertools.product(
-        methods, distances, (1e3, 1e4, 1e5, 1e6, 1e7), ((0.0, None), (1.2e-6, "1.2 um"), (1.2e-6, None)),
+        methods,
+        distances,
+        (1e3, 1e4, 1e5, 1e6, 1e7),
+        ((0.0, None), (1.2e-6, "1.2 um"), (1.2e-6, None)),
         (None, True),
-    )  # fmt: skip
+    )
     with tempfile.TemporaryDirectory() as scratch:
         for method, z, photons, (blur, said), told in cases:
             if method == "map" and (told or photons in (1e4, 1e6) or (blur and not said)):
@@ -305,8 +316,13 @@ def scatter(replicates: int = 150) -> None:
     print(
         f"phase likelihood, {replicates} replicates: standard deviation over the bound, bias over its error, coverage"
     )
-    for radius, z, photons, blur in ((50e-6, 0.01, 1e6, 0.0), (50e-6, 0.1, 1e5, 1.2e-6), (50e-6, 0.2, 1e5, 1.2e-6),
-                                     (25e-6, 0.1, 1e6, 0.0), (10e-6, 0.2, 1e5, 0.0)):  # fmt: skip
+    for radius, z, photons, blur in (
+        (50e-6, 0.01, 1e6, 0.0),
+        (50e-6, 0.1, 1e5, 1.2e-6),
+        (50e-6, 0.2, 1e5, 1.2e-6),
+        (25e-6, 0.1, 1e6, 0.0),
+        (10e-6, 0.2, 1e5, 0.0),
+    ):
         detector = xray.Detector(np.full(int(3 * radius / PIXEL), photons), PIXEL, blur=blur)
         jet = xray.RoundJet(PHI, radius, 1e-6)
         mean = xray.fresnel_counts(jet, WATER, detector, z)
@@ -364,14 +380,26 @@ def spectra() -> None:
     cases = [
         ("third harmonic, 1 % of the signal", xray.harmonic_spectrum(10.0, {3: 0.01}), mono),
         ("third harmonic, 5 % of the signal", xray.harmonic_spectrum(10.0, {3: 0.05}), mono),
-        ("third harmonic, 1 % of the photons on 20 um LuAG", xray.harmonic_spectrum(10.0, {3: 0.01}).seen_by(crystal), mono),
-        ("third harmonic, 5 % of the photons on 20 um LuAG", xray.harmonic_spectrum(10.0, {3: 0.05}).seen_by(crystal), mono),
+        (
+            "third harmonic, 1 % of the photons on 20 um LuAG",
+            xray.harmonic_spectrum(10.0, {3: 0.01}).seen_by(crystal),
+            mono,
+        ),
+        (
+            "third harmonic, 5 % of the photons on 20 um LuAG",
+            xray.harmonic_spectrum(10.0, {3: 0.05}).seen_by(crystal),
+            mono,
+        ),
         ("13 keV, 4 keV at half height, mean attenuation", xray.gaussian_spectrum(13.0, 4.0 / 2.3548), None),
         ("9 to 17 keV, flat, mean attenuation", xray.Spectrum(np.linspace(9, 17, 33), np.ones(33)), None),
         ("13 +- 4 keV (sd, from 3 keV), mean attenuation", broad, None),
         ("the same behind 0.2 mm of Al", broad.behind(xray.Material("Al", 2699.0), 2e-4), None),
-        ("13 +- 4 keV from 7 keV up, mean attenuation", xray.Spectrum(hard, np.exp(-0.5 * ((hard - 13) / 4) ** 2)), None),
-    ]  # fmt: skip
+        (
+            "13 +- 4 keV from 7 keV up, mean attenuation",
+            xray.Spectrum(hard, np.exp(-0.5 * ((hard - 13) / 4) ** 2)),
+            None,
+        ),
+    ]
     for name, spectrum, absorber in cases:
         medium = xray.solution_medium("PEO", "water", spectrum)
         counts = xray.spectral_counts(xray.RoundJet(PHI, 50e-6, 2e-6), medium, detector)
@@ -438,9 +466,18 @@ def speed() -> None:
 
 if __name__ == "__main__":
     parts = {
-        "bias": bias, "profiles": profiles, "scatter": scatter, "smooth": smooth, "taper": taper, "matrix": matrix,
-        "quiet": quiet, "alarms": alarms, "spectra": spectra, "scans": scans, "speed": speed,
-    }  # fmt: skip
+        "bias": bias,
+        "profiles": profiles,
+        "scatter": scatter,
+        "smooth": smooth,
+        "taper": taper,
+        "matrix": matrix,
+        "quiet": quiet,
+        "alarms": alarms,
+        "spectra": spectra,
+        "scans": scans,
+        "speed": speed,
+    }
     for part in sys.argv[1:] or parts:
         parts[part]()
         print()

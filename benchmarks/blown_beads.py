@@ -22,9 +22,13 @@ SOLUTION = blown.BlownSolution(1e-6 / 3600, 100e-6, 970.0, 3.01, 0.036, relaxati
 def run(element, cfl, seed, duration, intensity=0.2):
     start = time.process_time()
     out = blown.blown_beads(
-        SOLUTION, blown.AirJet(1e-3, 200.0, intensity=intensity), blown.BeadStart(1e-3, 10e-6, 120.0), dep.Plate(0.03),
-        blown.BlownBeads(element=element, duration=duration, cfl=cfl, seed=seed), frames=60,
-    )  # fmt: skip
+        SOLUTION,
+        blown.AirJet(1e-3, 200.0, intensity=intensity),
+        blown.BeadStart(1e-3, 10e-6, 120.0),
+        dep.Plate(0.03),
+        blown.BlownBeads(element=element, duration=duration, cfl=cfl, seed=seed),
+        frames=60,
+    )
     rows = out.landings[(out.landings[:, 7] > 0) & (out.landings[:, 0] > duration / 3)]
     radius = np.sqrt(rows[:, 7] / (np.pi * rows[:, 8])) * 1e6
     rng = np.random.default_rng(1)
@@ -33,13 +37,23 @@ def run(element, cfl, seed, duration, intensity=0.2):
     segments = dep.lay(dep.LandingRecord.from_dataset(out.to_dataset()), dep.Plate(0.03))
     spread = np.sqrt(np.diag(dep.footprint_of(segments).covariance)) * 1e3
     return {
-        "element_mm": element * 1e3, "cfl": cfl, "seed": seed, "intensity": intensity, "duration_ms": duration * 1e3,
-        "landed": int(radius.size), "median_radius_um": float(np.median(radius)), "median_error_um": float(np.std(drawn)),
-        "radius_5_95_um": np.quantile(radius, [0.05, 0.95]).tolist(), "balance": out.imbalance(),
-        "below_zero_share": out.below_zero, "envelope_10mm_mm": out.envelope(0.01, duration / 3) * 1e3,
-        "envelope_28mm_mm": out.envelope(0.028, duration / 3) * 1e3, "footprint_sd_mm": spread.tolist(),
-        "impact_m_s": float(np.median(np.linalg.norm(rows[:, 4:7], axis=1))), "cpu_s": time.process_time() - start,
-    }  # fmt: skip
+        "element_mm": element * 1e3,
+        "cfl": cfl,
+        "seed": seed,
+        "intensity": intensity,
+        "duration_ms": duration * 1e3,
+        "landed": int(radius.size),
+        "median_radius_um": float(np.median(radius)),
+        "median_error_um": float(np.std(drawn)),
+        "radius_5_95_um": np.quantile(radius, [0.05, 0.95]).tolist(),
+        "balance": out.imbalance(),
+        "below_zero_share": out.below_zero,
+        "envelope_10mm_mm": out.envelope(0.01, duration / 3) * 1e3,
+        "envelope_28mm_mm": out.envelope(0.028, duration / 3) * 1e3,
+        "footprint_sd_mm": spread.tolist(),
+        "impact_m_s": float(np.median(np.linalg.norm(rows[:, 4:7], axis=1))),
+        "cpu_s": time.process_time() - start,
+    }
 
 
 def main():
@@ -49,8 +63,12 @@ def main():
     arguments = parser.parse_args()
     rows = []
     for element, cfl, seed, intensity in (
-        (2e-4, 0.4, 1, 0.2), (2e-4, 0.2, 1, 0.2), (1e-4, 0.4, 1, 0.2), (2e-4, 0.4, 2, 0.2), (2e-4, 0.4, 1, 0.1),
-    ):  # fmt: skip
+        (2e-4, 0.4, 1, 0.2),
+        (2e-4, 0.2, 1, 0.2),
+        (1e-4, 0.4, 1, 0.2),
+        (2e-4, 0.4, 2, 0.2),
+        (2e-4, 0.4, 1, 0.1),
+    ):
         rows.append(run(element, cfl, seed, arguments.duration, intensity))
         print(rows[-1], flush=True)
         arguments.json.write_text(json.dumps(rows, indent=1) + "\n")

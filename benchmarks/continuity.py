@@ -17,9 +17,15 @@ import numpy as np
 import spinline as sl
 
 NUMBERS = (
-    "crossover_position", "crossover_extension_position", "end_axial_stretch", "end_relative_extension", "end_orientation",
-    "end_core_polymer_fraction", "end_network_radius", "fibre_radius",
-)  # fmt: skip
+    "crossover_position",
+    "crossover_extension_position",
+    "end_axial_stretch",
+    "end_relative_extension",
+    "end_orientation",
+    "end_core_polymer_fraction",
+    "end_network_radius",
+    "fibre_radius",
+)
 AT_END = (
     "network_velocity_ratio",
     "strand_stretch",
@@ -29,12 +35,24 @@ AT_END = (
 )
 SWEEPS = {  # key, low, high, unit, further settings
     "k (the field)": ("jet.k", 0.3, 1.1, "", ["solution.relaxation_time=60 ms", "network.coupling=800"]),
-    "concentration": ("solution.mass_fraction", 0.03, 0.09, "", ["solution.relaxation_time=60 ms", "network.coupling=800"]),
+    "concentration": (
+        "solution.mass_fraction",
+        0.03,
+        0.09,
+        "",
+        ["solution.relaxation_time=60 ms", "network.coupling=800"],
+    ),
     "relaxation time": ("solution.relaxation_time", 1e-3, 30.0, " s", ["jet.length=3 mm"]),
-    "relaxation time, soft": ("solution.relaxation_time", 1e-3, 30.0, " s", ["network.coupling=400", "jet.length=3 mm"]),
+    "relaxation time, soft": (
+        "solution.relaxation_time",
+        1e-3,
+        30.0,
+        " s",
+        ["network.coupling=400", "jet.length=3 mm"],
+    ),
     "coupling": ("network.coupling", 30.0, 1e5, "", ["jet.length=3 mm"]),
     "coupling, relaxing": ("network.coupling", 30.0, 1e5, "", ["solution.relaxation_time=20 ms", "jet.length=3 mm"]),
-}  # fmt: skip
+}
 RTOL = 1e-2
 
 

@@ -50,14 +50,26 @@ SCENES = {  # designs by a rung of a scene
 def problem(design):
     """Model, places and standard deviations of a design; the values are filled in by `simulate`."""
     values = {
-        "k": 1.0, "beta": 0.47, "initial_radius": 125e-6, "flow_rate": 8.9e-10, "volume_fraction": 0.05,
-        "relaxation_time": 0.01, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0,
-        "length_scale": 1.0, "origin": 0.0,
-    }  # fmt: skip
+        "k": 1.0,
+        "beta": 0.47,
+        "initial_radius": 125e-6,
+        "flow_rate": 8.9e-10,
+        "volume_fraction": 0.05,
+        "relaxation_time": 0.01,
+        "evaporation": 1.0,
+        "fraction_scale": 1.0,
+        "fraction_offset": 0.0,
+        "length_scale": 1.0,
+        "origin": 0.0,
+    }
     free = {
-        "k": Prior(1.0, 0.2), "beta": Prior(0.47, 0.04), "volume_fraction": Prior(0.05, 0.005),
-        "fraction_scale": Prior(1.0, 0.05), "length_scale": Prior(1.0, 0.02), "origin": Prior(0.0, 5e-5),
-    }  # fmt: skip
+        "k": Prior(1.0, 0.2),
+        "beta": Prior(0.47, 0.04),
+        "volume_fraction": Prior(0.05, 0.005),
+        "fraction_scale": Prior(1.0, 0.05),
+        "length_scale": Prior(1.0, 0.02),
+        "origin": Prior(0.0, 5e-5),
+    }
     drying = None
     if design in ("relaxing", "drying", "fene-p"):
         free["relaxation_time"] = Prior(0.01, 0.005)
@@ -126,19 +138,23 @@ def campaign(design, count, seed=SEED, show=lambda *_: None):
     pick = lambda key: np.array([row[key] for row in rows])  # noqa: E731
     z, in68, in95, narrow = pick("z"), pick("in68"), pick("in95"), pick("narrowed")
     return {
-        "design": design, "experiments": count, "seed": seed,
+        "design": design,
+        "experiments": count,
+        "seed": seed,
         "cpu_seconds_per_experiment": (time.process_time() - cpu) / count,
         "wall_seconds": time.perf_counter() - wall,
         "experiments_with_a_note": sum(bool(row["notes"]) for row in rows),
         "parameters": {
             name: {
-                "coverage68": float(in68[:, i].mean()), "coverage95": float(in95[:, i].mean()),
-                "z_mean": float(z[:, i].mean()), "z_std": float(z[:, i].std()),
+                "coverage68": float(in68[:, i].mean()),
+                "coverage95": float(in95[:, i].mean()),
+                "z_mean": float(z[:, i].mean()),
+                "z_std": float(z[:, i].std()),
                 "posterior_over_prior_std": float(np.median(narrow[:, i])),
             }
             for i, name in enumerate(names)
         },
-    }  # fmt: skip
+    }
 
 
 def main():
@@ -152,12 +168,17 @@ def main():
     for design in options.design or DESIGNS:
         found.append(campaign(design, options.n, options.seed))
         one = found[-1]
-        print(f"{design}: {one['experiments']} experiments, {one['cpu_seconds_per_experiment']:.3g} s CPU each, "
-              f"{one['experiments_with_a_note']} with a note")  # fmt: skip
+        print(
+            f"{design}: {one['experiments']} experiments, {one['cpu_seconds_per_experiment']:.3g} s CPU each, "
+            f"{one['experiments_with_a_note']} with a note"
+        )
         for name, p in one["parameters"].items():
             narrowed = f"std over prior's {p['posterior_over_prior_std']:.3f}"
-            print(f"  {name:16s} 68 %: {100 * p['coverage68']:5.1f}   95 %: {100 * p['coverage95']:5.1f}   "
-                  f"z {p['z_mean']:+.3f} sd {p['z_std']:.3f}   {narrowed}", flush=True)  # fmt: skip
+            print(
+                f"  {name:16s} 68 %: {100 * p['coverage68']:5.1f}   95 %: {100 * p['coverage95']:5.1f}   "
+                f"z {p['z_mean']:+.3f} sd {p['z_std']:.3f}   {narrowed}",
+                flush=True,
+            )
     if options.out is not None:
         options.out.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 

@@ -60,10 +60,12 @@ def judge(make, draws, seed=7):
         held.append((abs(fit.k - 1) < 1.96 * fit.k_std, abs(fit.beta - BETA) < 1.96 * fit.beta_std))
     bias, coverage = np.mean(off, axis=0), np.mean(held, axis=0)
     return {
-        "k_bias": round(float(bias[0]), 4), "beta_bias": round(float(bias[1]), 4),
+        "k_bias": round(float(bias[0]), 4),
+        "beta_bias": round(float(bias[1]), 4),
         "k_std": round(float(np.std(off, axis=0)[0]), 4),
-        "k_coverage": float(coverage[0]), "beta_coverage": float(coverage[1]),
-    }  # fmt: skip
+        "k_coverage": float(coverage[0]),
+        "beta_coverage": float(coverage[1]),
+    }
 
 
 def main():

@@ -31,9 +31,15 @@ def draw(rng, realistic):
         alpha, th, phi = 10 ** rng.uniform(-3, 15), 10 ** rng.uniform(-6, 8), 10 ** rng.uniform(-4, np.log10(0.9))
         beta, length = rng.uniform(0.25, 1), 10 ** rng.uniform(0.3, 4)
     return {
-        "alpha": alpha, "th": th, "phi": phi, "beta": beta, "length": length, "law": str(rng.choice(LAWS)),
-        "end": str(rng.choice(["free", "take-up", "extended"])), "known_to": float(rng.choice([length, np.inf])),
-    }  # fmt: skip
+        "alpha": alpha,
+        "th": th,
+        "phi": phi,
+        "beta": beta,
+        "length": length,
+        "law": str(rng.choice(LAWS)),
+        "end": str(rng.choice(["free", "take-up", "extended"])),
+        "known_to": float(rng.choice([length, np.inf])),
+    }
 
 
 def solve(one):
@@ -41,9 +47,16 @@ def solve(one):
         return np.maximum(s, 1.0) ** (2 * one["beta"])
 
     return profile, two_fluid_network(
-        profile, one["length"], coupling=one["alpha"], relaxation_time=one["th"], law=Tension.of(one["law"], 1 / one["phi"]),
-        breaks=[1.0], end=one["end"], known_to=one["known_to"], rtol=1e-5,
-    )  # fmt: skip
+        profile,
+        one["length"],
+        coupling=one["alpha"],
+        relaxation_time=one["th"],
+        law=Tension.of(one["law"], 1 / one["phi"]),
+        breaks=[1.0],
+        end=one["end"],
+        known_to=one["known_to"],
+        rtol=1e-5,
+    )
 
 
 def faults(one, profile, network):
@@ -95,9 +108,12 @@ def campaign(draws, realistic, seed):
         if fault:
             wrong.append({**one, "known_to": str(one["known_to"]), "fault": fault})
     return {
-        "draws": draws, "outcomes": dict(sorted(outcomes.items())), "median_ms": round(1e3 * float(np.median(seconds)), 1),
-        "percentile_95_ms": round(1e3 * float(np.percentile(seconds, 95)), 1), "wrong": wrong[:20],
-    }  # fmt: skip
+        "draws": draws,
+        "outcomes": dict(sorted(outcomes.items())),
+        "median_ms": round(1e3 * float(np.median(seconds)), 1),
+        "percentile_95_ms": round(1e3 * float(np.percentile(seconds, 95)), 1),
+        "wrong": wrong[:20],
+    }
 
 
 def main():

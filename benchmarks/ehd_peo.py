@@ -23,9 +23,21 @@ R0 = 125e-6
 
 def settings(theta: float, field: str, log: str, factor: float) -> NeedleSettings:
     return NeedleSettings(
-        radius=R0, flow_rate=3.2e-6 / 3600, voltage=3.9e3, gap=0.065, conductivity=0.01, viscosity=2.0, surface_tension=0.061,
-        density=1000.0, permittivity=80.0, relaxation_time=theta, extensibility=507.0, field=field, log=log, end_factor=factor,
-    )  # fmt: skip
+        radius=R0,
+        flow_rate=3.2e-6 / 3600,
+        voltage=3.9e3,
+        gap=0.065,
+        conductivity=0.01,
+        viscosity=2.0,
+        surface_tension=0.061,
+        density=1000.0,
+        permittivity=80.0,
+        relaxation_time=theta,
+        extensibility=507.0,
+        field=field,
+        log=log,
+        end_factor=factor,
+    )
 
 
 def main() -> None:
@@ -43,8 +55,16 @@ def main() -> None:
         slope, start = np.polyfit(np.log(z / R0), np.log(jet.velocity_ratio(z)), 1)
         ratio = {key: float(jet.radius(float(key) * R0) / R0) for key in ("8", "24", "40")}
         local = 0.5 * 5e-3 * float(jet.strain_rate(5e-3)) / float(jet.velocity(5e-3))
-        rows.append(row | {"beta": slope / 2, "k": float(np.exp(start / 2)), "beta_at_5mm": local, "radius_ratio": ratio,
-                           "current_nA": jet.current * 1e9})  # fmt: skip
+        rows.append(
+            row
+            | {
+                "beta": slope / 2,
+                "k": float(np.exp(start / 2)),
+                "beta_at_5mm": local,
+                "radius_ratio": ratio,
+                "current_nA": jet.current * 1e9,
+            }
+        )
     solved = [row for row in rows if "beta" in row]
     spread = {
         name: [float(f([row[name] for row in solved])) for f in (np.min, np.median, np.max)]

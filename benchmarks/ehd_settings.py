@@ -20,10 +20,18 @@ from spinline.jetprofile.ehd.boundary_value import OutOfWork
 from spinline.jetprofile.ehd.solver import _Search, thins
 
 BOX = {
-    "conductivity": (1e-12, 10.0), "viscosity": (1e-3, 100.0), "voltage": (100.0, 4e4), "flow_rate": (1e-12, 1e-8),
-    "radius": (5e-5, 1e-3), "gap": (0.03, 0.3), "surface_tension": (0.02, 0.075), "density": (700.0, 1500.0),
-    "permittivity": (2.0, 100.0), "extensibility": (50.0, 5000.0), "deborah": (1e-3, 1e3),
-}  # fmt: skip
+    "conductivity": (1e-12, 10.0),
+    "viscosity": (1e-3, 100.0),
+    "voltage": (100.0, 4e4),
+    "flow_rate": (1e-12, 1e-8),
+    "radius": (5e-5, 1e-3),
+    "gap": (0.03, 0.3),
+    "surface_tension": (0.02, 0.075),
+    "density": (700.0, 1500.0),
+    "permittivity": (2.0, 100.0),
+    "extensibility": (50.0, 5000.0),
+    "deborah": (1e-3, 1e3),
+}
 LAWS = ("fene-p", "newtonian", "oldroyd-b", "giesekus")
 FIELDS = ("hyperboloid", "needle", "uniform")
 
@@ -34,10 +42,14 @@ def drawn(index: int) -> NeedleSettings:
     de = value.pop("deborah") * (rng.random() > 0.05)  # a few without relaxation
     velocity = value["flow_rate"] / (np.pi * value["radius"] ** 2)
     return NeedleSettings(
-        **value, relaxation_time=de * value["radius"] / velocity, law=LAWS[int(rng.integers(4))], mobility=0.01,
-        log=("local", "constant")[int(rng.integers(2))], field=FIELDS[int(rng.integers(3))],
+        **value,
+        relaxation_time=de * value["radius"] / velocity,
+        law=LAWS[int(rng.integers(4))],
+        mobility=0.01,
+        log=("local", "constant")[int(rng.integers(2))],
+        field=FIELDS[int(rng.integers(3))],
         end=None if rng.random() < 0.5 else 0.2 * value["gap"],
-    )  # fmt: skip
+    )
 
 
 def second_way(settings: NeedleSettings, charge: bool) -> tuple[float, float] | None:
@@ -75,9 +87,14 @@ def row(index: int) -> dict[str, object]:
         told = max(abs(again[0] / jet.current - 1), abs(again[1] / float(y[0, 1]) - 1))
     poor = [one.name for one in jet.verdicts if not one.good]
     return {
-        "index": index, "verdict": "jet", "seconds": round(spent, 2), "error": jet.residual, "again": told, "poor": poor,
+        "index": index,
+        "verdict": "jet",
+        "seconds": round(spent, 2),
+        "error": jet.residual,
+        "again": told,
+        "poor": poor,
         "law": settings.law,
-    }  # fmt: skip
+    }
 
 
 def main() -> None:
@@ -91,11 +108,14 @@ def main() -> None:
     result = {
         "number": number,
         "verdicts": dict(Counter(one["verdict"] for one in rows).most_common()),
-        "reached_twice": len(again), "furthest_apart": max(again, default=None),
+        "reached_twice": len(again),
+        "furthest_apart": max(again, default=None),
         "apart_by_more_than_1e-3": [one["index"] for one in rows if (one.get("again") or 0) > 1e-3],
-        "cpu_seconds": dict(zip(("median", "p95", "most"), np.percentile(seconds, [50, 95, 100]).tolist(), strict=True)),
+        "cpu_seconds": dict(
+            zip(("median", "p95", "most"), np.percentile(seconds, [50, 95, 100]).tolist(), strict=True)
+        ),
         "rows": rows,
-    }  # fmt: skip
+    }
     Path(__file__).with_suffix(".json").write_text(json.dumps(result, indent=1) + "\n")
 
 

@@ -102,11 +102,15 @@ def agreement(pairs):
     ratio = np.maximum(estimate, SMALL)[told] / np.maximum(truth, SMALL)[told]
     middle = (truth[told] > SMALL) & (truth[told] < LARGE)
     return {
-        "known": len(both), "told": int(told.sum()), "between": int(middle.sum()),
+        "known": len(both),
+        "told": int(told.sum()),
+        "between": int(middle.sum()),
         "quantiles of the ratio": {f"{q:g}": round(float(np.quantile(ratio, q)), 3) for q in (0, 0.05, 0.5, 0.95, 1)}
-        if ratio.size else {},
-        "below a tenth": int((ratio < 0.1).sum()), "above ten": int((ratio > 10).sum()),
-    }  # fmt: skip
+        if ratio.size
+        else {},
+        "below a tenth": int((ratio < 0.1).sum()),
+        "above ten": int((ratio > 10).sum()),
+    }
 
 
 def main():

@@ -93,9 +93,15 @@ def read(folder: str, source: str) -> None:
 
 
 FRAMES = {
-    "npy": 10_000, "tiff": 10_000, "hdf5": 10_000, "tiff, zlib": 1000, "hdf5, gzip": 1000, "hdf5, bitshuffle": 1000,
-    "edf": 500, "many tiff files": 500,
-}  # fmt: skip
+    "npy": 10_000,
+    "tiff": 10_000,
+    "hdf5": 10_000,
+    "tiff, zlib": 1000,
+    "hdf5, gzip": 1000,
+    "hdf5, bitshuffle": 1000,
+    "edf": 500,
+    "many tiff files": 500,
+}
 
 
 def main() -> None:

@@ -64,8 +64,17 @@ def case(index: int) -> str:
                 Evaporant.build(n, 298.15, ambient_pressure=far if n == "water" else 0.0, chi=float(x))
                 for n, x in zip(names, chi, strict=True)
             ]
-            found = dry_with_heat(straight_path(jet, place), phi, liquids, share, temperature=jet_at, air_temperature=air_at,
-                                  transfer=str(law), sherwood_floor=float(floor), air_velocity=float(wind))  # fmt: skip
+            found = dry_with_heat(
+                straight_path(jet, place),
+                phi,
+                liquids,
+                share,
+                temperature=jet_at,
+                air_temperature=air_at,
+                transfer=str(law),
+                sherwood_floor=float(floor),
+                air_velocity=float(wind),
+            )
     except InputError as error:
         text = str(error)
         return "b" if "boiling" in text else "c" if "all the air" in text else "j" if "cannot be dried" in text else "o"

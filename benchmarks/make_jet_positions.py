@@ -50,9 +50,13 @@ def main(folder: Path) -> None:
         arrays[f"flat_{k}"] = np.minimum(np.rint(rng.poisson(9 * flat) / 9 / GAIN), 65535).astype(np.uint16)
         off = k * STEP + 5e-6 * rng.normal() * (k > 0)
         lines += [
-            "", "[[positions]]", f'counts = "peo5-positions.npz:jet_{k}"', f'flat = "peo5-positions.npz:flat_{k}"',
-            f'offset = "{1e3 * off:.4f} +/- 0.005 mm"', *(["calibration_rows = [0, 40]"] if k == 0 else []),
-        ]  # fmt: skip
+            "",
+            "[[positions]]",
+            f'counts = "peo5-positions.npz:jet_{k}"',
+            f'flat = "peo5-positions.npz:flat_{k}"',
+            f'offset = "{1e3 * off:.4f} +/- 0.005 mm"',
+            *(["calibration_rows = [0, 40]"] if k == 0 else []),
+        ]
     np.savez_compressed(folder / "peo5-positions.npz", **arrays)
     head = [
         'title = "PEO 5 wt% in water, ten positions along 5 mm, simulated at 8 keV"',

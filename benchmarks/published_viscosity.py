@@ -16,23 +16,57 @@ from spinline.rheology.prior import specific_viscosity
 
 # polymer, source, viscosity of water (mPa s), density of the solution (kg/m3); grade, M (kg/mol), wt%, low and high (mPa s)
 PUBLISHED = [
-    ("PEO", "POLYOX Water-Soluble Resins, Dow (2002), viscosities at 25 degC", 0.89, 1005.0, [
-        ("WSR N-10", 100, 5, 30, 50), ("WSR N-80", 200, 5, 55, 90), ("WSR N-750", 300, 5, 600, 1200),
-        ("WSR N-3000", 400, 5, 2250, 4500), ("WSR-205", 600, 5, 4500, 8800), ("WSR-1105", 900, 5, 8800, 17600),
-        ("WSR N-12K", 1000, 2, 400, 800), ("WSR N-60K", 2000, 2, 2000, 4000), ("WSR-301", 4000, 1, 1650, 5500),
-        ("Coagulant", 5000, 1, 5500, 7500), ("WSR-303", 7000, 1, 7500, 10000),
-    ]),
-    ("PVA", "Mowiol, Clariant (DIN 53015, 4 %, 20 degC); Mw as sold by Sigma-Aldrich", 1.002, 1010.0, [
-        ("4-98", 27, 4, 4, 4), ("6-98", 47, 4, 6, 6), ("10-98", 61, 4, 10, 10), ("20-98", 125, 4, 20, 20),
-        ("28-99", 145, 4, 28, 28),
-        ("56-98", 195, 4, 56, 56), ("4-88", 31, 4, 4, 4), ("8-88", 67, 4, 8, 8), ("18-88", 130, 4, 18, 18),
-        ("40-88", 205, 4, 40, 40),
-    ]),
-    ("PVP", "Soluble Kollidon grades, BASF (2008), 10 % in water at 20 to 25 degC", 0.95, 1020.0, [
-        ("12 PF", 2.5, 10, 1.3, 2.3), ("17 PF", 9, 10, 1.5, 3.5), ("25", 30, 10, 3.5, 5.5), ("30", 49, 10, 5.5, 8.5),
-        ("90 F", 1250, 10, 300, 700),
-    ]),
-]  # fmt: skip
+    (
+        "PEO",
+        "POLYOX Water-Soluble Resins, Dow (2002), viscosities at 25 degC",
+        0.89,
+        1005.0,
+        [
+            ("WSR N-10", 100, 5, 30, 50),
+            ("WSR N-80", 200, 5, 55, 90),
+            ("WSR N-750", 300, 5, 600, 1200),
+            ("WSR N-3000", 400, 5, 2250, 4500),
+            ("WSR-205", 600, 5, 4500, 8800),
+            ("WSR-1105", 900, 5, 8800, 17600),
+            ("WSR N-12K", 1000, 2, 400, 800),
+            ("WSR N-60K", 2000, 2, 2000, 4000),
+            ("WSR-301", 4000, 1, 1650, 5500),
+            ("Coagulant", 5000, 1, 5500, 7500),
+            ("WSR-303", 7000, 1, 7500, 10000),
+        ],
+    ),
+    (
+        "PVA",
+        "Mowiol, Clariant (DIN 53015, 4 %, 20 degC); Mw as sold by Sigma-Aldrich",
+        1.002,
+        1010.0,
+        [
+            ("4-98", 27, 4, 4, 4),
+            ("6-98", 47, 4, 6, 6),
+            ("10-98", 61, 4, 10, 10),
+            ("20-98", 125, 4, 20, 20),
+            ("28-99", 145, 4, 28, 28),
+            ("56-98", 195, 4, 56, 56),
+            ("4-88", 31, 4, 4, 4),
+            ("8-88", 67, 4, 8, 8),
+            ("18-88", 130, 4, 18, 18),
+            ("40-88", 205, 4, 40, 40),
+        ],
+    ),
+    (
+        "PVP",
+        "Soluble Kollidon grades, BASF (2008), 10 % in water at 20 to 25 degC",
+        0.95,
+        1020.0,
+        [
+            ("12 PF", 2.5, 10, 1.3, 2.3),
+            ("17 PF", 9, 10, 1.5, 3.5),
+            ("25", 30, 10, 3.5, 5.5),
+            ("30", 49, 10, 5.5, 8.5),
+            ("90 F", 1250, 10, 300, 700),
+        ],
+    ),
+]
 
 
 def compare() -> dict[str, object]:
@@ -45,10 +79,19 @@ def compare() -> dict[str, object]:
             estimate = float(specific_viscosity(overlap))
             ratio = (1 + estimate) / (1 + measured)
             logs.setdefault(polymer, []).append(np.log(ratio))
-            rows.append({"polymer": polymer, "grade": grade, "molar_mass": mass, "mass_percent": percent, "source": source,
-                         "c_eta": round(overlap, 4),
-                         "published_eta_sp": round(measured, 4), "estimate_eta_sp": round(estimate, 4),
-                         "viscosity_ratio": round(ratio, 4)})  # fmt: skip
+            rows.append(
+                {
+                    "polymer": polymer,
+                    "grade": grade,
+                    "molar_mass": mass,
+                    "mass_percent": percent,
+                    "source": source,
+                    "c_eta": round(overlap, 4),
+                    "published_eta_sp": round(measured, 4),
+                    "estimate_eta_sp": round(estimate, 4),
+                    "viscosity_ratio": round(ratio, 4),
+                }
+            )
     every = np.concatenate(list(logs.values()))
     summary = {
         name: {

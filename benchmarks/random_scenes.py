@@ -15,16 +15,42 @@ from spinline.scene.keys import _known, reader
 from spinline.scene.quantities import Read
 
 USUAL = {
-    "jet.radius": 100e-6, "jet.flow_rate": 1e-9, "jet.length": 5e-3, "jet.k": 1.0, "jet.p": 5.0, "jet.electric_field": 6e4,
-    "jet.conductivity": 1e-2, "solution.mass_fraction": 0.06, "solution.volume_fraction": 0.06, "solution.molar_mass": 500.0,
-    "solution.kuhn_length": 1e-9, "solution.viscosity": 1.0, "solution.solvent_viscosity": 1e-3,
-    "solution.relaxation_time": 1e-2, "network.spring": 3.0, "network.coupling": 1e4, "network.inertia": 1e-3,
-    "network.coarse_grain": 3.0, "network.drag_viscosity": 1e-3, "ambient.pressure": 1e5, "ambient.air_viscosity": 1.5e-5,
-    "ambient.vapour_diffusivity": 1e-5, "ambient.saturation": 0.02, "rheology.B": 7.0, "rheology.m": 0.1,
-    "rheology.intrinsic_viscosity": 0.3, "rheology.martin_constant": 0.3, "rheology.extensibility": 100.0,
-    "rheology.sherwood_floor": 0.5, "rheology.diffusivity": 1e-9, "rheology.D_decay": 5.0, "rheology.D_gap": 1.0,
-    "rheology.D_growth": 1.0, "solution.polymer_density": 1150.0, "solution.solvent_density": 900.0,
-}  # fmt: skip
+    "jet.radius": 100e-6,
+    "jet.flow_rate": 1e-9,
+    "jet.length": 5e-3,
+    "jet.k": 1.0,
+    "jet.p": 5.0,
+    "jet.electric_field": 6e4,
+    "jet.conductivity": 1e-2,
+    "solution.mass_fraction": 0.06,
+    "solution.volume_fraction": 0.06,
+    "solution.molar_mass": 500.0,
+    "solution.kuhn_length": 1e-9,
+    "solution.viscosity": 1.0,
+    "solution.solvent_viscosity": 1e-3,
+    "solution.relaxation_time": 1e-2,
+    "network.spring": 3.0,
+    "network.coupling": 1e4,
+    "network.inertia": 1e-3,
+    "network.coarse_grain": 3.0,
+    "network.drag_viscosity": 1e-3,
+    "ambient.pressure": 1e5,
+    "ambient.air_viscosity": 1.5e-5,
+    "ambient.vapour_diffusivity": 1e-5,
+    "ambient.saturation": 0.02,
+    "rheology.B": 7.0,
+    "rheology.m": 0.1,
+    "rheology.intrinsic_viscosity": 0.3,
+    "rheology.martin_constant": 0.3,
+    "rheology.extensibility": 100.0,
+    "rheology.sherwood_floor": 0.5,
+    "rheology.diffusivity": 1e-9,
+    "rheology.D_decay": 5.0,
+    "rheology.D_gap": 1.0,
+    "rheology.D_growth": 1.0,
+    "solution.polymer_density": 1150.0,
+    "solution.solvent_density": 900.0,
+}
 POLYMERS = ("PEO", "PMMA", "PVP", "PCL", "PAN", "PS", "PVA", "PLA", "nylon")
 SOLVENTS = ("water", "ethanol", "acetone", "chloroform", "dichloromethane", "DMF", "toluene", "THF", "methanol")
 LEFT_OUT = 0.8  # of the keys that may be
@@ -60,9 +86,14 @@ def scene(seed: int) -> dict[str, Any]:
     rng = random.Random(f"spinline {seed}")
     tables: dict[str, Any] = {
         "title": f"random {seed}",
-        "solution": {"polymer": rng.choice(POLYMERS[:5] if rng.random() < 0.9 else POLYMERS), "solvent": rng.choice(SOLVENTS)},
-        "jet": {}, "network": {}, "accuracy": {"points": rng.choice((2, 11, 51, 101, 401)), "draws": rng.choice((0, 4, 16))},
-    }  # fmt: skip
+        "solution": {
+            "polymer": rng.choice(POLYMERS[:5] if rng.random() < 0.9 else POLYMERS),
+            "solvent": rng.choice(SOLVENTS),
+        },
+        "jet": {},
+        "network": {},
+        "accuracy": {"points": rng.choice((2, 11, 51, 101, 401)), "draws": rng.choice((0, 4, 16))},
+    }
     solution, jet = tables["solution"], tables["jet"]
     if rng.random() < 0.15:
         share = rng.uniform(0.05, 0.95)

@@ -42,11 +42,24 @@ SKIPPED = frozenset(
 
 PEO = "peo5-water"
 RUNS: dict[str, tuple[str, list[str]]] = {
-    **{name: (name, []) for name in (
-        PEO, "peo3-water", "pcl9-dcm", "peo5-fig37", "extreme-stretch", "pmma10-acetone", "pmma10-drying", "pvp-jetspin")},
-    **{f"{name} {model}": (name, [f"network.model={model}", *more])
-       for name in (PEO, "pcl9-dcm", "pmma10-acetone")
-       for model, more in (("affine", []), ("manifold", []), ("walk", ["accuracy.strands=200", "accuracy.points=21"]))},
+    **{
+        name: (name, [])
+        for name in (
+            PEO,
+            "peo3-water",
+            "pcl9-dcm",
+            "peo5-fig37",
+            "extreme-stretch",
+            "pmma10-acetone",
+            "pmma10-drying",
+            "pvp-jetspin",
+        )
+    },
+    **{
+        f"{name} {model}": (name, [f"network.model={model}", *more])
+        for name in (PEO, "pcl9-dcm", "pmma10-acetone")
+        for model, more in (("affine", []), ("manifold", []), ("walk", ["accuracy.strands=200", "accuracy.points=21"]))
+    },
     f"{PEO} chain": (PEO, ["network.model=chain", "network.force_law=linear", "network.coarse_grain=4"]),
     f"{PEO} manifold linear 200": (PEO, ["network.model=manifold", "network.force_law=linear", "network.coupling=200"]),
     f"{PEO} auto 200": (PEO, ["network.coupling=200"]),
@@ -56,11 +69,25 @@ RUNS: dict[str, tuple[str, list[str]]] = {
     f"{PEO} conformation": (PEO, ["network.model=conformation", "solution.relaxation_time=10 ms"]),
     f"{PEO} relaxing auto": (PEO, ["solution.relaxation_time=3 ms"]),
     f"{PEO} fene-p": (PEO, ["network.model=conformation", "solution.relaxation_time=10 ms", "network.closure=stretch"]),
-    f"{PEO} giesekus": (PEO, ["network.model=conformation", "solution.relaxation_time=10 ms",
-                              "rheology.constitutive=Giesekus", "rheology.mobility=0.3"]),
+    f"{PEO} giesekus": (
+        PEO,
+        [
+            "network.model=conformation",
+            "solution.relaxation_time=10 ms",
+            "rheology.constitutive=Giesekus",
+            "rheology.mobility=0.3",
+        ],
+    ),
     f"{PEO} drying": (PEO, ["ambient.relative_humidity=0.4", "effects.evaporation=true"]),
-    f"{PEO} drying manifold": (PEO, ["ambient.relative_humidity=0.4", "effects.evaporation=true", "network.model=manifold",
-                                     "network.force_law=linear"]),
+    f"{PEO} drying manifold": (
+        PEO,
+        [
+            "ambient.relative_humidity=0.4",
+            "effects.evaporation=true",
+            "network.model=manifold",
+            "network.force_law=linear",
+        ],
+    ),
     "pmma10-drying flat": ("pmma10-drying", ["effects.radial=false"]),
     "pmma10-drying affine": ("pmma10-drying", ["network.model=affine"]),
     "pmma10-acetone dried": ("pmma10-acetone", ["ambient.temperature=25 degC", "effects.evaporation=true"]),
@@ -68,7 +95,7 @@ RUNS: dict[str, tuple[str, list[str]]] = {
     "pvp-jetspin all": ("pvp-jetspin", ["jet.time=all"]),
     "pvp-jetspin conformation": ("pvp-jetspin", ["solution.relaxation_time=1 ms", "network.model=conformation"]),
     "pvp-jetspin drying": ("pvp-jetspin", ["ambient.relative_humidity=0.2", "effects.evaporation=true"]),
-}  # fmt: skip
+}
 
 
 def module(*names: str) -> Any:
@@ -141,39 +168,95 @@ CASES: dict[str, Callable[[], Iterator[tuple[str, Any]]]] = {
     **{f"run {name}": (lambda asked=asked: run_case(*asked)) for name, asked in RUNS.items()},
     "sweep peo-crossover": lambda: sweep_case("peo-crossover"),
     "sweep affine profiles": lambda: sweep_case(
-        {"scene": PEO, "set": {"network.model": "affine"}, "points": 21, "vary": VARY,
-         "profiles": ["core_polymer_fraction", "strand_force", "residence_time"]}),
+        {
+            "scene": PEO,
+            "set": {"network.model": "affine"},
+            "points": 21,
+            "vary": VARY,
+            "profiles": ["core_polymer_fraction", "strand_force", "residence_time"],
+        }
+    ),
     "sweep auto": lambda: sweep_case({"scene": PEO, "vary": VARY}),
     "sweep auto coupling": lambda: sweep_case(
-        {"scene": PEO, "vary": {"network.coupling": {"logspace": [150, 1e5, 12]}, "jet.beta": {"linspace": [0.45, 0.5, 2]}}}),
-    "sweep relaxing": lambda: sweep_case({"scene": PEO, "vary": {
-        "solution.relaxation_time": {"values": ["1 ms", "10 ms", "100 ms", "1 s"]}, "jet.k": {"linspace": [0.8, 1.2, 3]}}}),
-    "sweep drying": lambda: sweep_case({"scene": "pmma10-drying", "set": {"effects.radial": False},
-                                        "vary": {"jet.k": {"linspace": [0.4, 0.6, 3]}}}),
-    "sweep uncertain": lambda: sweep_case({"scene": "pmma10-acetone", "set": {"network.model": "affine"},
-                                           "vary": {"jet.p": {"linspace": [20, 26, 4]}}}),
+        {
+            "scene": PEO,
+            "vary": {"network.coupling": {"logspace": [150, 1e5, 12]}, "jet.beta": {"linspace": [0.45, 0.5, 2]}},
+        }
+    ),
+    "sweep relaxing": lambda: sweep_case(
+        {
+            "scene": PEO,
+            "vary": {
+                "solution.relaxation_time": {"values": ["1 ms", "10 ms", "100 ms", "1 s"]},
+                "jet.k": {"linspace": [0.8, 1.2, 3]},
+            },
+        }
+    ),
+    "sweep drying": lambda: sweep_case(
+        {"scene": "pmma10-drying", "set": {"effects.radial": False}, "vary": {"jet.k": {"linspace": [0.4, 0.6, 3]}}}
+    ),
+    "sweep uncertain": lambda: sweep_case(
+        {"scene": "pmma10-acetone", "set": {"network.model": "affine"}, "vary": {"jet.p": {"linspace": [20, 26, 4]}}}
+    ),
     "window": lambda: window_case("pcl9-dcm", voltage=[8e3, 12e3], gap=[0.1, 0.15], mass_fraction=[0.08, 0.1]),
     "window peo": lambda: window_case(PEO, voltage=[6e3, 12e3], gap=[0.1], conductivity=1e-2, relative_humidity=0.4),
     "fit peo5-simulated": fit_case,
     "model affine": lambda: model_case(PEO, []),
     "model relaxing": lambda: model_case(PEO, ["solution.relaxation_time=10 ms"], relaxation=True),
-    "model drying": lambda: model_case("pmma10-acetone", ["solution.relaxation_time=5 ms"], relaxation=True, evaporation=True),
-}  # fmt: skip
+    "model drying": lambda: model_case(
+        "pmma10-acetone", ["solution.relaxation_time=5 ms"], relaxation=True, evaporation=True
+    ),
+}
 
 
 # replayed by tests/test_reference_numbers.py: quick, and of every rung that is
 QUICK = (
-    *(f"run {name}" for name in (
-        PEO, "peo3-water", "pcl9-dcm", "extreme-stretch", f"{PEO} manifold", f"{PEO} manifold linear 200", f"{PEO} stretch",
-        f"{PEO} lateral", f"{PEO} conformation", f"{PEO} fene-p", f"{PEO} giesekus", "pmma10-acetone affine", "pvp-jetspin")),
-    "sweep affine profiles", "sweep auto coupling", "model affine", "model relaxing",
-)  # fmt: skip
+    *(
+        f"run {name}"
+        for name in (
+            PEO,
+            "peo3-water",
+            "pcl9-dcm",
+            "extreme-stretch",
+            f"{PEO} manifold",
+            f"{PEO} manifold linear 200",
+            f"{PEO} stretch",
+            f"{PEO} lateral",
+            f"{PEO} conformation",
+            f"{PEO} fene-p",
+            f"{PEO} giesekus",
+            "pmma10-acetone affine",
+            "pvp-jetspin",
+        )
+    ),
+    "sweep affine profiles",
+    "sweep auto coupling",
+    "model affine",
+    "model relaxing",
+)
 KEPT = (
-    "crossover_position", "crossover_radius", "crossover_extension_position", "end_orientation", "end_relative_extension",
-    "end_core_polymer_fraction", "fibre_radius", "radius", "orientation", "core_polymer_fraction", "network_radius",
-    "residence_time", "strand_force", "stress", "lateral_network_radius", "profile_strand_force", "stretch", "core",
-    "elastic coupling/error", "relaxation/error", "radius_band",
-)  # fmt: skip
+    "crossover_position",
+    "crossover_radius",
+    "crossover_extension_position",
+    "end_orientation",
+    "end_relative_extension",
+    "end_core_polymer_fraction",
+    "fibre_radius",
+    "radius",
+    "orientation",
+    "core_polymer_fraction",
+    "network_radius",
+    "residence_time",
+    "strand_force",
+    "stress",
+    "lateral_network_radius",
+    "profile_strand_force",
+    "stretch",
+    "core",
+    "elastic coupling/error",
+    "relaxation/error",
+    "radius_band",
+)
 
 
 def small() -> dict[str, Any]:

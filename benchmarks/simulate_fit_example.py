@@ -15,8 +15,13 @@ from spinline.scene import load_scene
 
 SEED = 12
 TRUTH = {
-    "k": 0.93, "beta": 0.485, "volume_fraction": 0.0455, "fraction_scale": 0.97, "length_scale": 1.004, "origin": 35e-6,
-}  # fmt: skip
+    "k": 0.93,
+    "beta": 0.485,
+    "volume_fraction": 0.0455,
+    "fraction_scale": 0.97,
+    "length_scale": 1.004,
+    "origin": 35e-6,
+}
 NOISE = {"radius": 2e-6, "mean": 4e-3, "core": 2e-2}
 
 

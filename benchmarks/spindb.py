@@ -100,8 +100,11 @@ def elasticities(rows, y, predicted, paper):
                 xs = np.array(xs)
                 measured.append(xs @ np.array(ys) / (xs @ xs))
                 modelled.append(xs @ np.array(ms) / (xs @ xs))
-        found[name] = {"papers": len(measured), "measured": np.round(np.percentile(measured, (25, 50, 75)), 3).tolist(),
-                       "predicted": round(float(np.median(modelled)), 3)}  # fmt: skip
+        found[name] = {
+            "papers": len(measured),
+            "measured": np.round(np.percentile(measured, (25, 50, 75)), 3).tolist(),
+            "predicted": round(float(np.median(modelled)), 3),
+        }
     return found
 
 
@@ -168,12 +171,16 @@ def judge(path):
             hit = (y > ends[:, 0]) & (y < ends[:, 1])
             inside[f"coverage_{name}"] = float(np.mean([hit[paper == p].mean() for p in np.unique(paper)]))
         answer["rungs"][rung] = {
-            "factor": over_papers(np.abs(middle - y), paper), "bias": float(np.exp(np.median(middle - y))), **inside,
-        }  # fmt: skip
+            "factor": over_papers(np.abs(middle - y), paper),
+            "bias": float(np.exp(np.median(middle - y))),
+            **inside,
+        }
         if rung == "race":
             answer["elasticities"] = elasticities(rows, y, middle, paper)
-            answer["predicted"] = [[row["paper"], round(float(np.exp(a)), 11), round(float(np.exp(b)), 11)]
-                                   for row, a, b in zip(rows, y, middle, strict=True)]  # fmt: skip
+            answer["predicted"] = [
+                [row["paper"], round(float(np.exp(a)), 11), round(float(np.exp(b)), 11)]
+                for row, a, b in zip(rows, y, middle, strict=True)
+            ]
     answer["leaving one paper out"] = baselines(rows, y, paper)
     answer["one measured"] = with_one_measured(recipes, y, paper)
     answer["failures"] = failures(table)

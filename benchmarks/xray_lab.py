@@ -35,22 +35,33 @@ OUT = HERE / "xray_lab.json"
 WATER = xray.Absorber(SOLVENT, CONTRAST)
 BEAM = ("radius", "axis", "amplitude", "slope")
 GIVEN = {
-    "counts": "a.npz", "flat": "a.npz", "dark": 0.0, "gain": 1.0, "pixel_size": "0.67 um",
-    "polymer_attenuation": f"{(SOLVENT + CONTRAST) / 113.0:.8f} cm2/g", "solvent_attenuation": f"{SOLVENT / 100:.5f} cm2/g",
-    "shells": 1, "block_rows": 4, "solution": {
-        "polymer": {"name": "p", "density": "1.13 g/cm3"}, "solvent": {"name": "s", "density": "1 g/cm3"},
+    "counts": "a.npz",
+    "flat": "a.npz",
+    "dark": 0.0,
+    "gain": 1.0,
+    "pixel_size": "0.67 um",
+    "polymer_attenuation": f"{(SOLVENT + CONTRAST) / 113.0:.8f} cm2/g",
+    "solvent_attenuation": f"{SOLVENT / 100:.5f} cm2/g",
+    "shells": 1,
+    "block_rows": 4,
+    "solution": {
+        "polymer": {"name": "p", "density": "1.13 g/cm3"},
+        "solvent": {"name": "s", "density": "1 g/cm3"},
         "volume_fraction": PHI,
     },
-}  # fmt: skip
+}
 
 
 def summary(error, std):
     """Bias, mean stated error, rms z and 95 % coverage."""
     z = np.asarray(error) / np.asarray(std)
     return {
-        "bias": float(np.mean(error)), "std": float(np.mean(std)), "rms_z": float(np.sqrt(np.mean(z**2))),
-        "covers_95": float(np.mean(np.abs(z) < 1.96)), "n": int(z.size),
-    }  # fmt: skip
+        "bias": float(np.mean(error)),
+        "std": float(np.mean(std)),
+        "rms_z": float(np.sqrt(np.mean(z**2))),
+        "covers_95": float(np.mean(np.abs(z) < 1.96)),
+        "n": int(z.size),
+    }
 
 
 def glare_replicate(share, length, seed, photons=2e6, blur=0.7):
@@ -97,9 +108,12 @@ def glare(replicates):
         shares = np.array([run[3].values["tail_share"] for run in runs])
         out[f"{100 * share:g} % {length:g} px"] = summary(error, std) | {
             "weighted_bias": float((weight * error.mean(axis=0)).sum() / weight.sum()),
-            "slope_75_to_15_um": float(line[0] * -60e-6), "slope_std": _slope_std(radii, std, replicates),
-            "share": float(shares.mean()), "share_sd": float(shares.std()), "share_std": float(runs[0][3].std["tail_share"]),
-        }  # fmt: skip
+            "slope_75_to_15_um": float(line[0] * -60e-6),
+            "slope_std": _slope_std(radii, std, replicates),
+            "share": float(shares.mean()),
+            "share_sd": float(shares.std()),
+            "share_std": float(runs[0][3].std["tail_share"]),
+        }
     seen = transmissions(np.linspace(75, 15, 30) * 1e-6, 358, Lab(blur=0.5 * PIXEL, tail=(0.01, 100 * PIXEL)))
     one = xray.Detector(np.full(358, 2e6), PIXEL, blur=PIXEL, tail_share=0.03, tail_length=30 * PIXEL)
     rng, good = np.random.default_rng(1), np.ones(358, dtype=bool)
@@ -160,9 +174,10 @@ def tilt(replicates):
             lambda r: (np.radians(4) * r.normal(), 1 + 0.01 * r.normal()),
         ),
         "tilt_out 0 to 6 deg, given as 0 +/- 4 deg": (
-            {"tilt_out": "0 +/- 4 deg"}, lambda r: (np.radians(6 * r.uniform()), 1.0)
+            {"tilt_out": "0 +/- 4 deg"},
+            lambda r: (np.radians(6 * r.uniform()), 1.0),
         ),
-    }  # fmt: skip
+    }
     out = {}
     detector = xray.Detector(np.full(220, 1e7), PIXEL)
     for name, (keys, draw) in cases.items():
@@ -226,9 +241,17 @@ def flats_replicate(name, seed, rows=24, pixels=300, photons=1e7):
 
 
 FLATS = (
-    "plain", "bend 0.1 %", "bend 0.1 %, given", "drift 1 %", "hot pixels", "shared 0.8 px", "shared 1.2 px", "averaged 22",
-    "averaged 22, given", "non-linear 1 %, given",
-)  # fmt: skip
+    "plain",
+    "bend 0.1 %",
+    "bend 0.1 %, given",
+    "drift 1 %",
+    "hot pixels",
+    "shared 0.8 px",
+    "shared 1.2 px",
+    "averaged 22",
+    "averaged 22, given",
+    "non-linear 1 %, given",
+)
 
 
 def flats(replicates):
@@ -272,18 +295,21 @@ def alarm_replicate(kind, seed, photons=1e7, rows=24, pixels=220):
     if kind == "neighbour":
         seen = seen * transmissions(2e-6, pixels, replace(lab, axis=rng.choice([-1, 1]) * 66e-6))[0]
     keys = {
-        **{k: v for k, v in GIVEN.items() if not k.endswith("attenuation")}, "energy": "10 keV", "shells": 3,
+        **{k: v for k, v in GIVEN.items() if not k.endswith("attenuation")},
+        "energy": "10 keV",
+        "shells": 3,
         "solution": {"polymer": "PEO", "solvent": "water", "volume_fraction": PHI},
-    }  # fmt: skip
+    }
     if kind == "blur given":
         keys["blur"] = f"{1e6 * blur + 1e-3:.6f} um"
     if kind == "blur fitted":
         keys["blur"] = "fit"
     with tempfile.TemporaryDirectory() as folder:
         np.savez(
-            Path(folder) / "a.npz", counts=rng.poisson(photons * np.tile(seen, (rows, 1))),
+            Path(folder) / "a.npz",
+            counts=rng.poisson(photons * np.tile(seen, (rows, 1))),
             flat=rng.poisson(photons * flat, (20, rows, pixels)),
-        )  # fmt: skip
+        )
         try:
             experiment, *_ = prepare(images_from_dict(keys, folder=Path(folder)))
         except InputError as error:
@@ -300,9 +326,11 @@ def alarms(replicates):
         seen = np.array([alarm_replicate(kind, seed) for seed in range(replicates)])
         finite = seen[np.isfinite(seen)]
         out[kind] = {
-            "alarms": int((seen >= 5).sum()), "of": replicates,
-            "largest": float(finite.max()) if finite.size else None, "smallest": float(seen.min()),
-        }  # fmt: skip
+            "alarms": int((seen >= 5).sum()),
+            "of": replicates,
+            "largest": float(finite.max()) if finite.size else None,
+            "smallest": float(seen.min()),
+        }
     return out
 
 
@@ -313,10 +341,13 @@ def positions_replicate(seed, count=10, method="map"):
         result = reduce_images(images_from_dict(data, folder=Path(folder)))
     z = result["z"].values
     return (
-        result["mean_polymer_fraction"].values - fraction_of(z), result["mean_polymer_fraction_std"].values,
-        result["jet_radius"].values - radius_of(z), result["jet_radius_std"].values, result["seam_chi_squared"].values,
+        result["mean_polymer_fraction"].values - fraction_of(z),
+        result["mean_polymer_fraction_std"].values,
+        result["jet_radius"].values - radius_of(z),
+        result["jet_radius_std"].values,
+        result["seam_chi_squared"].values,
         result["seam_blocks"].values,
-    )  # fmt: skip
+    )
 
 
 def several(replicates):
@@ -330,9 +361,11 @@ def several(replicates):
     return {
         "fraction": summary(np.concatenate([r[0] for r in runs]), np.concatenate([r[1] for r in runs])),
         "radius": summary(np.concatenate([r[2] for r in runs]), np.concatenate([r[3] for r in runs])),
-        "seams_probability": float(chi2.sf(chi.sum(), blocks.sum())), "seams": int(chi.size),
-        "seams_chi_squared": float(chi.sum()), "seam_blocks": float(blocks.sum()),
-    }  # fmt: skip
+        "seams_probability": float(chi2.sf(chi.sum(), blocks.sum())),
+        "seams": int(chi.size),
+        "seams_chi_squared": float(chi.sum()),
+        "seam_blocks": float(blocks.sum()),
+    }
 
 
 def speed(replicates):
@@ -353,7 +386,7 @@ def speed(replicates):
         "map with tail, lean": lambda: xray.fit_map(
             counts, WATER, tailed.detector(flat[0], zero[0]), path=1 / np.hypot(1, slope)
         ),
-    }  # fmt: skip
+    }
     took: dict[str, list[float]] = {name: [] for name in jobs}
     for job in jobs.values():
         job()
@@ -365,13 +398,20 @@ def speed(replicates):
     best = {name: min(times) for name, times in took.items()}
     return {
         "ms_a_row": {name: 1e3 * value for name, value in best.items()},
-        "row_ratio": best["row with tail, lean"] / best["row"], "map_ratio": best["map with tail, lean"] / best["map"],
-    }  # fmt: skip
+        "row_ratio": best["row with tail, lean"] / best["row"],
+        "map_ratio": best["map with tail, lean"] / best["map"],
+    }
 
 
 PARTS = {
-    "glare": glare, "lean": lean, "tilt": tilt, "flats": flats, "alarms": alarms, "positions": several, "speed": speed,
-}  # fmt: skip
+    "glare": glare,
+    "lean": lean,
+    "tilt": tilt,
+    "flats": flats,
+    "alarms": alarms,
+    "positions": several,
+    "speed": speed,
+}
 
 
 def main() -> None:

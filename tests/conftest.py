@@ -16,9 +16,15 @@ os.environ["SPINLINE_QUIET"] = "1"  # how far a command is would depend on the m
 
 IMAGES_PIXEL, IMAGES_PHI = 0.67e-6, 0.0444256
 IMAGES = {
-    "counts": "a.npz", "flat": "a.npz", "dark": "a.npz", "gain": 1.0, "pixel_size": "0.67 um", "energy": "10 keV", "shells": 1,
+    "counts": "a.npz",
+    "flat": "a.npz",
+    "dark": "a.npz",
+    "gain": 1.0,
+    "pixel_size": "0.67 um",
+    "energy": "10 keV",
+    "shells": 1,
     "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True)
@@ -107,9 +113,18 @@ def round_jet_counts(
 def round_frame():
     """Mean counts of a jet of 30 um, from brute force: 24 rows of 120 pixels, off centre, drifted, tilted beam."""
     return round_jet_counts(
-        lambda r: np.full_like(r, IMAGES_PHI), 30e-6, flat=np.ones(120), pixel=IMAGES_PIXEL, solvent=531.87, contrast=-137.44, air=0.6,
-        axis=3 * IMAGES_PIXEL, amplitude=1.01, slope=0.01, along=400,
-    )  # fmt: skip
+        lambda r: np.full_like(r, IMAGES_PHI),
+        30e-6,
+        flat=np.ones(120),
+        pixel=IMAGES_PIXEL,
+        solvent=531.87,
+        contrast=-137.44,
+        air=0.6,
+        axis=3 * IMAGES_PIXEL,
+        amplitude=1.01,
+        slope=0.01,
+        along=400,
+    )
 
 
 @pytest.fixture

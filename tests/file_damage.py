@@ -273,10 +273,16 @@ def make_victims(folder: Path, data: Path) -> list[Victim]:
         run = data / "jetspin" / "ex2_1d_insert"
         write_jet(run, folder / "jet.nc")
         sweep = sweep_from_dict(
-            {"scene": "peo5-water", "chunk": 40, "profiles": ["radius"], "points": 5,
-             "design": {"kind": "latin-hypercube", "samples": 120}, "vary": {"jet.k": {"uniform": [0.5, 2.0]}}},
+            {
+                "scene": "peo5-water",
+                "chunk": 40,
+                "profiles": ["radius"],
+                "points": 5,
+                "design": {"kind": "latin-hypercube", "samples": 120},
+                "vary": {"jet.k": {"uniform": [0.5, 2.0]}},
+            },
             ["network.model=affine"],
-        )  # fmt: skip
+        )
         run_sweep(sweep, folder / "sweep.zarr", workers=1)
     (folder / "job").mkdir()
     Checkpoint(folder / "job", None).save("piece", total=rng.random((20, 30)), frames=np.array(3))

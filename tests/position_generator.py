@@ -38,10 +38,19 @@ def positions(
         places.append({"counts": f"p{k}.npz", "flat": f"p{k}.npz", "offset": f"{1e6 * (start + off):.6f} +/- 1 um"})
         truth.append(z)
     return {
-        "dark": 0.0, "gain": 1.0, "pixel_size": "0.67 um", "polymer_attenuation": f"{(520.9 - 136.9) / 113.0:.8f} cm2/g",
-        "solvent_attenuation": "5.209 cm2/g", "method": "map", "shells": 1, "block_rows": 12, "positions": places,
+        "dark": 0.0,
+        "gain": 1.0,
+        "pixel_size": "0.67 um",
+        "polymer_attenuation": f"{(520.9 - 136.9) / 113.0:.8f} cm2/g",
+        "solvent_attenuation": "5.209 cm2/g",
+        "method": "map",
+        "shells": 1,
+        "block_rows": 12,
+        "positions": places,
         "solution": {
-            "polymer": {"name": "p", "density": "1.13 g/cm3"}, "solvent": {"name": "s", "density": "1 g/cm3"},
+            "polymer": {"name": "p", "density": "1.13 g/cm3"},
+            "solvent": {"name": "s", "density": "1 g/cm3"},
             "volume_fraction": PHI,
-        }, **(keys or {}),
-    }  # fmt: skip
+        },
+        **(keys or {}),
+    }

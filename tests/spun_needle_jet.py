@@ -78,9 +78,15 @@ class NeedleJet:
         i = math.exp(self.solution.p[0])
         _u, v, azz, arr, _f, _up, _logs, line, q = _parts(y, i)
         return {
-            "r": R0 / np.sqrt(v), "v": v * V0, "P": math.pi * R0 * MU * V0 * y[1], "lam": 2 * math.pi * EPS0 * R0 * ES * line,
-            "azz": azz, "arr": arr, "q": q, "psi": y[2] * ES * R0,
-        }  # fmt: skip
+            "r": R0 / np.sqrt(v),
+            "v": v * V0,
+            "P": math.pi * R0 * MU * V0 * y[1],
+            "lam": 2 * math.pi * EPS0 * R0 * ES * line,
+            "azz": azz,
+            "arr": arr,
+            "q": q,
+            "psi": y[2] * ES * R0,
+        }
 
 
 @cache

@@ -151,8 +151,12 @@ def test_a_store_keeps_the_files_of_others(spinline, tmp_path) -> None:
 def test_a_damaged_chunk_is_computed_again(tmp_path) -> None:
     from spinline.study.sweep import open_sweep, run_sweep, sweep_from_dict
 
-    tables = {"scene": "peo5-water", "chunk": 30, "design": {"kind": "latin-hypercube", "samples": 90},
-              "vary": {"jet.k": {"uniform": [0.5, 2.0]}}}  # fmt: skip
+    tables = {
+        "scene": "peo5-water",
+        "chunk": 30,
+        "design": {"kind": "latin-hypercube", "samples": 90},
+        "vary": {"jet.k": {"uniform": [0.5, 2.0]}},
+    }
     sweep = sweep_from_dict(tables, ["network.model=affine"])
     whole = run_sweep(sweep, tmp_path / "s.zarr", workers=1).load()
     for damage in ("flip", "cut", "gone"):
@@ -203,8 +207,15 @@ def test_checkpoints_that_are_damaged_are_made_again(tmp_path) -> None:
 
 def _command(folder: Path, *arguments: str, before: str = "", **environment: str) -> "subprocess.CompletedProcess[str]":
     line = f"{before} exec {sys.executable} -m spinline {' '.join(arguments)}"
-    return subprocess.run(["bash", "-c", line], cwd=folder, env={**os.environ, **environment}, capture_output=True, text=True,
-                          timeout=120, check=False)  # fmt: skip
+    return subprocess.run(
+        ["bash", "-c", line],
+        cwd=folder,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
 
 
 @pytest.mark.parametrize(
@@ -239,8 +250,12 @@ def test_homes_and_caches_are_no_need(tmp_path) -> None:
 
 
 def test_a_stopped_command_leaves_nothing(tmp_path) -> None:
-    process = subprocess.Popen([sys.executable, "-m", "spinline", "run", "pmma10-drying"], cwd=tmp_path,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+    process = subprocess.Popen(
+        [sys.executable, "-m", "spinline", "run", "pmma10-drying"],
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     time.sleep(1.0)
     process.send_signal(signal.SIGTERM)
     assert process.wait(30) in (143, -signal.SIGTERM)
@@ -277,9 +292,26 @@ def test_hostile_titles_are_drawn_as_text(number, spinline, tmp_path) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["1 m**9**9**9**9", "5 m**0", "1 " + "m " * 500, "1" * 100_000 + " m", "1 " + "(" * 300, "1 m" + " " * 100_000 + "x", "1e999 m",
-     "1 m^-1^-1", "1 m/0", "1 kkkkm", "1 \x00m", "nan m", "1 m**1e9", "1 lambda:0", "1 m if 1 else 0", "1 [m]", "1 m\n2 s"],
-)  # fmt: skip
+    [
+        "1 m**9**9**9**9",
+        "5 m**0",
+        "1 " + "m " * 500,
+        "1" * 100_000 + " m",
+        "1 " + "(" * 300,
+        "1 m" + " " * 100_000 + "x",
+        "1e999 m",
+        "1 m^-1^-1",
+        "1 m/0",
+        "1 kkkkm",
+        "1 \x00m",
+        "nan m",
+        "1 m**1e9",
+        "1 lambda:0",
+        "1 m if 1 else 0",
+        "1 [m]",
+        "1 m\n2 s",
+    ],
+)
 def test_no_text_runs_away_with_a_quantity(text) -> None:
     start = time.process_time()
     with pytest.raises(InputError):
@@ -354,8 +386,10 @@ def test_a_changed_table_is_read_again(tmp_path) -> None:
 
     table = "z [mm],radius [um]\n0,100\n1,{}\n2,20\n"
     base = load_scene("peo5-water")
-    data = {"solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
-            "jet": {"profile": "table", "path": "j.csv", "flow_rate": "1 mL/hour"}}  # fmt: skip
+    data = {
+        "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
+        "jet": {"profile": "table", "path": "j.csv", "flow_rate": "1 mL/hour"},
+    }
     radii = []
     for middle in (50, 60):
         (tmp_path / "j.csv").write_text(table.format(middle))

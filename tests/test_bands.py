@@ -85,10 +85,13 @@ def test_quantiles_of_what_is_known():
     assert np.isnan(found[:, 1]).all()
 
 
-@pytest.mark.parametrize(("scene", "override"), [
-    ("pvp-jetspin", 'solution.mass_fraction="2.5 +/- 0.1 wt%"'),
-    ("peo5-fig37", 'jet.beta="0.47 +/- 0.01"'),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("scene", "override"),
+    [
+        ("pvp-jetspin", 'solution.mass_fraction="2.5 +/- 0.1 wt%"'),
+        ("peo5-fig37", 'jet.beta="0.47 +/- 0.01"'),
+    ],
+)
 def test_every_kind_of_jet_has_bands_in_figure_report_and_table(scene, override, tmp_path):
     from spinline.solve.results import open_result, save, to_csv
 

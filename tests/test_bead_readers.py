@@ -301,9 +301,12 @@ class TestEveryReader:
     @pytest.fixture
     def example(self, reader, tmp_path, quiet):
         examples = {
-            "JETSPIN run": (RUN, None), "VTK legacy polyline": ("vtk binary", "cm"), "VTK XML polyline": ("vtp zlib", "cm"),
-            "LAMMPS dump (text)": ("lammps", "cm"), "table (CSV, text, Excel)": ("table", None),
-        }  # fmt: skip
+            "JETSPIN run": (RUN, None),
+            "VTK legacy polyline": ("vtk binary", "cm"),
+            "VTK XML polyline": ("vtp zlib", "cm"),
+            "LAMMPS dump (text)": ("lammps", "cm"),
+            "table (CSV, text, Excel)": ("table", None),
+        }
         if reader.name.startswith("jet file"):
             from spinline.jetprofile.jetspin import write_jet
 

@@ -18,9 +18,12 @@ AIR = blown.AirJet(1e-3, 200.0)
 def test_free_fall_is_exact():
     """No air, no stress: the tip falls as a stone does; every bead has v^2 = v0^2 + 2 g (x - where it was set free)."""
     run = blown.blown_beads(
-        LIQUID, blown.Wind(0.0, density=1e-200), blown.BeadStart(1e-3, 1e-3), dep.Plate(0.1),
+        LIQUID,
+        blown.Wind(0.0, density=1e-200),
+        blown.BeadStart(1e-3, 1e-3),
+        dep.Plate(0.1),
         blown.BlownBeads(element=1e-3, duration=0.04, cfl=0.05, gusts=False, longest=0.02),
-    )  # fmt: skip
+    )
     v0 = LIQUID.flow_rate / (np.pi * 1e-6)
     assert run.position[0, 0] == pytest.approx(2.5e-3 + v0 * 0.04 + 9.81 * 0.04**2 / 2, abs=1e-12)
     assert run.velocity[0, 0] == pytest.approx(v0 + 9.81 * 0.04, rel=1e-12)
@@ -32,9 +35,14 @@ def test_drying_without_force_changes_no_velocity():
     """Vapour leaves with the jet's velocity: v to 1e-12 whatever is lost (Eq. (43b) as printed speeds the jet up)."""
     wet = replace(LIQUID, flow_rate=1e-9, radius=1e-4)
     run = blown.blown_beads(
-        wet, blown.Wind(50.0, density=1e-290), blown.BeadStart(1e-3, 1e-4), dep.Plate(1.0),
-        blown.BlownBeads(element=3e-3, duration=0.5, cfl=0.05, gusts=False, gravity=0.0, polymer_fraction=0.1, drying=1.2e-8),
-    )  # fmt: skip
+        wet,
+        blown.Wind(50.0, density=1e-290),
+        blown.BeadStart(1e-3, 1e-4),
+        dep.Plate(1.0),
+        blown.BlownBeads(
+            element=3e-3, duration=0.5, cfl=0.05, gusts=False, gravity=0.0, polymer_fraction=0.1, drying=1.2e-8
+        ),
+    )
     v0 = 1e-9 / (np.pi * 1e-8)
     np.testing.assert_allclose(run.velocity[:, 0], v0, rtol=1e-12)
     assert 0.1 < run.evaporated / run.fed < 0.9
@@ -111,10 +119,18 @@ def test_gusts_have_the_intensity_asked_for_and_no_memory_of_the_mesh():
         (lambda: blown.BlownBeads(element=1e-4, duration=np.nan), "duration"),
         (lambda: blown.BlownBeads(element=1e-4, duration=1.0, cfl=2.0), "cfl"),
         (lambda: blown.BlownBeads(element=1e-4, duration=1.0, longest=1e-4), "longest"),
-        (lambda: blown.blown_beads(POLYMER, AIR, blown.BeadStart(5e-3, 1e-5), dep.Plate(4e-3),
-                                   blown.BlownBeads(element=1e-4, duration=1e-3)), "start"),
+        (
+            lambda: blown.blown_beads(
+                POLYMER,
+                AIR,
+                blown.BeadStart(5e-3, 1e-5),
+                dep.Plate(4e-3),
+                blown.BlownBeads(element=1e-4, duration=1e-3),
+            ),
+            "start",
+        ),
     ],
-)  # fmt: skip
+)
 def test_bead_refusals_by_name(call, field):
     with pytest.raises(InputError) as error:
         call()

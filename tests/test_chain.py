@@ -444,7 +444,9 @@ def test_the_reference_is_the_speed_of_a_settled_chain(flow, alpha):
     assert np.abs(slip).max() > 0.5 / alpha  # of the jet: eps V'
     assert np.abs(moving).max() < 0.03 * np.abs(slip).max()
     # and the physics is that of the jet still
-    np.testing.assert_allclose(1 / hermite(x, span.nodes, span.age[0], span.slowness[0])[1], flow.velocity_ratio(x), rtol=1e-12)  # fmt: skip
+    np.testing.assert_allclose(
+        1 / hermite(x, span.nodes, span.age[0], span.slowness[0])[1], flow.velocity_ratio(x), rtol=1e-12
+    )
 
 
 def test_naming_the_kink_saves_steps_and_changes_nothing_else(flow):

@@ -81,18 +81,25 @@ def test_laws_compose(a: float, b: float, c: float, B: float, m: float) -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: laws.viscosity(0.0, 0.1, 1.0), "concentration"), (lambda: laws.viscosity(1.1, 0.1, 1.0), "concentration"),
-        (lambda: laws.viscosity(0.1, np.nan, 1.0), "initial_concentration"), (lambda: laws.viscosity(0.1, 0.1, -1.0), "initial_viscosity"),
-        (lambda: laws.viscosity(1.0, 1e-4, 1.0, 400.0, 1.0), "decades"), (lambda: laws.viscosity(0.1, 0.1, 1.0, m=0.0), "m = 0"),
-        (lambda: laws.viscosity(0.1, 0.1, 1.0, B=-1.0), "B = -1"), (lambda: laws.relaxation_time(0.1, 0.1, 0.0), "initial_relaxation_time"),
+        (lambda: laws.viscosity(0.0, 0.1, 1.0), "concentration"),
+        (lambda: laws.viscosity(1.1, 0.1, 1.0), "concentration"),
+        (lambda: laws.viscosity(0.1, np.nan, 1.0), "initial_concentration"),
+        (lambda: laws.viscosity(0.1, 0.1, -1.0), "initial_viscosity"),
+        (lambda: laws.viscosity(1.0, 1e-4, 1.0, 400.0, 1.0), "decades"),
+        (lambda: laws.viscosity(0.1, 0.1, 1.0, m=0.0), "m = 0"),
+        (lambda: laws.viscosity(0.1, 0.1, 1.0, B=-1.0), "B = -1"),
+        (lambda: laws.relaxation_time(0.1, 0.1, 0.0), "initial_relaxation_time"),
         (lambda: laws.relaxation_time(0.1, 0.1, 1.0, convention="printed"), "convention"),  # type: ignore[arg-type]
         (lambda: laws.relaxation_time(0.1, 0.1, 1.0, n=1.0, convention="print"), "one of the two"),
-        (lambda: laws.scaling_exponents("bad"), "solvent_quality"), (lambda: laws.scaled_viscosity(0.1, 0.1, 1e-3, 1e-3, 2.0), "not above"),
-        (lambda: laws.martin_viscosity(1e6, 1.0, 0.4, 1.0), "too large"), (lambda: laws.martin_viscosity(-1.0, 1.0, 0.4, 1.0), "concentration"),
-        (lambda: laws.modulus(1.0, 0.0), "relaxation_time"), (lambda: laws.scaled(0.1, 0.1, 1.0, 99.0), "exponent"),
+        (lambda: laws.scaling_exponents("bad"), "solvent_quality"),
+        (lambda: laws.scaled_viscosity(0.1, 0.1, 1e-3, 1e-3, 2.0), "not above"),
+        (lambda: laws.martin_viscosity(1e6, 1.0, 0.4, 1.0), "too large"),
+        (lambda: laws.martin_viscosity(-1.0, 1.0, 0.4, 1.0), "concentration"),
+        (lambda: laws.modulus(1.0, 0.0), "relaxation_time"),
+        (lambda: laws.scaled(0.1, 0.1, 1.0, 99.0), "exponent"),
         (lambda: laws.viscosity("thick", 0.1, 1.0), "not a real number"),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()

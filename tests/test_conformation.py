@@ -183,18 +183,26 @@ def test_along_a_jet_with_its_kink() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: conformation([0.0], [1.0], 1.0), "time"), (lambda: conformation([1.0, 0.0], [1.0, 1.0], 1.0), "strictly increase"),
-        (lambda: conformation([0.0, 1.0], [1.0], 1.0), "stretch_ratio"), (lambda: conformation([0.0, 1.0], [1.0, 0.0], 1.0), "stretch_ratio"),
-        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 0.0), "relaxation_time"), (lambda: conformation([0.0, 1.0], [1.0, 1.0], [1.0]), "relaxation_time"),
+        (lambda: conformation([0.0], [1.0], 1.0), "time"),
+        (lambda: conformation([1.0, 0.0], [1.0, 1.0], 1.0), "strictly increase"),
+        (lambda: conformation([0.0, 1.0], [1.0], 1.0), "stretch_ratio"),
+        (lambda: conformation([0.0, 1.0], [1.0, 0.0], 1.0), "stretch_ratio"),
+        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 0.0), "relaxation_time"),
+        (lambda: conformation([0.0, 1.0], [1.0, 1.0], [1.0]), "relaxation_time"),
         (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0, strain_rate=[np.nan, 0.0]), "strain_rate"),
-        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0, start=(0.0, 1.0)), "start"), (lambda: FENEP(3.0), "extensibility"),
-        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0, FENEP(9.0), start=(9.0, 1.0)), "contour"), (lambda: Giesekus(1.5), "mobility"),
-        (lambda: OldroydB(-1.0), "solvent_viscosity"), (lambda: conformation([0.0, 1.0], [1.0, 1e300], 1e3), "strain of a step"),
+        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0, start=(0.0, 1.0)), "start"),
+        (lambda: FENEP(3.0), "extensibility"),
+        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0, FENEP(9.0), start=(9.0, 1.0)), "contour"),
+        (lambda: Giesekus(1.5), "mobility"),
+        (lambda: OldroydB(-1.0), "solvent_viscosity"),
+        (lambda: conformation([0.0, 1.0], [1.0, 1e300], 1e3), "strain of a step"),
         (lambda: conformation(np.arange(3.0), [1.0, 1e100, 1e200], 1e3), "FENE-P"),
-        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0).stress([1.0]), "modulus"), (lambda: maxwell_startup(1e3, 1e3), "strain"),
-        (lambda: steady_fenep(-1.0, 400.0), "weissenberg"), (lambda: tensile_force(1.0, 1.0, 0.0), "radius"),
+        (lambda: conformation([0.0, 1.0], [1.0, 1.0], 1.0).stress([1.0]), "modulus"),
+        (lambda: maxwell_startup(1e3, 1e3), "strain"),
+        (lambda: steady_fenep(-1.0, 400.0), "weissenberg"),
+        (lambda: tensile_force(1.0, 1.0, 0.0), "radius"),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()

@@ -45,8 +45,23 @@ def test_from_a_scene_to_a_mat(spinline, scene, tmp_path):
     (tmp_path / "sem.csv").write_text(
         "Diameter (nm)\n" + "\n".join(str(d) for d in range(500, 720, 5)), encoding="utf-8"
     )
-    seen = spinline("mat", "f.h5", "-o", "m.nc", "--report", "m.html", "--picture", "top.png", "--measured", "sem.csv",
-                    "--export", "a.vtp", "--export", "a.tif", "--json")  # fmt: skip
+    seen = spinline(
+        "mat",
+        "f.h5",
+        "-o",
+        "m.nc",
+        "--report",
+        "m.html",
+        "--picture",
+        "top.png",
+        "--measured",
+        "sem.csv",
+        "--export",
+        "a.vtp",
+        "--export",
+        "a.tif",
+        "--json",
+    )
     assert seen.code == 0, seen.err
     numbers = seen.json
     assert 0.5 < numbers["porosity"] < 1
@@ -147,8 +162,17 @@ def test_a_jet_that_laid_its_own_fibre(spinline, tmp_path):
     y, z = 1e-3 * np.cos(turn), 1e-3 * np.sin(turn)
     flight = np.full(n, 5e-4)
     volume = np.pi * (1e-6) ** 2 * flight
-    names = {"time": np.arange(1.0, n + 1), "y0": y[:-1], "z0": z[:-1], "y1": y[1:], "z1": z[1:], "radius": np.full(n, 1e-6),
-             "volume": volume, "polymer_volume": 0.2 * volume, "flight_length": flight}  # fmt: skip
+    names = {
+        "time": np.arange(1.0, n + 1),
+        "y0": y[:-1],
+        "z0": z[:-1],
+        "y1": y[1:],
+        "z1": z[1:],
+        "radius": np.full(n, 1e-6),
+        "volume": volume,
+        "polymer_volume": 0.2 * volume,
+        "flight_length": flight,
+    }
     xr.Dataset({f"deposit_{k}": ("deposit", v) for k, v in names.items()}).to_netcdf(
         tmp_path / "jet.nc", engine="h5netcdf"
     )

@@ -113,9 +113,12 @@ def test_a_dip_within_one_step_lands_at_its_first_crossing():
 
 @settings(max_examples=60, deadline=None)
 @given(
-    st.floats(0.05, 0.1999), st.floats(-0.05, 0.05), st.floats(1e-6, 0.1), st.floats(-0.05, 0.05),
+    st.floats(0.05, 0.1999),
+    st.floats(-0.05, 0.05),
+    st.floats(1e-6, 0.1),
+    st.floats(-0.05, 0.05),
     st.sampled_from([dep.Plate(0.2), dep.Drum(0.2, 10.0, 0.3)]),
-)  # fmt: skip
+)
 def test_touch_down_is_on_the_surface_and_in_the_step(x0, y0, beyond, y1, surface):
     start, end = np.array([[x0, y0, 0.0]]), np.array([[0.25 + beyond, y1, 0.1]])
     out = dep.touch_down(surface, 5.0, 5.1, start, end)
@@ -144,8 +147,14 @@ def circle_record(speed=5.0, omega=1e4, count=4001, turns=40):
     volume = np.pi * (3e-7) ** 2 * flight
     charge = np.linspace(1e-15, 3e-15, count)
     fed = float(volume[1:].sum()) * 1.5
-    balance = {"volume_fed": fed, "volume_in_flight": fed - float(volume[1:].sum()), "volume_evaporated": 0.0,
-               "charge_fed": float(charge[1:].sum()) + 1e-13, "charge_in_flight": 1e-13, "charge_conducted": 0.0}  # fmt: skip
+    balance = {
+        "volume_fed": fed,
+        "volume_in_flight": fed - float(volume[1:].sum()),
+        "volume_evaporated": 0.0,
+        "charge_fed": float(charge[1:].sum()) + 1e-13,
+        "charge_in_flight": 1e-13,
+        "charge_conducted": 0.0,
+    }
     return dep.LandingRecord.from_arrays(time, place, volume, flight, charge=charge, balance=balance)
 
 
@@ -166,8 +175,14 @@ def test_a_whipping_jet_on_a_belt_is_the_trochoid(q):
 
 
 def test_closed_forms_of_the_trochoid():
-    table = {0: (1, 0, 0), 0.25: (1.01568701, 0.023198, 0), 0.5: (1.06354441, 0.090130, 0), 1: (1.27323954, 1 / 3, 0),
-             2: (2.12708882, 0.772532, 0.75), 4: (4.06274805, 0.938950, 0.9375)}  # fmt: skip
+    table = {
+        0: (1, 0, 0),
+        0.25: (1.01568701, 0.023198, 0),
+        0.5: (1.06354441, 0.090130, 0),
+        1: (1.27323954, 1 / 3, 0),
+        2: (2.12708882, 0.772532, 0.75),
+        4: (4.06274805, 0.938950, 0.9375),
+    }
     for q, (rate, by_length, by_time) in table.items():
         assert float(dep.trochoid_length_rate(q)) == pytest.approx(rate, rel=5e-9)
         assert float(dep.trochoid_order(q)) == pytest.approx(by_length, abs=5e-7)
@@ -238,8 +253,15 @@ def test_frames_with_labels_give_the_landings_of_straight_flight():
     record = dep.landings_from_frames(frames, dep.Plate(0.1))
     np.testing.assert_allclose(np.diff(record.touch_time), 1e-4, rtol=0.6)  # a clamped end bends the cubic of one frame
     unbent = dep.landings_from_frames(
-        [f._replace(position=np.column_stack([10 * (f.time - 1e-4 * f.label), 0.1e-4 * f.label, 0 * f.label]),
-                    velocity=np.tile([10.0, 0, 0], (len(f.label), 1))) for f in frames], dep.Plate(0.1))  # fmt: skip
+        [
+            f._replace(
+                position=np.column_stack([10 * (f.time - 1e-4 * f.label), 0.1e-4 * f.label, 0 * f.label]),
+                velocity=np.tile([10.0, 0, 0], (len(f.label), 1)),
+            )
+            for f in frames
+        ],
+        dep.Plate(0.1),
+    )
     np.testing.assert_allclose(unbent.touch_time, 0.01 + 1e-4 * np.arange(unbent.touch_time.size), rtol=1e-12)
     np.testing.assert_allclose(unbent.flight_length[1:], np.hypot(1e-3, 1e-5), rtol=1e-9)
     assert (unbent.fibre == 0).all()

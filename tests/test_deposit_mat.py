@@ -163,9 +163,14 @@ def test_open_window_cuts_what_crosses_it():
 
 @pytest.mark.parametrize(
     ("keys", "field"),
-    [({"slope": -1.0}, "mat.slope"), ({"slope": np.nan}, "mat.slope"), ({"flatten": 1.0}, "mat.flatten"),
-     ({"pixel": 0.0}, "mat.pixel"), ({"pixel": 1e-5}, "pixels of the mat")],
-)  # fmt: skip
+    [
+        ({"slope": -1.0}, "mat.slope"),
+        ({"slope": np.nan}, "mat.slope"),
+        ({"flatten": 1.0}, "mat.flatten"),
+        ({"pixel": 0.0}, "mat.pixel"),
+        ({"pixel": 1e-5}, "pixels of the mat"),
+    ],
+)
 def test_stack_refuses_by_name(keys, field):
     with pytest.raises(InputError) as error:
         dep.lay_stack(rods(1, 1), BOX, **keys)
@@ -284,8 +289,10 @@ def test_stokes_flow_across_a_square_array():
         assert flow.converged
         # at the box's own solidity and the radius that gives it there
         radius2 = flow.solidity * square_array(a).size / np.pi
-        at_02 = float(dep.permeability_of("drummond-tahir-square", 0.2, 1.0) / dep.permeability_of(
-            "drummond-tahir-square", flow.solidity, 1.0))  # fmt: skip
+        at_02 = float(
+            dep.permeability_of("drummond-tahir-square", 0.2, 1.0)
+            / dep.permeability_of("drummond-tahir-square", flow.solidity, 1.0)
+        )
         found.append(flow.permeability / radius2 * at_02)
     exact = np.pi / (0.2 * 51.53)
     assert abs(found[0] / exact - 1) < 0.05
@@ -384,8 +391,16 @@ def mat(tmp_path_factory):
 
 
 def test_analysis_gives_every_name_with_its_unit(mat):
-    for name in ("mean_thickness", "solidity", "porosity", "areal_density", "bubble_point_radius", "permeability",
-                 "pressure_drop", "pore_cumulative"):  # fmt: skip
+    for name in (
+        "mean_thickness",
+        "solidity",
+        "porosity",
+        "areal_density",
+        "bubble_point_radius",
+        "permeability",
+        "pressure_drop",
+        "pore_cumulative",
+    ):
         assert "units" in mat[name].attrs
         assert f"{name}_std" in mat
     for name in ("thickness", "diameter_density", "orientation_density", "order_parameter", "director"):
@@ -419,8 +434,11 @@ def test_analysis_refuses_by_name(tmp_path):
         pass
     with dep.FibreFile(tmp_path / "none.h5") as file, pytest.raises(InputError, match="nothing has landed"):
         dep.analyse_mat(file)
-    for keys, field in (({"envelope": "pressure"}, "mat.envelope"), ({"permeability": ("x",)}, "mat.permeability"),
-                        ({"realisations": 0}, "mat.realisations")):  # fmt: skip
+    for keys, field in (
+        ({"envelope": "pressure"}, "mat.envelope"),
+        ({"permeability": ("x",)}, "mat.permeability"),
+        ({"realisations": 0}, "mat.realisations"),
+    ):
         with pytest.raises(InputError) as error:
             dep.MatOptions(**keys)
         assert error.value.field == field

@@ -78,9 +78,15 @@ def test_entanglements_stay_within_0_and_1_whatever_the_flow() -> None:
         rate = np.repeat(rng.uniform(-6, 6, 8), 10)
         stretch = np.exp(np.concatenate(([0.0], np.cumsum(rate * np.diff(t)))))
         state = disentangle(
-            t, stretch, 10 ** rng.uniform(-1, 1), 10 ** rng.uniform(-4, 0), segments=10 ** rng.uniform(1, 4),
-            release=rng.uniform(0, 1), entanglement_release=rng.uniform(0, 1), rtol=1e-7,
-        )  # fmt: skip
+            t,
+            stretch,
+            10 ** rng.uniform(-1, 1),
+            10 ** rng.uniform(-4, 0),
+            segments=10 ** rng.uniform(1, 4),
+            release=rng.uniform(0, 1),
+            entanglement_release=rng.uniform(0, 1),
+            rtol=1e-7,
+        )
         nu = state.entanglements_left
         assert (nu > 0).all()
         assert (nu <= 1).all()
@@ -129,12 +135,19 @@ def test_never_beyond_the_contour() -> None:
 @pytest.mark.parametrize(
     ("change", "field"),
     [
-        ({"time": [0.0, 0.0]}, "time"), ({"time": [0.0, np.nan]}, "time"), ({"stretch_ratio": [1.0, -1.0]}, "stretch_ratio"),
-        ({"disengagement_time": 0.0}, "relaxation_time"), ({"rouse_time": 0.0}, "rouse_time"), ({"rouse_time": np.inf}, "rouse_time"),
-        ({"rouse_time": [0.1, 0.1, 0.1]}, "rouse_time"), ({"segments": 2.0}, "segments"), ({"release": 1.5}, "release"),
-        ({"entanglement_release": -0.1}, "entanglement_release"), ({"rtol": 0.0}, "rtol"),
+        ({"time": [0.0, 0.0]}, "time"),
+        ({"time": [0.0, np.nan]}, "time"),
+        ({"stretch_ratio": [1.0, -1.0]}, "stretch_ratio"),
+        ({"disengagement_time": 0.0}, "relaxation_time"),
+        ({"rouse_time": 0.0}, "rouse_time"),
+        ({"rouse_time": np.inf}, "rouse_time"),
+        ({"rouse_time": [0.1, 0.1, 0.1]}, "rouse_time"),
+        ({"segments": 2.0}, "segments"),
+        ({"release": 1.5}, "release"),
+        ({"entanglement_release": -0.1}, "entanglement_release"),
+        ({"rtol": 0.0}, "rtol"),
     ],
-)  # fmt: skip
+)
 def test_refusals(change, field) -> None:
     arguments = {"time": [0.0, 1.0], "stretch_ratio": [1.0, 3.0], "disengagement_time": 1.0, "rouse_time": 0.1} | change
     with pytest.raises(InputError, match=field):

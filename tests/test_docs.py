@@ -20,9 +20,30 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 COMMANDS = {
-    "run", "crossover", "check", "plan", "trade", "scenes", "schema", "fit-jet", "import-jet", "sweep", "window", "compare",
-    "fit", "compare-theory", "preview", "reduce", "exposure", "simulate-image", "fibre", "jet", "spin", "deposit", "mat",
-}  # fmt: skip
+    "run",
+    "crossover",
+    "check",
+    "plan",
+    "trade",
+    "scenes",
+    "schema",
+    "fit-jet",
+    "import-jet",
+    "sweep",
+    "window",
+    "compare",
+    "fit",
+    "compare-theory",
+    "preview",
+    "reduce",
+    "exposure",
+    "simulate-image",
+    "fibre",
+    "jet",
+    "spin",
+    "deposit",
+    "mat",
+}
 
 
 def blocks(path, language):

@@ -141,9 +141,14 @@ def test_glass_and_skin() -> None:
     x = Volatile("x", 2e-4, DA)
     z = np.linspace(1e-3, 1.0, 60)
     dried = dry_radially(
-        straight_path(PLAIN, z), 0.2, x, ExponentialDiffusion(5e-8, 2.0), air_viscosity=NU, sherwood_floor=SH,
+        straight_path(PLAIN, z),
+        0.2,
+        x,
+        ExponentialDiffusion(5e-8, 2.0),
+        air_viscosity=NU,
+        sherwood_floor=SH,
         vitrification_fraction=0.8,
-    )  # fmt: skip
+    )
     surface, centre = dried.vitrified_at
     assert 0 < surface < centre < 1.0
     np.testing.assert_allclose(dried.vitrified_after, dried.vitrified_at, rtol=1e-5)  # 1 m/s
@@ -185,14 +190,23 @@ PATH = straight_path(PLAIN, [1e-3])
         (lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU, cells=4), "cells"),
         (lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU, cells=20.5), "cells"),  # type: ignore[arg-type]
         (lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU, rtol=1.0), "rtol"),
-        (lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU, vitrification_fraction=0.05), "vitrification_fraction"),
+        (
+            lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU, vitrification_fraction=0.05),
+            "vitrification_fraction",
+        ),
         (lambda: dry_radially(PATH, 0.1, X, lambda phi: 1e-9 * (0.5 - phi), air_viscosity=NU), "diffusion"),
         (lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=-1.0), "air_viscosity"),
-        (lambda: ConstantDiffusion(0.0), "value"), (lambda: ExponentialDiffusion(1e-9, -1.0), "decay"), (lambda: FreeVolumeDiffusion(1e-9, 1e-3, 0.0), "gap"),
-        (lambda: drying_peclet(1.0, 1.0, 1.0, 0.0), "diffusivity"), (lambda: cylinder_series(2.0, 1.0, 1.0), "radius_ratio"),
-        (lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU).skin_thickness(2.0), "volume_fraction"),
+        (lambda: ConstantDiffusion(0.0), "value"),
+        (lambda: ExponentialDiffusion(1e-9, -1.0), "decay"),
+        (lambda: FreeVolumeDiffusion(1e-9, 1e-3, 0.0), "gap"),
+        (lambda: drying_peclet(1.0, 1.0, 1.0, 0.0), "diffusivity"),
+        (lambda: cylinder_series(2.0, 1.0, 1.0), "radius_ratio"),
+        (
+            lambda: dry_radially(PATH, 0.1, X, ConstantDiffusion(1e-9), air_viscosity=NU).skin_thickness(2.0),
+            "volume_fraction",
+        ),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()

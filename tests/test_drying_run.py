@@ -71,17 +71,26 @@ def test_library_properties_and_the_convention_of_2001() -> None:
 
 @settings(max_examples=8, deadline=None)
 @given(
-    st.floats(0.002, 0.6), st.floats(0.3, 3.0), st.floats(0.25, 1.0), st.floats(0.001, 0.9) | st.just(0.0), st.floats(-3, 2.5),
+    st.floats(0.002, 0.6),
+    st.floats(0.3, 3.0),
+    st.floats(0.25, 1.0),
+    st.floats(0.001, 0.9) | st.just(0.0),
+    st.floats(-3, 2.5),
     st.sampled_from(["power-law", "hyperbolic"]),
-)  # fmt: skip
+)
 def test_polymer_is_conserved_for_any_jet_and_drying(phi, k, beta, humidity, decades, profile) -> None:
     jet = f"jet={{profile='{profile}', radius='50 um', flow_rate='1 mL/hour', length='20 mm', "
     jet += f"k={k}, beta={beta}}}" if profile == "power-law" else f"p={10 * k}}}"
     result = quiet(
-        "peo5-water", f"solution={{polymer='PEO', solvent='water', volume_fraction={phi}}}", jet,
-        f"ambient.relative_humidity={humidity}", "effects.evaporation=true", "accuracy.points=60", "network.model=affine",
+        "peo5-water",
+        f"solution={{polymer='PEO', solvent='water', volume_fraction={phi}}}",
+        jet,
+        f"ambient.relative_humidity={humidity}",
+        "effects.evaporation=true",
+        "accuracy.points=60",
+        "network.model=affine",
         f"ambient.saturation={1.73e-5 * 10**decades}",
-    )  # fmt: skip
+    )
     flux = np.pi * result["radius"] ** 2 * result["velocity"] * result["mean_polymer_fraction"]
     np.testing.assert_allclose(flux, phi * 1e-6 / 3600, rtol=1e-12)
     mean = result["mean_polymer_fraction"].values
@@ -256,9 +265,12 @@ def test_extremes_are_finite_and_ordered() -> None:
     thin = (
         "solution={polymer='PEO', solvent='water', volume_fraction=1e-4, viscosity='1 mPa s', relaxation_time='1 s'}",
         "jet={profile='power-law', radius='5 um', flow_rate='0.05 mL/hour', k=0.3, beta=0.5, length='100 mm'}",
-        "ambient.relative_humidity=0", "effects.evaporation=true", "rheology.convention=yarin2001", "rheology.B=21",
+        "ambient.relative_humidity=0",
+        "effects.evaporation=true",
+        "rheology.convention=yarin2001",
+        "rheology.B=21",
         "network.model=conformation",
-    )  # fmt: skip
+    )
     result = quiet("peo5-water", *thin)
     mean = result["mean_polymer_fraction"].values
     assert mean[0] == pytest.approx(1e-4, rel=1e-9)
@@ -326,8 +338,9 @@ def test_a_bead_jet_dries_at_all_its_times() -> None:
 GLASS = (
     "solution={polymer='PMMA', solvent='acetone', mass_fraction=0.1, viscosity='0.5 Pa s', relaxation_time='20 ms'}",
     "jet={profile='power-law', radius='100 um', flow_rate='2 mL/hour', k=1.0, beta=0.47, length='60 mm'}",
-    "effects.evaporation=true", "rheology.vitrification_fraction=0.75",
-)  # fmt: skip
+    "effects.evaporation=true",
+    "rheology.vitrification_fraction=0.75",
+)
 
 
 def test_two_rises_of_fig_37() -> None:
@@ -411,9 +424,13 @@ def test_to_complete_dryness_across_the_jet() -> None:
     thin = (
         "solution={polymer='PCL', solvent='DCM', volume_fraction=0.0836, relaxation_time='1 ms'}",
         "jet={profile='hyperbolic', radius='11 um', flow_rate='1e-11 m3/s', length='2 mm', p=300}",
-        "effects.evaporation=true", "effects.radial=true", "rheology.diffusivity=6e-8 m2/s",
-        "rheology.convention=yarin2001", "accuracy.shells=8", "rheology.vitrification_fraction=0.9",
-    )  # fmt: skip
+        "effects.evaporation=true",
+        "effects.radial=true",
+        "rheology.diffusivity=6e-8 m2/s",
+        "rheology.convention=yarin2001",
+        "accuracy.shells=8",
+        "rheology.vitrification_fraction=0.9",
+    )
     result = quiet("peo5-water", *thin)
     assert float(result["mean_polymer_fraction"][-1]) == pytest.approx(1, abs=1e-6)
     for name in ("mean_polymer_fraction", "polymer_fraction", "drying_polymer_fraction", "surface_polymer_fraction"):
@@ -424,9 +441,12 @@ def test_to_complete_dryness_across_the_jet() -> None:
 
 def test_a_jet_may_take_up_vapour() -> None:
     wet = quiet(
-        "peo5-water", "solution={polymer='PEO', solvent='water', volume_fraction=0.5}", "ambient.relative_humidity=0.999",
-        "effects.evaporation=true", "rheology.convention=yarin2001",
-    )  # fmt: skip
+        "peo5-water",
+        "solution={polymer='PEO', solvent='water', volume_fraction=0.5}",
+        "ambient.relative_humidity=0.999",
+        "effects.evaporation=true",
+        "rheology.convention=yarin2001",
+    )
     assert float(wet["evaporated_fraction"][-1]) < -0.01
     assert float(wet["mean_polymer_fraction"][-1]) < 0.5
     assert "takes up" in " ".join(sl.report.words(wet))
@@ -485,7 +505,10 @@ def test_other_rungs_dry_too(model: str) -> None:
         ([*RELAXING, "effects.relaxation=false"], "effects.relaxation"),
         (["solution.relaxation_time=1 s", "effects.relaxation=true", "network.model=manifold"], "effects.relaxation"),
         ([*ACROSS, "rheology.activity=raoult"], "effects.radial.*Flory"),
-        ([*WET, "ambient.relative_humidity=0.99", "ambient.temperature=40 degC"], "ambient.relative_humidity.*condense"),
+        (
+            [*WET, "ambient.relative_humidity=0.99", "ambient.temperature=40 degC"],
+            "ambient.relative_humidity.*condense",
+        ),
         ([*WET, "solution.temperature=100.5 degC"], "solution.temperature.*boiling"),
         ([*WET, "rheology.vitrification_fraction=0.01"], "rheology.vitrification_fraction"),
         (["rheology.law=martin"], "rheology.intrinsic_viscosity: is missing"),
@@ -496,15 +519,17 @@ def test_other_rungs_dry_too(model: str) -> None:
         (["ambient.humidity=0.4"], "relative_humidity"),
         ([*RELAXING, "solution.solvent_viscosity=3 Pa s", "rheology.constitutive=Oldroyd-B"], "Oldroyd-B"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_done_is_refused(overrides: list[str], words: str) -> None:
     with pytest.raises(InputError, match=words):
         quiet("peo5-water", *overrides)
 
 
 def test_own_solvent_needs_its_properties_one_by_one() -> None:
-    own = ["solution={polymer='PS', solvent={name='mine', density='0.9 g/cm3'}, mass_fraction=0.1}",
-           "effects.evaporation=true"]  # fmt: skip
+    own = [
+        "solution={polymer='PS', solvent={name='mine', density='0.9 g/cm3'}, mass_fraction=0.1}",
+        "effects.evaporation=true",
+    ]
     for missing, fix in (
         ("ambient.vapour_diffusivity", "ambient.vapour_diffusivity=1e-5 m2/s"),
         ("solution.solvent.molar_mass", "solution.solvent.molar_mass=80 g/mol"),

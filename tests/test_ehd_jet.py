@@ -22,14 +22,33 @@ from spinline.jetprofile.ehd.fields import UniformField
 from spinline.jetprofile.ehd.solver import raise_pull, solve
 
 PEO = {
-    "radius": 125e-6, "flow_rate": 3.2e-6 / 3600, "voltage": 6e3, "gap": 0.1, "conductivity": 0.01, "viscosity": 2.0,
-    "surface_tension": 0.061, "density": 1000.0, "permittivity": 80.0, "relaxation_time": 7e-3, "extensibility": 507.0,
+    "radius": 125e-6,
+    "flow_rate": 3.2e-6 / 3600,
+    "voltage": 6e3,
+    "gap": 0.1,
+    "conductivity": 0.01,
+    "viscosity": 2.0,
+    "surface_tension": 0.061,
+    "density": 1000.0,
+    "permittivity": 80.0,
+    "relaxation_time": 7e-3,
+    "extensibility": 507.0,
     "end": 0.02,
-}  # fmt: skip
+}
 GLYCEROL = {
-    "radius": 0.8e-3, "flow_rate": 1e-6 / 60, "voltage": 4e4, "gap": 0.08, "conductivity": 1e-6, "viscosity": 14.9e-4 * 1260,
-    "surface_tension": 0.063, "density": 1260.0, "permittivity": 46.5, "law": "newtonian", "field": "uniform", "end": 0.06,
-}  # fmt: skip
+    "radius": 0.8e-3,
+    "flow_rate": 1e-6 / 60,
+    "voltage": 4e4,
+    "gap": 0.08,
+    "conductivity": 1e-6,
+    "viscosity": 14.9e-4 * 1260,
+    "surface_tension": 0.063,
+    "density": 1260.0,
+    "permittivity": 46.5,
+    "law": "newtonian",
+    "field": "uniform",
+    "end": 0.06,
+}
 
 
 def jet(**settings) -> StraightEhdJet:
@@ -93,24 +112,45 @@ def feng(**law) -> dict[str, object]:
     e0 = np.sqrt(rho * v**2 / EPS0)
     de = law.pop("de", 0.0)
     return {
-        "radius": r, "flow_rate": np.pi * r**2 * v, "voltage": 0.7 * e0 * 0.1, "gap": 0.1, "conductivity": k, "density": rho,
-        "viscosity": rho * v * r / 2.5e-3, "surface_tension": rho * v**2 * r / 0.1, "permittivity": 41.0, "end": 75 * r,
-        "field": "uniform", "log": "constant", "current": np.pi * r**2 * k * e0, "relaxation_time": de * r / v, **law,
-    }  # fmt: skip
+        "radius": r,
+        "flow_rate": np.pi * r**2 * v,
+        "voltage": 0.7 * e0 * 0.1,
+        "gap": 0.1,
+        "conductivity": k,
+        "density": rho,
+        "viscosity": rho * v * r / 2.5e-3,
+        "surface_tension": rho * v**2 * r / 0.1,
+        "permittivity": 41.0,
+        "end": 75 * r,
+        "field": "uniform",
+        "log": "constant",
+        "current": np.pi * r**2 * k * e0,
+        "relaxation_time": de * r / v,
+        **law,
+    }
 
 
 FENG = {
     "newtonian": ({"law": "newtonian"}, (0.91820808, 0.68554742, 0.36370545, 0.18667845), 0.52503896, 3.55990507),
     "oldroyd-b": (
-        {"law": "oldroyd-b", "de": 1.0}, (0.83527738, 0.63630821, 0.36579715, 0.20003386), 0.5858059, 3.6640010,
+        {"law": "oldroyd-b", "de": 1.0},
+        (0.83527738, 0.63630821, 0.36579715, 0.20003386),
+        0.5858059,
+        3.6640010,
     ),
     "giesekus": (
-        {"law": "giesekus", "de": 10.0, "mobility": 0.015}, (0.40993639, 0.33106199, 0.29737172, 0.23185518), 0.9949036, 5.2749886,
+        {"law": "giesekus", "de": 10.0, "mobility": 0.015},
+        (0.40993639, 0.33106199, 0.29737172, 0.23185518),
+        0.9949036,
+        5.2749886,
     ),
     "fene-p": (
-        {"law": "fene-p", "de": 10.0, "extensibility": 100.0}, (0.40209214, 0.37725868, 0.34324904, 0.27008304), 1.2120392, 5.1605954,
+        {"law": "fene-p", "de": 10.0, "extensibility": 100.0},
+        (0.40209214, 0.37725868, 0.34324904, 0.27008304),
+        1.2120392,
+        5.1605954,
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", FENG)
@@ -224,11 +264,20 @@ def random_settings(rng, law) -> NeedleSettings:
     radius, flow = between(8e-5, 5e-4), between(1e-10, 3e-9)
     de = between(0.1, 5)
     return NeedleSettings(
-        radius=radius, flow_rate=flow, voltage=between(4e3, 2e4), gap=between(0.05, 0.2), conductivity=between(1e-4, 1),
-        viscosity=between(0.2, 20), surface_tension=between(0.025, 0.073), density=between(800, 1300),
-        permittivity=between(5, 80), relaxation_time=de * np.pi * radius**3 / flow, extensibility=between(100, 2000), law=law,
+        radius=radius,
+        flow_rate=flow,
+        voltage=between(4e3, 2e4),
+        gap=between(0.05, 0.2),
+        conductivity=between(1e-4, 1),
+        viscosity=between(0.2, 20),
+        surface_tension=between(0.025, 0.073),
+        density=between(800, 1300),
+        permittivity=between(5, 80),
+        relaxation_time=de * np.pi * radius**3 / flow,
+        extensibility=between(100, 2000),
+        law=law,
         end=0.02,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.slow
@@ -342,15 +391,23 @@ def test_elastic_law_with_the_computed_tension(case_c) -> None:
     z = np.linspace(0, 0.015, 3001)
     x = it.settings
     law = elastic_velocity_ratio(
-        z, it.tension(z), radius=x.radius, modulus=x.modulus, relaxation_time=x.relaxation_time,
+        z,
+        it.tension(z),
+        radius=x.radius,
+        modulus=x.modulus,
+        relaxation_time=x.relaxation_time,
         initial_velocity=x.initial_velocity,
-    )  # fmt: skip
+    )
     oldroyd = jet(**{**PEO, "law": "oldroyd-b", "log": "constant"})
     far = z > 0.5e-3
     law = elastic_velocity_ratio(
-        z, oldroyd.tension(z), radius=x.radius, modulus=x.modulus, relaxation_time=x.relaxation_time,
+        z,
+        oldroyd.tension(z),
+        radius=x.radius,
+        modulus=x.modulus,
+        relaxation_time=x.relaxation_time,
         initial_velocity=x.initial_velocity,
-    )  # fmt: skip
+    )
     assert np.abs(law / oldroyd.velocity_ratio(z) - 1)[far].max() < 0.075
     jump = float(initial_jump(oldroyd.tension(0.0), x.radius, x.modulus))
     closed = ElasticJet(radius=x.radius, flow_rate=x.flow_rate, relaxation_time=x.relaxation_time, jump=jump)
@@ -370,17 +427,28 @@ def test_viscous_law_is_exact_for_its_own_pull() -> None:
 
 
 @pytest.mark.parametrize(
-    ("pull", "conduction", "chi"), [(1e-4, 1e3, 400.0), (1e-4, 1e5, 400.0), (1e-2, 1e4, 100.0), (1.0, 1e3, 40.0), (1.0, 1e5, 40.0)]
-)  # fmt: skip
+    ("pull", "conduction", "chi"),
+    [(1e-4, 1e3, 400.0), (1e-4, 1e5, 400.0), (1e-2, 1e4, 100.0), (1.0, 1e3, 40.0), (1.0, 1e5, 40.0)],
+)
 def test_prefactor_of_the_viscous_k(pull, conduction, chi) -> None:
     """Uniform field, no capillarity, weight or inertia: V -> (1 + k s)^2 with k = c_k A^(5/12) B^(1/4), k^2 = i A B / 6."""
     r, v, mu = 1e-3, 0.01, 30.0
     field = np.sqrt(pull * mu * v / (EPS0 * r))
     settings = NeedleSettings(
-        radius=r, flow_rate=np.pi * r**2 * v, voltage=field * chi * r, gap=chi * r, conductivity=conduction * EPS0 * v / r,
-        viscosity=mu, surface_tension=1e-8, density=0.1, permittivity=2.0, law="newtonian", field="uniform", gravity=0.0,
+        radius=r,
+        flow_rate=np.pi * r**2 * v,
+        voltage=field * chi * r,
+        gap=chi * r,
+        conductivity=conduction * EPS0 * v / r,
+        viscosity=mu,
+        surface_tension=1e-8,
+        density=0.1,
+        permittivity=2.0,
+        law="newtonian",
+        field="uniform",
+        gravity=0.0,
         log="constant",
-    )  # fmt: skip
+    )
     it = StraightEhdJet(settings, length=chi * r)
     k = np.sqrt(it.current / settings.current_scale * pull * conduction / 6)
     assert 0.435 < k / (pull ** (5 / 12) * conduction**0.25) < 0.66
@@ -392,9 +460,7 @@ def test_prefactor_of_the_viscous_k(pull, conduction, chi) -> None:
 
 def test_inertial_law_far_away() -> None:
     it = jet(**GLYCEROL, log="constant", current=170e-9)
-    law = InertialJet(
-        radius=0.8e-3, flow_rate=1e-6 / 60, current=170e-9, density=1260.0, field=UniformField(4e4, 0.08)
-    )  # fmt: skip
+    law = InertialJet(radius=0.8e-3, flow_rate=1e-6 / 60, current=170e-9, density=1260.0, field=UniformField(4e4, 0.08))
     s = np.array([20, 75]) * 0.8e-3
     np.testing.assert_allclose(it.velocity_ratio(s) / law.velocity_ratio(s), [1.05422, 1.01684], rtol=2e-5)
     z = np.array([1e-4, 1e-2, 0.05])
@@ -429,12 +495,19 @@ def test_a_neighbour_is_quick_and_the_same(case_c) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"voltage": 0.0}, "voltage"), ({"voltage": np.nan}, "voltage"), ({"law": "maxwell"}, "law"),
-        ({"extensibility": None}, "extensibility"), ({"extensibility": 2.0}, "coil"), ({"end": 0.3}, "plate"),
-        ({"solvent_share": 0.0}, "solvent"), ({"field": "point"}, "field"), ({"end": 1e-4}, "slender"),
-        ({"permittivity": 0.5}, "permittivity"), ({"log": "global"}, "log"),
+        ({"voltage": 0.0}, "voltage"),
+        ({"voltage": np.nan}, "voltage"),
+        ({"law": "maxwell"}, "law"),
+        ({"extensibility": None}, "extensibility"),
+        ({"extensibility": 2.0}, "coil"),
+        ({"end": 0.3}, "plate"),
+        ({"solvent_share": 0.0}, "solvent"),
+        ({"field": "point"}, "field"),
+        ({"end": 1e-4}, "slender"),
+        ({"permittivity": 0.5}, "permittivity"),
+        ({"log": "global"}, "log"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_refused(change, words) -> None:
     with pytest.raises(InputError, match=words):
         NeedleSettings(**{**PEO, **change})

@@ -279,10 +279,17 @@ def test_extremes(decades: float, phi: float, humidity: float, chi: float, beta:
 @pytest.mark.parametrize(
     ("name", "kilopascal"),
     [
-        ("water", 3.1699), ("ethanol", 7.87), ("acetone", 30.8), ("DMF", 0.5327), ("DCM", 58.2), ("chloroform", 26.2), ("THF", 21.6),
-        ("HFIP", 21.35), ("formic acid", 5.75),
+        ("water", 3.1699),
+        ("ethanol", 7.87),
+        ("acetone", 30.8),
+        ("DMF", 0.5327),
+        ("DCM", 58.2),
+        ("chloroform", 26.2),
+        ("THF", 21.6),
+        ("HFIP", 21.35),
+        ("formic acid", 5.75),
     ],
-)  # fmt: skip
+)
 def test_vapour_pressures(name: str, kilopascal: float) -> None:
     assert vapour.vapour_pressure(name, 298.15) == pytest.approx(1e3 * kilopascal, rel=0.02)
     assert 5e-6 < vapour.vapour_diffusivity(name, 298.15) < 3e-5
@@ -299,23 +306,40 @@ def test_air() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: vapour.vapour_pressure("limonene", 298.0), "vapour_pressure"), (lambda: vapour.vapour_pressure("HFIP", 400.0), "range of the vapour pressure of HFIP"),
-        (lambda: vapour.vapour_pressure("watr", 298.0), "did you mean 'water'"), (lambda: Volatile.build("HFIP", 320.0), "liquid range of HFIP"),
-        (lambda: Volatile.build("water", 400.0), "boiling"), (lambda: Volatile.build("water", convention="mol"), "convention"),  # type: ignore[arg-type]
-        (lambda: Volatile("x", 0.0, 1.0), "x.saturation"), (lambda: Volatile("x", 1.0, 1.0, ambient=1.0), "relative humidity"),
-        (lambda: Volatile("x", 1.0, 1.0, chi=np.nan), "x.chi"), (lambda: vapour.equilibrium_fraction(1.0), "relative_humidity"),
+        (lambda: vapour.vapour_pressure("limonene", 298.0), "vapour_pressure"),
+        (lambda: vapour.vapour_pressure("HFIP", 400.0), "range of the vapour pressure of HFIP"),
+        (lambda: vapour.vapour_pressure("watr", 298.0), "did you mean 'water'"),
+        (lambda: Volatile.build("HFIP", 320.0), "liquid range of HFIP"),
+        (lambda: Volatile.build("water", 400.0), "boiling"),
+        (lambda: Volatile.build("water", convention="mol"), "convention"),  # type: ignore[arg-type]
+        (lambda: Volatile("x", 0.0, 1.0), "x.saturation"),
+        (lambda: Volatile("x", 1.0, 1.0, ambient=1.0), "relative humidity"),
+        (lambda: Volatile("x", 1.0, 1.0, chi=np.nan), "x.chi"),
+        (lambda: vapour.equilibrium_fraction(1.0), "relative_humidity"),
         (lambda: evaporate(straight_path(JET, [0.01]), 1.0, [WATER], air_viscosity=NU), "volume_fraction"),
         (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [], air_viscosity=NU), "volatiles"),
         (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], [0.5], air_viscosity=NU), "sum to 1"),
         (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], air_viscosity=0.0), "air_viscosity"),
         (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], air_viscosity=NU, activity="ideal"), "activity"),  # type: ignore[arg-type]
-        (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], air_viscosity=NU, activity="raoult"), "polymer_molar_volume"),
-        (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER] * 2, [0.5, 0.5], air_viscosity=NU, activity="unit"), "mixture"),
-        (lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], air_viscosity=NU, sherwood_floor=-1.0), "sherwood_floor"),
-        (lambda: straight_path(JET, [0.02, 0.01]), "strictly increase"), (lambda: straight_path(JET, [-1.0]), "z = -1"),
+        (
+            lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], air_viscosity=NU, activity="raoult"),
+            "polymer_molar_volume",
+        ),
+        (
+            lambda: evaporate(
+                straight_path(JET, [0.01]), 0.1, [WATER] * 2, [0.5, 0.5], air_viscosity=NU, activity="unit"
+            ),
+            "mixture",
+        ),
+        (
+            lambda: evaporate(straight_path(JET, [0.01]), 0.1, [WATER], air_viscosity=NU, sherwood_floor=-1.0),
+            "sherwood_floor",
+        ),
+        (lambda: straight_path(JET, [0.02, 0.01]), "strictly increase"),
+        (lambda: straight_path(JET, [-1.0]), "z = -1"),
         (lambda: straight_path(JET, [0.01], "mass"), "given"),  # type: ignore[arg-type]
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()

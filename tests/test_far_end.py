@@ -117,11 +117,18 @@ def test_relaxation_forgets_the_window() -> None:
     s = np.linspace(0, 32, 60)
     answers = [
         two_fluid_network(
-            power(), length, coupling=1e4, relaxation_time=2.9, law=Tension.of("lattice", 22.5), breaks=[1.0],
-            end="take-up", known_to=np.inf, stations=np.unique(np.append(s, length)),
+            power(),
+            length,
+            coupling=1e4,
+            relaxation_time=2.9,
+            law=Tension.of("lattice", 22.5),
+            breaks=[1.0],
+            end="take-up",
+            known_to=np.inf,
+            stations=np.unique(np.append(s, length)),
         )
         for length in (32.0, 40.0, 48.0, 64.0)
-    ]  # fmt: skip
+    ]
     for answer in answers:
         assert answer.far_end_effect < 1e-3
         np.testing.assert_allclose(answer.stretch(s), answers[-1].stretch(s), rtol=1e-4)

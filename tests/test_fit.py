@@ -26,10 +26,18 @@ from spinline.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
 VALUES = {
-    "k": 1.0, "beta": 0.47, "initial_radius": 125e-6, "flow_rate": 8.9e-10, "volume_fraction": 0.05,
-    "relaxation_time": 0.01, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0, "length_scale": 1.0,
+    "k": 1.0,
+    "beta": 0.47,
+    "initial_radius": 125e-6,
+    "flow_rate": 8.9e-10,
+    "volume_fraction": 0.05,
+    "relaxation_time": 0.01,
+    "evaporation": 1.0,
+    "fraction_scale": 1.0,
+    "fraction_offset": 0.0,
+    "length_scale": 1.0,
     "origin": 0.0,
-}  # fmt: skip
+}
 MODEL = ForwardModel("power-law", VALUES, 5e-3)
 TRUTH = {"k": 0.9, "beta": 0.5, "volume_fraction": 0.045, "fraction_scale": 1.04, "origin": 4e-5}
 

@@ -14,10 +14,18 @@ from spinline.scene import load_scene
 from spinline.setup.air import Air
 
 VALUES = {
-    "k": 0.9, "beta": 0.47, "initial_radius": 125e-6, "flow_rate": 8.9e-10, "volume_fraction": 0.05,
-    "relaxation_time": 0.008, "evaporation": 1.0, "fraction_scale": 1.0, "fraction_offset": 0.0, "length_scale": 1.0,
+    "k": 0.9,
+    "beta": 0.47,
+    "initial_radius": 125e-6,
+    "flow_rate": 8.9e-10,
+    "volume_fraction": 0.05,
+    "relaxation_time": 0.008,
+    "evaporation": 1.0,
+    "fraction_scale": 1.0,
+    "fraction_offset": 0.0,
+    "length_scale": 1.0,
     "origin": 0.0,
-}  # fmt: skip
+}
 R0, K, BETA, PHI, THETA, Q = (
     VALUES[n] for n in ("initial_radius", "k", "beta", "volume_fraction", "relaxation_time", "flow_rate")
 )

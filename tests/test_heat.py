@@ -48,10 +48,16 @@ def humid(rh: float, kelvin: float = ROOM) -> float:
 @pytest.mark.parametrize(
     ("name", "celsius", "factor"),
     [
-        ("water", 16.1, 0.290), ("ethanol", 3.3, 0.247), ("THF", -7.0, 0.192), ("chloroform", -8.5, 0.179), ("HFIP", -3.5, 0.163),
-        ("acetone", -11.5, 0.154), ("DCM", -19.6, 0.107), ("DMF", 20.6, 0.752),
+        ("water", 16.1, 0.290),
+        ("ethanol", 3.3, 0.247),
+        ("THF", -7.0, 0.192),
+        ("chloroform", -8.5, 0.179),
+        ("HFIP", -3.5, 0.163),
+        ("acetone", -11.5, 0.154),
+        ("DCM", -19.6, 0.107),
+        ("DMF", 20.6, 0.752),
     ],
-)  # fmt: skip
+)
 def test_wet_bulbs_of_eight_solvents(name: str, celsius: float, factor: float) -> None:
     e = liquid(name, own=True, ambient_pressure=humid(0.4) if name == "water" else 0.0)
     found = wet_bulb(e, ROOM, stefan=False)
@@ -117,21 +123,32 @@ def straight(jet: PowerLaw, length: float, n: int = 400):
 @pytest.mark.parametrize(
     ("polymer", "solvent", "w", "jet", "rh", "air", "length", "isothermal", "heated", "end"),
     [
-        ("PEO", "water", 0.05, JET, 0.4, 298.15, 0.15, 0.454, 0.147, 16.1), ("PEO", "water", 0.05, JET, 0.05, 298.15, 0.15, 0.694, 0.257, None),
-        ("PEO", "water", 0.05, JET, 0.05, 333.15, 0.15, 0.580, 0.523, None), ("PVP", "ethanol", 0.1, FAST, 0.0, 298.15, 0.15, 0.93, 0.69, 3.35),
+        ("PEO", "water", 0.05, JET, 0.4, 298.15, 0.15, 0.454, 0.147, 16.1),
+        ("PEO", "water", 0.05, JET, 0.05, 298.15, 0.15, 0.694, 0.257, None),
+        ("PEO", "water", 0.05, JET, 0.05, 333.15, 0.15, 0.580, 0.523, None),
+        ("PVP", "ethanol", 0.1, FAST, 0.0, 298.15, 0.15, 0.93, 0.69, 3.35),
         ("PAN", "DMF", 0.1, FAST, 0.0, 298.15, 0.15, 0.224, 0.174, 20.6),
     ],
-)  # fmt: skip
+)
 def test_jets_of_an_independent_calculation(polymer, solvent, w, jet, rh, air, length, isothermal, heated, end) -> None:
     s = Solution.build(polymer, solvent, mass_fraction=w, temperature=ROOM)
     path = straight(jet, length)
     far = humid(rh, air) if solvent == "water" else 0.0
     hot = dry_with_heat(
-        path, s.volume_fraction, [liquid(solvent, own=True, ambient_pressure=far)], temperature=ROOM, air_temperature=air,
+        path,
+        s.volume_fraction,
+        [liquid(solvent, own=True, ambient_pressure=far)],
+        temperature=ROOM,
+        air_temperature=air,
         polymer_density=s.polymer.density,
-    )  # fmt: skip
-    v = Volatile.build(solvent, ROOM, ambient=far / vapour.vapour_pressure(solvent, ROOM), chi=0.5,
-                       diffusivity=vapour.vapour_diffusivity(solvent, air))  # fmt: skip
+    )
+    v = Volatile.build(
+        solvent,
+        ROOM,
+        ambient=far / vapour.vapour_pressure(solvent, ROOM),
+        chi=0.5,
+        diffusivity=vapour.vapour_diffusivity(solvent, air),
+    )
     still = evaporate(path, s.volume_fraction, [v], air_viscosity=vapour.air_kinematic_viscosity(air))
     assert still.lost[-1] == pytest.approx(isothermal, rel=0.015)
     assert hot.lost[-1] == pytest.approx(heated, rel=0.02)
@@ -167,8 +184,17 @@ def test_mass_and_enthalpy_are_conserved_to_complete_dryness(names: tuple[str, .
     e = [liquid(n, 293.15, ambient_pressure=humid(0.3) if n == "water" else 0.0) for n in names]
     share = np.full(len(e), 1 / len(e))
     air, phi, rho, c = 303.15, 0.08, 1200.0, 1450.0
-    found = dry_with_heat(straight(jet, 0.3), phi, e, share, temperature=293.15, air_temperature=air, polymer_density=rho,
-                          polymer_heat_capacity=c, rtol=1e-9)  # fmt: skip
+    found = dry_with_heat(
+        straight(jet, 0.3),
+        phi,
+        e,
+        share,
+        temperature=293.15,
+        air_temperature=air,
+        polymer_density=rho,
+        polymer_heat_capacity=c,
+        rtol=1e-9,
+    )
     assert found.polymer_fraction[-1] > 0.8
     start = (1 - phi) * share
     density, heat = np.array([x.density for x in e]), np.array([x.heat_capacity for x in e])
@@ -224,8 +250,17 @@ def test_isothermal_limit_is_the_isothermal_model() -> None:
     names, share = ("ethanol", "water"), [0.7, 0.3]
     far = humid(0.4)
     e = [liquid(n, latent_heat=1e-9, ambient_pressure=far if n == "water" else 0.0) for n in names]
-    v = [Volatile(n, x.pressure(ROOM) * x.molar_mass / (8.31446261815324 * ROOM * x.density), x.diffusivity,
-                  x.ambient_pressure / x.pressure(ROOM), 0.5, x.molar_mass / x.density) for n, x in zip(names, e, strict=True)]  # fmt: skip
+    v = [
+        Volatile(
+            n,
+            x.pressure(ROOM) * x.molar_mass / (8.31446261815324 * ROOM * x.density),
+            x.diffusivity,
+            x.ambient_pressure / x.pressure(ROOM),
+            0.5,
+            x.molar_mass / x.density,
+        )
+        for n, x in zip(names, e, strict=True)
+    ]
     nu = vapour.air_kinematic_viscosity(ROOM)
     for pick in (slice(0, 1), slice(0, 2)):
         shares = np.array(share[pick]) / sum(share[pick])
@@ -373,8 +408,16 @@ def test_refusals() -> None:
         dry_with_heat(path, 0.1, [e], temperature=ROOM, pair_interactions=[[1.0, 2.0]])
     with pytest.raises(InputError, match=r"latent_heat of limonene: is not built in; give it: 0.2 to 2.4 MJ/kg"):
         Evaporant.build("limonene", ROOM, density=840.0, molar_mass=0.136, vapour_pressure=200.0)
-    own = Evaporant.build("limonene", ROOM, density=840.0, molar_mass=0.136, vapour_pressure=200.0, latent_heat=3.6e5,
-                          heat_capacity=1800.0, diffusivity=6e-6)  # fmt: skip
+    own = Evaporant.build(
+        "limonene",
+        ROOM,
+        density=840.0,
+        molar_mass=0.136,
+        vapour_pressure=200.0,
+        latent_heat=3.6e5,
+        heat_capacity=1800.0,
+        diffusivity=6e-6,
+    )
     assert own.pressure(ROOM) == pytest.approx(200.0, rel=1e-6)
 
 

@@ -16,20 +16,46 @@ from spinline.setup.heat import build_heated_air
 
 PEO = {
     "title": "PEO to dryness",
-    "solution": {"polymer": "PEO", "molar_mass": "600 kDa", "solvent": "water", "mass_fraction": 0.05, "temperature": "25 degC",
-                 "viscosity": "2 Pa s"},
-    "jet": {"profile": "power-law", "radius": "30 um", "flow_rate": "0.02 mL/hour", "k": 0.6, "beta": 0.47, "length": "15 cm"},
+    "solution": {
+        "polymer": "PEO",
+        "molar_mass": "600 kDa",
+        "solvent": "water",
+        "mass_fraction": 0.05,
+        "temperature": "25 degC",
+        "viscosity": "2 Pa s",
+    },
+    "jet": {
+        "profile": "power-law",
+        "radius": "30 um",
+        "flow_rate": "0.02 mL/hour",
+        "k": 0.6,
+        "beta": 0.47,
+        "length": "15 cm",
+    },
     "ambient": {"relative_humidity": 0.3},
     "network": {"model": "affine"},
     "accuracy": {"points": 201},
-}  # fmt: skip
+}
 PCL = {
-    "solution": {"polymer": "PCL", "molar_mass": "80 kDa", "solvent": "DCM", "mass_fraction": 0.1, "temperature": "22 degC"},
-    "jet": {"profile": "power-law", "radius": "50 um", "flow_rate": "0.3 mL/hour", "k": 0.6, "beta": 0.47, "length": "10 cm"},
+    "solution": {
+        "polymer": "PCL",
+        "molar_mass": "80 kDa",
+        "solvent": "DCM",
+        "mass_fraction": 0.1,
+        "temperature": "22 degC",
+    },
+    "jet": {
+        "profile": "power-law",
+        "radius": "50 um",
+        "flow_rate": "0.3 mL/hour",
+        "k": 0.6,
+        "beta": 0.47,
+        "length": "10 cm",
+    },
     "ambient": {"relative_humidity": 0.4},
     "network": {"model": "affine"},
     "accuracy": {"points": 201},
-}  # fmt: skip
+}
 
 
 def merged(base: dict, **sections: dict) -> dict:
@@ -116,9 +142,11 @@ def test_air_that_condenses_is_air_with_heat() -> None:
 
 def test_composition_paths() -> None:
     film = merged(
-        PCL, solution={"polymer": "PMMA", "solvent": "acetone", "temperature": "25 degC"}, ambient={"relative_humidity": 0.6},
+        PCL,
+        solution={"polymer": "PMMA", "solvent": "acetone", "temperature": "25 degC"},
+        ambient={"relative_humidity": 0.6},
         jet={"radius": "100 um", "flow_rate": "1 mL/hour", "k": 1.0},
-    )  # fmt: skip
+    )
     porous = run(film)
     assert porous.attrs["composition_path"].startswith("porous: crosses the spinodal at")
     dry = run(merged(film, ambient={"relative_humidity": 0.0, "temperature": "25 degC"}))
@@ -126,8 +154,11 @@ def test_composition_paths() -> None:
     other = run(merged(film, solution={"polymer": "PVP", "solvent": "ethanol"}))
     assert "not judged" in other.attrs["composition_path"]
     assert "rheology.chi_water_solvent" in other.attrs["composition_path"]
-    mixes = merged(film, solution={"polymer": "PVP", "solvent": "ethanol"},
-                   rheology={"chi": 0.4, "chi_water": 0.4, "chi_water_solvent": 0.5})  # fmt: skip
+    mixes = merged(
+        film,
+        solution={"polymer": "PVP", "solvent": "ethanol"},
+        rheology={"chi": 0.4, "chi_water": 0.4, "chi_water_solvent": 0.5},
+    )
     assert run(mixes).attrs["composition_path"].startswith("one phase")
 
 
@@ -148,8 +179,13 @@ def test_kinetics_give_a_degree_of_crystallinity() -> None:
     assert float(fast["crystallinity"]) == pytest.approx(0.7, abs=1e-3)
     assert float(fast["arrest_position"]) < 0.15
     with pytest.raises(InputError, match="melting_temperature"):
-        run(merged(PCL, solution={"polymer": "PVP", "solvent": "ethanol"},
-                   rheology={"crystallisation": "nakamura", "crystallisation_half_time": "1 s"}))  # fmt: skip
+        run(
+            merged(
+                PCL,
+                solution={"polymer": "PVP", "solvent": "ethanol"},
+                rheology={"crystallisation": "nakamura", "crystallisation_half_time": "1 s"},
+            )
+        )
 
 
 def test_concentrations_names_and_library_chains() -> None:
@@ -214,8 +250,19 @@ def test_refusals() -> None:
         run(merged(PEO, effects={"heat": True}, rheology={"convention": "yarin2001"}))
     with pytest.raises(InputError, match=r"effects.heat.*needs evaporation"):
         run(merged(PEO, effects={"heat": True, "evaporation": False}))
-    unknown = merged(PCL, solution={"solvent": {"name": "limonene", "density": "840 kg/m3", "molar_mass": "136 g/mol",
-                     "vapour_pressure": "200 Pa"}}, ambient={"vapour_diffusivity": "6e-6 m2/s"}, effects={"heat": True})  # fmt: skip
+    unknown = merged(
+        PCL,
+        solution={
+            "solvent": {
+                "name": "limonene",
+                "density": "840 kg/m3",
+                "molar_mass": "136 g/mol",
+                "vapour_pressure": "200 Pa",
+            }
+        },
+        ambient={"vapour_diffusivity": "6e-6 m2/s"},
+        effects={"heat": True},
+    )
     with pytest.raises(InputError, match=r"solution.solvent.latent_heat: is not built in; give it: 0.2 to 2.4 MJ/kg"):
         run(unknown)
     assert (

@@ -343,8 +343,11 @@ def test_nxtomo_keeps_jet_flat_and_dark_apart(tmp_path, nxtomo) -> None:
     flat = open_stack("t.nxs:/entry/instrument/detector/data", "flat", tmp_path)
     assert np.array_equal(flat.read(0, 4), nxtomo[[2, 3, 4, 10]])
     found = flat.account.metadata
-    assert found == {"energy": pytest.approx(8e3 * 1.602176634e-19), "pixel_size": pytest.approx(0.65e-6),
-                     "propagation_distance": pytest.approx(0.12)}  # fmt: skip
+    assert found == {
+        "energy": pytest.approx(8e3 * 1.602176634e-19),
+        "pixel_size": pytest.approx(0.65e-6),
+        "propagation_distance": pytest.approx(0.12),
+    }
 
 
 @pytest.mark.parametrize("form", ["netCDF4", "netCDF3"])

@@ -131,11 +131,21 @@ def test_extremes() -> None:
 @pytest.mark.parametrize(
     ("change", "field"),
     [
-        ({"radius": 0.0}, "radius"), ({"radius": -1.0}, "radius"), ({"radius": np.nan}, "radius"), ({"radius": 1e-30}, "radius"),
-        ({"flow_rate": np.inf}, "flow_rate"), ({"flow_rate": 0}, "flow_rate"), ({"k": 0}, "k"), ({"k": -1}, "k"),
-        ({"k": 1e300}, "k"), ({"beta": 0.2}, "beta"), ({"beta": 1.01}, "beta"), ({"beta": np.nan}, "beta"), ({"radius": [1e-4, 2e-4]}, "radius"),
+        ({"radius": 0.0}, "radius"),
+        ({"radius": -1.0}, "radius"),
+        ({"radius": np.nan}, "radius"),
+        ({"radius": 1e-30}, "radius"),
+        ({"flow_rate": np.inf}, "flow_rate"),
+        ({"flow_rate": 0}, "flow_rate"),
+        ({"k": 0}, "k"),
+        ({"k": -1}, "k"),
+        ({"k": 1e300}, "k"),
+        ({"beta": 0.2}, "beta"),
+        ({"beta": 1.01}, "beta"),
+        ({"beta": np.nan}, "beta"),
+        ({"radius": [1e-4, 2e-4]}, "radius"),
     ],
-)  # fmt: skip
+)
 def test_refusals(change: dict, field: str) -> None:
     arguments = {"radius": R0, "flow_rate": Q, "k": 1.0, "beta": 0.47}
     with pytest.raises(InputError, match=field):
@@ -350,13 +360,21 @@ def test_times_and_padding() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"x": [0.0]}, "two beads"), ({"x": []}, "two beads"), ({"x": [0.0, np.nan, 1.0]}, "gaps"), ({"x": [0.0, 0.0, 1.0]}, "one place"),
-        ({"x": [0.0, 1.0, np.inf]}, "finite"), ({"x": [0.0, 1.0, 2.0], "y": [0.0, 1.0]}, "shape"),
-        ({"x": [0.0, 1.0, 2.0], "radius": [1.0, 1.0]}, "one of"), ({"x": [0.0, 1.0, 2.0], "stretch_ratio": [1.0, -1.0]}, "range"),
-        ({"x": [0.0, 1.0, 2.0], "stretch_ratio": [1.0, np.nan]}, "finite"), ({"x": [0.0, 1.0, 2.0], "stretch_ratio": [1.0]}, "per element"),
-        ({"x": [0.0, 1.0, 2.0], "time": [1.0]}, "time"), ({"x": [[0.0, 1.0, 2.0]]}, "time"), ({"x": [0.0, 1.0, 2.0], "velocity": [1.0]}, "velocity"),
+        ({"x": [0.0]}, "two beads"),
+        ({"x": []}, "two beads"),
+        ({"x": [0.0, np.nan, 1.0]}, "gaps"),
+        ({"x": [0.0, 0.0, 1.0]}, "one place"),
+        ({"x": [0.0, 1.0, np.inf]}, "finite"),
+        ({"x": [0.0, 1.0, 2.0], "y": [0.0, 1.0]}, "shape"),
+        ({"x": [0.0, 1.0, 2.0], "radius": [1.0, 1.0]}, "one of"),
+        ({"x": [0.0, 1.0, 2.0], "stretch_ratio": [1.0, -1.0]}, "range"),
+        ({"x": [0.0, 1.0, 2.0], "stretch_ratio": [1.0, np.nan]}, "finite"),
+        ({"x": [0.0, 1.0, 2.0], "stretch_ratio": [1.0]}, "per element"),
+        ({"x": [0.0, 1.0, 2.0], "time": [1.0]}, "time"),
+        ({"x": [[0.0, 1.0, 2.0]]}, "time"),
+        ({"x": [0.0, 1.0, 2.0], "velocity": [1.0]}, "velocity"),
     ],
-)  # fmt: skip
+)
 def test_bead_refusals(arguments: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         LagrangianJet.from_arrays(**({"initial_radius": R0, "stretch_ratio": [1.0, 1.0]} | arguments))

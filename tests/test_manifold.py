@@ -37,8 +37,12 @@ def test_against_an_independent_solver_or_series(alpha: float, beta: float) -> N
     if alpha < 1e4:  # another variable, another method: ln w marched upstream by scipy's Radau
         march = solve_ivp(
             lambda x, y: [(np.exp(-y[0]) - float(power(beta)(16.0 - x)) * np.exp(-2 * y[0])) / -eps],
-            (0, 8.0), [0.0], method="Radau", rtol=1e-11, atol=1e-13,
-        )  # fmt: skip
+            (0, 8.0),
+            [0.0],
+            method="Radau",
+            rtol=1e-11,
+            atol=1e-13,
+        )
         reference = float(np.exp(march.y[0, -1]))
     else:  # formal series in eps to fourth order, 50 digits
         mp.mp.dps = 50
@@ -167,10 +171,15 @@ def test_inertia() -> None:
 @pytest.mark.parametrize(
     ("change", "field"),
     [
-        ({"coupling": 0.0}, "coupling"), ({"coupling": np.nan}, "coupling"), ({"spring": -1.0}, "spring"), ({"inertia": -1.0}, "inertia"),
-        ({"rtol": 0.0}, "rtol"), ({"length": 0.0}, "length"), ({"length": np.inf}, "length"),
+        ({"coupling": 0.0}, "coupling"),
+        ({"coupling": np.nan}, "coupling"),
+        ({"spring": -1.0}, "spring"),
+        ({"inertia": -1.0}, "inertia"),
+        ({"rtol": 0.0}, "rtol"),
+        ({"length": 0.0}, "length"),
+        ({"length": np.inf}, "length"),
     ],
-)  # fmt: skip
+)
 def test_refusals(change: dict, field: str) -> None:
     arguments = {"velocity_ratio": power(), "length": 10.0, "coupling": 1e4, "breaks": [1.0]} | change
     with pytest.raises(InputError, match=field):

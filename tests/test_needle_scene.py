@@ -49,10 +49,13 @@ def test_a_run_along_it(scene) -> None:
 
 def test_the_plan_and_a_sweep_know_it(scene) -> None:
     assert plan_scene(scene, build_solution(scene), build_jet(scene, build_solution(scene))).model == "conformation"
-    sweep = sweep_from_dict({
-        "scene": "peo5-needle", "set": {"jet.field": "hyperboloid", "jet.end": "20 mm"},
-        "vary": {"jet.conductivity": ["0.01 S/m", "1e-10 S/m"]},
-    })  # fmt: skip
+    sweep = sweep_from_dict(
+        {
+            "scene": "peo5-needle",
+            "set": {"jet.field": "hyperboloid", "jet.end": "20 mm"},
+            "vary": {"jet.conductivity": ["0.01 S/m", "1e-10 S/m"]},
+        }
+    )
     rows = run_sweep(sweep, workers=1)
     assert float(rows["end_radius"][0]) == pytest.approx(125e-6 * 0.1573, rel=5e-3)
     assert float(rows["current"][0]) == pytest.approx(222.28e-9, rel=2e-3)
@@ -122,9 +125,21 @@ def test_the_jet_command(spinline, tmp_path) -> None:
 
 def test_a_window_of_computed_jets(spinline, tmp_path) -> None:
     ran = spinline(
-        "window", "peo5-needle", "--set", "jet.field=hyperboloid", "--set", "jet.length=10 mm", "--set", "network.model=affine",
-        "--voltage", "5 kV .. 9 kV", "--gap", "10 cm", "--steps", "2",
-    )  # fmt: skip
+        "window",
+        "peo5-needle",
+        "--set",
+        "jet.field=hyperboloid",
+        "--set",
+        "jet.length=10 mm",
+        "--set",
+        "network.model=affine",
+        "--voltage",
+        "5 kV .. 9 kV",
+        "--gap",
+        "10 cm",
+        "--steps",
+        "2",
+    )
     assert ran.code == 0, ran.err
     assert "computed from their settings" in ran.out
     stored = sl.results.open_dataset(tmp_path / "peo5-needle-window.nc")

@@ -37,8 +37,31 @@ def cases():
         (net.Flow.from_jet, {"jet": jet, "length": 4.0, "rtol": 1e-6}),
         (flow.velocity_ratio, {"position": 1.0, "time": 0.0}),
         (flow.residence_time, {"position": 1.0, "time": 0.0}),
-        (net.Chain, {"flow": flow, "spacing": 0.2, "coupling": 100.0, "spring": 1.0, "inertia": 0.0, "law": "fene", "contour": 5.0, "coarse_grain": 1.0}),
-        (lambda **k: net.run_chain(chain, **k), {"until": 1.0, "start": "empty", "rtol": 1e-3, "time_step": 0.1, "accurate_to": 3.0, "output_times": (), "most_steps": 50}),
+        (
+            net.Chain,
+            {
+                "flow": flow,
+                "spacing": 0.2,
+                "coupling": 100.0,
+                "spring": 1.0,
+                "inertia": 0.0,
+                "law": "fene",
+                "contour": 5.0,
+                "coarse_grain": 1.0,
+            },
+        ),
+        (
+            lambda **k: net.run_chain(chain, **k),
+            {
+                "until": 1.0,
+                "start": "empty",
+                "rtol": 1e-3,
+                "time_step": 0.1,
+                "accurate_to": 3.0,
+                "output_times": (),
+                "most_steps": 50,
+            },
+        ),
         (lambda **k: net.run_chain(until=1.0, **k), {"chain": chain}),
         (net.start_from, {"chain": chain, "positions": [1.0, 0.5, 0.0, -0.2]}),
         (net.affine_start, {"chain": chain}),
@@ -46,7 +69,19 @@ def cases():
         (lambda **k: net.coarse_graining_error(until=1.0, **k), {"chain": chain, "position": 0.5, "rtol": 1e-3}),
         (result.stretch_at, {"position": 0.5}),
         (net.eq33, {"velocity_ratio": 1.0, "slope": 0.1, "eps": 0.1}),
-        (net.steady_network, {"velocity_ratio": linear, "length": 10.0, "coupling": 10.0, "spring": 1.0, "inertia": 0.0, "law": None, "breaks": (), "rtol": 1e-6}),
+        (
+            net.steady_network,
+            {
+                "velocity_ratio": linear,
+                "length": 10.0,
+                "coupling": 10.0,
+                "spring": 1.0,
+                "inertia": 0.0,
+                "law": None,
+                "breaks": (),
+                "rtol": 1e-6,
+            },
+        ),
         (steady.tension, {"s": 1.0}),
         (steady.stretch, {"s": 1.0}),
         (steady.first_passage, {"stretch": 1.5}),
@@ -61,15 +96,29 @@ def cases():
         (net.affine_strand, {"velocity_ratio": 2.0, "volume_fraction": 0.1, "affinity": 1.0}),
         (net.varying_strand, {"forces": np.ones((4, 3))}),
         (net.hydrodynamic_strand, {"end_force": 1.0, "hydrodynamic_force": np.ones(4), "lateral_force": 0.1}),
-        (net.flow_strand, {"segments": 20, "end_force": 1.0, "lateral_force": 0.1, "flow_gradient": 0.01, "slip": 0.0, "tolerance": 1e-13, "most_iterations": 100}),
-        (net.sample_strands, {"strand": strand, "strands": 10, "seed": 1, "first": 0, "threads": 1, "chunk": 100, "method": "auto"}),
+        (
+            net.flow_strand,
+            {
+                "segments": 20,
+                "end_force": 1.0,
+                "lateral_force": 0.1,
+                "flow_gradient": 0.01,
+                "slip": 0.0,
+                "tolerance": 1e-13,
+                "most_iterations": 100,
+            },
+        ),
+        (
+            net.sample_strands,
+            {"strand": strand, "strands": 10, "seed": 1, "first": 0, "threads": 1, "chunk": 100, "method": "auto"},
+        ),
         (net.sample_paths, {"strand": strand, "strands": 3, "seed": 1, "first": 0}),
         (net.walk_moments, {"strand": strand}),
         (net.exact_law, {"strand": strand, "axes": ("z",)}),
         (net.sample_moments, {"sample": sample}),
         (net.sample_average, {"sample": sample, "function": lambda r: r[:, 2]}),
         (net.sample_histogram, {"sample": sample, "quantity": "z", "bins": 5}),
-    ]  # fmt: skip
+    ]
 
 
 def test_a_number_or_a_named_error(cases) -> None:

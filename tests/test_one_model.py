@@ -23,17 +23,31 @@ VARIANTS = {
     "affine, stretch": {"network.model": "affine", "network.closure": "stretch"},
     "manifold, linear": {"network.model": "manifold", "network.force_law": "linear", "network.coupling": 200},
     "manifold, lattice": {"network.model": "manifold", "network.coupling": 2000},
-    "chain": {"network.model": "chain", "network.force_law": "linear", "network.coarse_grain": 40, "network.coupling": 500},
+    "chain": {
+        "network.model": "chain",
+        "network.force_law": "linear",
+        "network.coarse_grain": 40,
+        "network.coupling": 500,
+    },
     "two-fluid": {"network.model": "two-fluid", "solution.relaxation_time": "10 ms", "network.coupling": 2000},
     "conformation": {"network.model": "conformation", "solution.relaxation_time": "10 ms"},
     "FENE-P": {"network.model": "conformation", "solution.relaxation_time": "10 ms", "network.closure": "stretch"},
-    "drying": {"network.model": "conformation", "solution.relaxation_time": "10 ms", "effects.evaporation": True,
-               "ambient.relative_humidity": 0.2},
-    "drying, manifold": {"network.model": "manifold", "network.force_law": "linear", "network.coupling": 300,
-                         "effects.evaporation": True, "ambient.relative_humidity": 0.2},
+    "drying": {
+        "network.model": "conformation",
+        "solution.relaxation_time": "10 ms",
+        "effects.evaporation": True,
+        "ambient.relative_humidity": 0.2,
+    },
+    "drying, manifold": {
+        "network.model": "manifold",
+        "network.force_law": "linear",
+        "network.coupling": 300,
+        "effects.evaporation": True,
+        "ambient.relative_humidity": 0.2,
+    },
     "auto": {"network.coupling": 200},
     "walk": {"network.model": "walk", "accuracy.strands": 50},
-}  # fmt: skip
+}
 
 
 def scene_of(variant):
@@ -62,9 +76,12 @@ def test_a_row_of_a_sweep_is_a_run(variant):
     names = [name for name in PROFILES if name in result]
     fixed = {key: value for key, value in VARIANTS[variant].items() if key != "network.model"}
     data = {
-        "scene": "peo5-water", "set": {**BASE, **fixed, "network.model": VARIANTS[variant].get("network.model", "auto")},
-        "profiles": names, "points": POINTS, "vary": {"jet.k": [1.0, 1.1]},
-    }  # fmt: skip
+        "scene": "peo5-water",
+        "set": {**BASE, **fixed, "network.model": VARIANTS[variant].get("network.model", "auto")},
+        "profiles": names,
+        "points": POINTS,
+        "vary": {"jet.k": [1.0, 1.1]},
+    }
     row = run_sweep(sweep_from_dict(data), workers=1).isel(scene=0)
     assert int(row["status"]) in (0, 1), str(row["reason"].values)
     z, here = result["z"].values, row["profile_z"].values
@@ -86,9 +103,14 @@ def test_a_fit_is_held_against_what_a_run_shows(variant):
     model = forward_model(scene)
     assert model.model == result.attrs["model"]
     seen = model.predict(result["z"].values)
-    for name, field in (("radius", "radius"), ("mean", "mean_polymer_fraction"), ("core", "core_polymer_fraction"),
-                        ("velocity_ratio", "velocity_ratio"), ("stretch", "strand_stretch"),
-                        ("relative_extension", "relative_extension")):  # fmt: skip
+    for name, field in (
+        ("radius", "radius"),
+        ("mean", "mean_polymer_fraction"),
+        ("core", "core_polymer_fraction"),
+        ("velocity_ratio", "velocity_ratio"),
+        ("stretch", "strand_stretch"),
+        ("relative_extension", "relative_extension"),
+    ):
         same(getattr(seen, name), result[field].values)
     same(seen.orientation + 1, result["orientation"].values + 1)
     same(seen.core_radius_ratio, np.minimum(result["network_radius"] / result["radius"], 1.0))

@@ -139,9 +139,20 @@ def test_a_change_of_rung_is_in_the_result():
         assert set(effect) == {"name", "symbol", "number", "estimated_error", "reason"}
     names = [effect["name"] for effect in plan["effects_used"] + plan["effects_left_out"]]
     assert sorted(names) == sorted(
-        ["elastic coupling", "inertia", "relaxation", "evaporation", "radial gradients", "finite extensibility",
-         "saturation", "lateral time", "disentanglement", "bending", "evaporative cooling"]
-    )  # fmt: skip
+        [
+            "elastic coupling",
+            "inertia",
+            "relaxation",
+            "evaporation",
+            "radial gradients",
+            "finite extensibility",
+            "saturation",
+            "lateral time",
+            "disentanglement",
+            "bending",
+            "evaporative cooling",
+        ]
+    )
     scene, solution, jet = parts(name="pcl9-dcm")
     assert resolved(scene, plan_scene(scene, solution, jet)).network.model == "manifold"
 

@@ -44,9 +44,13 @@ def test_the_same_recipe_gives_the_same_answer():
 
 @pytest.mark.parametrize(
     ("name", "values", "sign"),
-    [("mass_fraction", (0.08, 0.10, 0.12, 0.14), 1), ("voltage", (8e3, 15e3, 25e3), -1), ("flow_rate", (1e-10, 3e-10, 9e-10), 1),
-     ("current", (1e-7, 3e-7, 1e-6), -1)],
-)  # fmt: skip
+    [
+        ("mass_fraction", (0.08, 0.10, 0.12, 0.14), 1),
+        ("voltage", (8e3, 15e3, 25e3), -1),
+        ("flow_rate", (1e-10, 3e-10, 9e-10), 1),
+        ("current", (1e-7, 3e-7, 1e-6), -1),
+    ],
+)
 def test_settings_move_it_the_way_experiments_say(name, values, sign):
     extra = {"usual_fraction": 0.1} if name == "mass_fraction" else {}
     sizes = [of(**{name: value}, **extra).fibre_diameter for value in values]
@@ -54,8 +58,12 @@ def test_settings_move_it_the_way_experiments_say(name, values, sign):
 
 
 def test_no_jump_where_a_setting_sweeps():
-    for name, values in (("voltage", np.geomspace(5e3, 4e4, 60)), ("mass_fraction", np.linspace(0.04, 0.25, 60)),
-                         ("gap", np.geomspace(0.02, 0.5, 60)), ("flow_rate", np.geomspace(1e-11, 1e-8, 60))):  # fmt: skip
+    for name, values in (
+        ("voltage", np.geomspace(5e3, 4e4, 60)),
+        ("mass_fraction", np.linspace(0.04, 0.25, 60)),
+        ("gap", np.geomspace(0.02, 0.5, 60)),
+        ("flow_rate", np.geomspace(1e-11, 1e-8, 60)),
+    ):
         logs = np.log([of(**{name: value}, usual_fraction=0.1).fibre_diameter for value in values])
         steps = np.abs(np.diff(logs))
         assert steps.max() < 0.35
@@ -142,12 +150,19 @@ def test_a_recipe_with_everything(spinline, tmp_path):
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [(('polymer = "PAN"', 'polymer = "wood"'), "solution.polymer"), (('solvent = "DMF"', 'solvent = "milk"'), "solution.solvent"),
-     (('solvent = "DMF"', "solvent = { DMF = 0.7, water = 0.7 }"), "do not add up"), (('"15 kV"', '"15"'), "needs a unit"),
-     (('"15 kV"', '"-15 kV"'), "jet.voltage"), (('"10 wt%"', '"120 wt%"'), "solution.concentration"),
-     (('gauge = 21', "gauge = 3"), "jet.gauge"), (('gap = "15 cm"', 'gapp = "15 cm"'), "gap"), (('flow_rate = "1 mL/hour"\n', ""), "jet.flow_rate"),
-     (('[ambient]', '[measured]\nfibre_diameter = "0 nm"\n[ambient]'), "measured")],
-)  # fmt: skip
+    [
+        (('polymer = "PAN"', 'polymer = "wood"'), "solution.polymer"),
+        (('solvent = "DMF"', 'solvent = "milk"'), "solution.solvent"),
+        (('solvent = "DMF"', "solvent = { DMF = 0.7, water = 0.7 }"), "do not add up"),
+        (('"15 kV"', '"15"'), "needs a unit"),
+        (('"15 kV"', '"-15 kV"'), "jet.voltage"),
+        (('"10 wt%"', '"120 wt%"'), "solution.concentration"),
+        (("gauge = 21", "gauge = 3"), "jet.gauge"),
+        (('gap = "15 cm"', 'gapp = "15 cm"'), "gap"),
+        (('flow_rate = "1 mL/hour"\n', ""), "jet.flow_rate"),
+        (("[ambient]", '[measured]\nfibre_diameter = "0 nm"\n[ambient]'), "measured"),
+    ],
+)
 def test_bad_recipes_are_told(spinline, tmp_path, change, words):
     from spinline.recipe.recipe_file import bundled_recipes
 
@@ -180,8 +195,14 @@ def test_a_table(spinline, tmp_path):
 
 def test_rows_that_cannot_be_say_why():
     rows = read_experiments(DATA)[:1]
-    for key, value in (("voltage_kV", ""), ("distance_cm", "-3"), ("solvent_parts", "milk"), ("flow_rate_mL_per_h", "fast"),
-                       ("temperature_degC", "900"), ("concentration_wt_percent", "150")):  # fmt: skip
+    for key, value in (
+        ("voltage_kV", ""),
+        ("distance_cm", "-3"),
+        ("solvent_parts", "milk"),
+        ("flow_rate_mL_per_h", "fast"),
+        ("temperature_degC", "900"),
+        ("concentration_wt_percent", "150"),
+    ):
         (found,) = predict_table([{**rows[0], key: value}])
         assert found["predicted_nm"] == ""
         assert str(found["regime"]).startswith("not predicted")

@@ -242,9 +242,18 @@ def test_bad_pixels_are_left_out(frames_of, tmp_path) -> None:
 def test_few_photons_and_zero_counts(frames_of, brute_force, photons) -> None:
     """2,000 rows of 20, 5 or 1 photons per pixel in one block: unbiased within 3 sd."""
     wide = brute_force(
-        lambda r: np.full_like(r, PHI), 50e-6, flat=np.ones(224), pixel=PIXEL, solvent=531.87, contrast=-137.44, air=0.6,
-        axis=3 * PIXEL, amplitude=1.01, slope=0.01, along=400,
-    )  # fmt: skip
+        lambda r: np.full_like(r, PHI),
+        50e-6,
+        flat=np.ones(224),
+        pixel=PIXEL,
+        solvent=531.87,
+        contrast=-137.44,
+        air=0.6,
+        axis=3 * PIXEL,
+        amplitude=1.01,
+        slope=0.01,
+        along=400,
+    )
     images, arrays = frames_of(
         photons=photons, count=1, rows=2000, flats=20, offset=0.0, dark=0, block_rows=2000, mean=wide, shells=3
     )
@@ -313,9 +322,10 @@ def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_pa
     assert (tmp_path / "s.partial" / "fit.npz").is_file()
     seen = []
     resumed = reduce_images(
-        load_images(tmp_path / "s.toml"), checkpoint=tmp_path / "s.partial",
+        load_images(tmp_path / "s.toml"),
+        checkpoint=tmp_path / "s.partial",
         progress=lambda what, done, total: seen.append(done) if what == "blocks" else None,
-    )  # fmt: skip
+    )
     assert seen == [8, 9, 10, 11, 12]
     assert resumed.identical(whole)
 
@@ -423,9 +433,12 @@ REFUSED = [
     ({"flat": {"columns": [0, 500]}}, {}, "flat.columns.*beyond"),
     ({"flat": {"columns": [5, 5]}}, {}, "flat.*columns is empty"),
     ({"nozzle_diameter": "60 um", "nozzle_rows": [0, 8], "pixel_size": None}, {}, "nozzle_rows.*no nozzle"),
-    ({"solution": {"polymer": {"name": "Goo", "density": "1.1 g/cm3"}, "solvent": "water", "mass_fraction": 0.05}}, {},
-     "solution.polymer.*formula"),
-]  # fmt: skip
+    (
+        {"solution": {"polymer": {"name": "Goo", "density": "1.1 g/cm3"}, "solvent": "water", "mass_fraction": 0.05}},
+        {},
+        "solution.polymer.*formula",
+    ),
+]
 
 
 @pytest.mark.parametrize(("keys", "replaced", "words"), REFUSED)
@@ -451,8 +464,11 @@ def test_damaged_files_are_named(frames_of, tmp_path) -> None:
     (tmp_path / "empty.npy").touch()
     (tmp_path / "junk.h5").write_bytes(b"junk")
     for name, words in (
-        ("cut.tif", "ends early"), ("junk.tif", "damaged"), ("empty.npy", "is an empty file"), ("junk.h5", "cannot be read"),
-    ):  # fmt: skip
+        ("cut.tif", "ends early"),
+        ("junk.tif", "damaged"),
+        ("empty.npy", "is an empty file"),
+        ("junk.h5", "cannot be read"),
+    ):
         with pytest.raises(InputError, match=rf"counts = '{name}'.*{words}"):
             reduce_images(images.model_copy(update={"counts": name}))
 

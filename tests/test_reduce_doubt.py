@@ -16,9 +16,16 @@ from spinline.setup.build import build_solution
 
 PIXEL, PHI = 1e-6, 0.0444256
 FILE = {
-    "counts": "a.npz", "flat": "a.npz", "dark": 0, "gain": 1.0, "pixel_size": "1 um", "energy": "10 keV", "shells": 1,
-    "block_rows": 12, "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
-}  # fmt: skip
+    "counts": "a.npz",
+    "flat": "a.npz",
+    "dark": 0,
+    "gain": 1.0,
+    "pixel_size": "1 um",
+    "energy": "10 keV",
+    "shells": 1,
+    "block_rows": 12,
+    "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
+}
 ROWS, COLUMNS = 24, 100
 
 pytestmark = pytest.mark.filterwarnings("ignore::spinline.base.errors.SpinlineWarning")
@@ -33,9 +40,18 @@ def transmission(request):
     def make(profile=(PHI, 0.0), blur=0.0):
         if (profile, blur) not in made:
             made[profile, blur] = counts(
-                lambda r: profile[0] + profile[1] * r**2, 30e-6, flat=np.ones(COLUMNS), pixel=PIXEL, solvent=531.87,
-                contrast=-137.44, air=0.6, axis=1.3 * PIXEL, blur=blur, parts=32, along=400,
-            )  # fmt: skip
+                lambda r: profile[0] + profile[1] * r**2,
+                30e-6,
+                flat=np.ones(COLUMNS),
+                pixel=PIXEL,
+                solvent=531.87,
+                contrast=-137.44,
+                air=0.6,
+                axis=1.3 * PIXEL,
+                blur=blur,
+                parts=32,
+                along=400,
+            )
         return made[profile, blur]
 
     return make
@@ -105,11 +121,13 @@ def test_doubts_of_attenuation_and_density_by_hand(images) -> None:
     doubts = relative_doubts(file, made, absorber, 1e-6, 0.0)
     assert doubts == pytest.approx(
         {
-            "polymer_attenuation": phi * heavy / mu * 0.1 / 3.49, "solvent_attenuation": (1 - phi) * light / mu * 0.05 / 5.33,
+            "polymer_attenuation": phi * heavy / mu * 0.1 / 3.49,
+            "solvent_attenuation": (1 - phi) * light / mu * 0.05 / 5.33,
             "solution.polymer_density": phi * heavy / mu * 0.01 / 1.13,
             "solution.solvent_density": (1 - phi) * light / mu * 0.001,
-        }, rel=1e-9,
-    )  # fmt: skip
+        },
+        rel=1e-9,
+    )
 
 
 def test_a_blur_that_is_not_given_is_told_with_its_size_and_its_bias(images) -> None:
@@ -249,9 +267,19 @@ def test_the_default_shells_follow_a_profile_that_vanishes_at_the_rim(tmp_path, 
     """Noise-free rows, drifted, sloping, 3 pixels off, blurred: the mean is off by less than half its error at 1e7 photons."""
     pixel = 0.67e-6
     seen = brute_force(
-        lambda r: 2 * PHI * (1 - r**2), 50e-6, flat=np.ones(216), pixel=pixel, solvent=531.87, contrast=-137.44, air=0.6,
-        axis=3.3 * pixel, blur=1.2e-6, amplitude=1.01, slope=0.01, along=1000,
-    )  # fmt: skip
+        lambda r: 2 * PHI * (1 - r**2),
+        50e-6,
+        flat=np.ones(216),
+        pixel=pixel,
+        solvent=531.87,
+        contrast=-137.44,
+        air=0.6,
+        axis=3.3 * pixel,
+        blur=1.2e-6,
+        amplitude=1.01,
+        slope=0.01,
+        along=1000,
+    )
     np.savez(tmp_path / "a.npz", counts=1e7 * np.tile(seen, (4, 1)), flat=np.full((1000, 4, 216), 1e7))
     keys = {key: value for key, value in FILE.items() if key != "shells"} | {"pixel_size": "0.67 um", "block_rows": 1}
     for blur in ("1.2 um", "fit"):

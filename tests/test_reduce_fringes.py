@@ -114,8 +114,10 @@ def test_no_fringes_are_said_so(frames_of) -> None:
 def test_what_cannot_be_tested_is_said(frames_of) -> None:
     given = {"energy": None, "polymer_attenuation": "3.49 cm2/g", "solvent_attenuation": "5.33 cm2/g"}
     solution = {
-        "polymer": {"name": "mine", "density": "1.13 g/cm3"}, "solvent": "water", "mass_fraction": 0.05,
-    }  # fmt: skip
+        "polymer": {"name": "mine", "density": "1.13 g/cm3"},
+        "solvent": "water",
+        "mass_fraction": 0.05,
+    }
     images, _ = frames_of(photons=4e6, solution=solution, **given)
     result = reduce_images(images)
     assert np.isnan(float(result["fringe_significance"]))

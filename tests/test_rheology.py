@@ -51,10 +51,17 @@ def test_molar_mass_of_the_repeat_unit_is_that_of_its_formula(name: str) -> None
 @pytest.mark.parametrize(
     ("name", "density", "viscosity"),
     [
-        ("water", 0.9970, 0.890), ("ethanol", 0.785, 1.074), ("acetone", 0.7845, 0.306), ("DMF", 0.9445, 0.794), ("DCM", 1.3168, 0.413),
-        ("chloroform", 1.4788, 0.537), ("THF", 0.8833, 0.456), ("formic acid", 1.2137, 1.607), ("HFIP", 1.596, 1.619),
+        ("water", 0.9970, 0.890),
+        ("ethanol", 0.785, 1.074),
+        ("acetone", 0.7845, 0.306),
+        ("DMF", 0.9445, 0.794),
+        ("DCM", 1.3168, 0.413),
+        ("chloroform", 1.4788, 0.537),
+        ("THF", 0.8833, 0.456),
+        ("formic acid", 1.2137, 1.607),
+        ("HFIP", 1.596, 1.619),
     ],
-)  # fmt: skip
+)
 def test_solvents(name: str, density: float, viscosity: float) -> None:
     assert rheology.solvent_density(name, 298.15) == pytest.approx(1000 * density, rel=6e-3)
     assert rheology.solvent_viscosity(name, 298.15) == pytest.approx(1e-3 * viscosity, rel=0.05)
@@ -78,15 +85,30 @@ def test_own_materials_and_overrides() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"polymer_data": "PE0"}, "did you mean 'PEO'"), ({"polymer_data": "kevlar"}, "not built in"), ({"solvent": "watr"}, "did you mean 'water'"),
-        ({"mass_fraction": 0.0}, "mass_fraction"), ({"mass_fraction": 1.0}, "mass_fraction"), ({"mass_fraction": np.nan}, "mass_fraction"),
-        ({"mass_fraction": None}, "one of"), ({"volume_fraction": 0.1}, "one of"), ({"molar_fraction": 0.1}, "one of"),
-        ({"mass_fraction": None, "molar_fraction": 0.1}, r"molar_mass: is not known; give molar_mass \(kg/mol\)"), ({"solvent": 3.0}, "solvent"),
-        ({"mass_fraction": [0.1]}, "single number"), ({"surface_tension": 0.0}, "surface_tension"), ({"conductivity": -1.0}, "conductivity"), ({"temperature": -3.0}, "temperature"),
-        ({"temperature": 900.0}, "liquid range"), ({"solvent": {"ethanol": 0.5, "water": 0.4}}, "sum to 1"), ({"solvent": {"water": 1.5}}, "solvent"),
-        ({"solvent": {}}, "sum to 1"), ({"kuhn_length": 0.0}, "kuhn_length"), ({"molar_mass": -1.0}, "molar_mass"), ({"solvent_density": np.inf}, "solvent_density"),
+        ({"polymer_data": "PE0"}, "did you mean 'PEO'"),
+        ({"polymer_data": "kevlar"}, "not built in"),
+        ({"solvent": "watr"}, "did you mean 'water'"),
+        ({"mass_fraction": 0.0}, "mass_fraction"),
+        ({"mass_fraction": 1.0}, "mass_fraction"),
+        ({"mass_fraction": np.nan}, "mass_fraction"),
+        ({"mass_fraction": None}, "one of"),
+        ({"volume_fraction": 0.1}, "one of"),
+        ({"molar_fraction": 0.1}, "one of"),
+        ({"mass_fraction": None, "molar_fraction": 0.1}, r"molar_mass: is not known; give molar_mass \(kg/mol\)"),
+        ({"solvent": 3.0}, "solvent"),
+        ({"mass_fraction": [0.1]}, "single number"),
+        ({"surface_tension": 0.0}, "surface_tension"),
+        ({"conductivity": -1.0}, "conductivity"),
+        ({"temperature": -3.0}, "temperature"),
+        ({"temperature": 900.0}, "liquid range"),
+        ({"solvent": {"ethanol": 0.5, "water": 0.4}}, "sum to 1"),
+        ({"solvent": {"water": 1.5}}, "solvent"),
+        ({"solvent": {}}, "sum to 1"),
+        ({"kuhn_length": 0.0}, "kuhn_length"),
+        ({"molar_mass": -1.0}, "molar_mass"),
+        ({"solvent_density": np.inf}, "solvent_density"),
     ],
-)  # fmt: skip
+)
 def test_refusals(change: dict, words: str) -> None:
     arguments = {"polymer_data": "PEO", "solvent": "water", "mass_fraction": 0.05}
     with pytest.raises(InputError, match=words):
@@ -235,8 +257,16 @@ def test_a_missing_property_says_how_to_give_it() -> None:
 # surface tensions at 298 K: Minnesota solvent descriptors, cal/(mol A2)
 @pytest.mark.parametrize(
     ("name", "descriptor"),
-    [("ethanol", 31.62), ("acetone", 33.77), ("DCM", 39.15), ("chloroform", 38.39), ("formic acid", 53.44), ("DMF", 49.56), ("THF", 39.44)],
-)  # fmt: skip
+    [
+        ("ethanol", 31.62),
+        ("acetone", 33.77),
+        ("DCM", 39.15),
+        ("chloroform", 38.39),
+        ("formic acid", 53.44),
+        ("DMF", 49.56),
+        ("THF", 39.44),
+    ],
+)
 def test_surface_tensions_of_two_sources_agree(name: str, descriptor: float) -> None:
     expected = descriptor * 4.184 / 6.02214076e23 / 1e-20
     assert solvents.solvent_surface_tension(name, 298.15) == pytest.approx(expected, rel=0.035)
@@ -352,8 +382,15 @@ def test_a_solution_of_a_given_density_has_a_solvent_too(solvent) -> None:
 def test_a_solution_needs_a_polymer_and_a_polymer_numbers() -> None:
     with pytest.raises(InputError, match=r"Solution\.build takes names"):
         Solution("PS", {"water": 1.0}, 0.1, 293.15, 900.0)
-    for wrong in ({"density": -5.0}, {"density": np.nan}, {"glass_transition": 0.0}, {"kuhn_length": -1e-9}, {"backbone_bonds": -2},
-                  {"repeat_unit_molar_mass": "1"}, {"name": 3}):  # fmt: skip
+    for wrong in (
+        {"density": -5.0},
+        {"density": np.nan},
+        {"glass_transition": 0.0},
+        {"kuhn_length": -1e-9},
+        {"backbone_bonds": -2},
+        {"repeat_unit_molar_mass": "1"},
+        {"name": 3},
+    ):
         with pytest.raises(InputError, match=next(iter(wrong))):
             Polymer(**{"name": "X", "density": 1000.0, **wrong})
 

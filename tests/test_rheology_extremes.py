@@ -31,9 +31,31 @@ from spinline.rheology.conformation import conformation
 pytestmark = pytest.mark.filterwarnings("ignore::spinline.base.errors.SpinlineWarning")
 
 VALUES = [
-    0.0, 1e-308, 1e-300, 1e-100, 1e-12, 0.5, 1.0, 1e12, 1e150, 1e300, 1.7e308, -1.0, -1e300, np.nan, np.inf, -np.inf, [], [0.5],
-    np.full(1000, 0.5), np.float32(0.5), "x", None, True, 1j,
-]  # fmt: skip
+    0.0,
+    1e-308,
+    1e-300,
+    1e-100,
+    1e-12,
+    0.5,
+    1.0,
+    1e12,
+    1e150,
+    1e300,
+    1.7e308,
+    -1.0,
+    -1e300,
+    np.nan,
+    np.inf,
+    -np.inf,
+    [],
+    [0.5],
+    np.full(1000, 0.5),
+    np.float32(0.5),
+    "x",
+    None,
+    True,
+    1j,
+]
 PAIRED = [0.0, 1e-300, 1e-12, 1e12, 1e300, -1e300]
 
 # the law, and a value that each argument may have
@@ -42,21 +64,39 @@ LAWS = [
     (rheology.mass_fraction, {"volume_fraction": 0.5, "polymer_density": 1e3, "solvent_density": 1e3}),
     (rheology.molar_fraction, {"mass_fraction": 0.5, "molar_mass": 100.0, "solvent_molar_mass": 0.018}),
     (rheology.mass_fraction_from_molar, {"molar_fraction": 0.5, "molar_mass": 100.0, "solvent_molar_mass": 0.018}),
-    (rheology.viscosity, {"concentration": 0.5, "initial_concentration": 0.1, "initial_viscosity": 1.0, "B": 7.0, "m": 0.1}),
-    (rheology.relaxation_time, {"concentration": 0.5, "initial_concentration": 0.1, "initial_relaxation_time": 1.0, "n": 1.0}),
+    (
+        rheology.viscosity,
+        {"concentration": 0.5, "initial_concentration": 0.1, "initial_viscosity": 1.0, "B": 7.0, "m": 0.1},
+    ),
+    (
+        rheology.relaxation_time,
+        {"concentration": 0.5, "initial_concentration": 0.1, "initial_relaxation_time": 1.0, "n": 1.0},
+    ),
     (rheology.scaled, {"volume_fraction": 0.5, "initial_volume_fraction": 0.1, "initial_value": 1.0, "exponent": 2.0}),
     (
         rheology.scaled_viscosity,
-        {"volume_fraction": 0.5, "initial_volume_fraction": 0.1, "initial_viscosity": 1.0, "solvent_viscosity": 1e-3, "exponent": 2.0},
+        {
+            "volume_fraction": 0.5,
+            "initial_volume_fraction": 0.1,
+            "initial_viscosity": 1.0,
+            "solvent_viscosity": 1e-3,
+            "exponent": 2.0,
+        },
     ),
-    (rheology.martin_viscosity, {"concentration": 1.0, "intrinsic_viscosity": 1.0, "martin_constant": 0.4, "solvent_viscosity": 1e-3}),
+    (
+        rheology.martin_viscosity,
+        {"concentration": 1.0, "intrinsic_viscosity": 1.0, "martin_constant": 0.4, "solvent_viscosity": 1e-3},
+    ),
     (rheology.modulus, {"viscosity": 1.0, "relaxation_time": 1.0}),
     (rheology.scaling_exponents, {"solvent_quality": "good"}),
     (rheology.solvent_activity, {"volume_fraction": 0.5, "chi": 0.4}),
     (rheology.equilibrium_fraction, {"relative_humidity": 0.5, "chi": 0.4}),
     (rheology.vapour_pressure, {"name": "water", "temperature": 298.0}),
     (rheology.vapour_diffusivity, {"name": "water", "temperature": 298.0, "pressure": 1e5}),
-    (vapour.vapour_concentration, {"vapour_pressure": 1e3, "molar_mass": 0.018, "liquid_density": 1e3, "temperature": 298.0}),
+    (
+        vapour.vapour_concentration,
+        {"vapour_pressure": 1e3, "molar_mass": 0.018, "liquid_density": 1e3, "temperature": 298.0},
+    ),
     (vapour.air_kinematic_viscosity, {"temperature": 298.0, "pressure": 1e5}),
     (rheology.tensile_force, {"axial_stress": 1.0, "radial_stress": -1.0, "radius": 1e-4}),
     (rheology.maxwell_startup, {"weissenberg": 0.4, "reduced_time": 1.0}),
@@ -69,7 +109,13 @@ LAWS = [
     (rheology.entanglement_fraction, {"molar_mass": 100.0, "entanglement_molar_mass": 10.0, "entanglements": 2.0}),
     (
         entanglement.entanglement,
-        {"volume_fraction": 0.1, "segments_per_chain": 1e3, "kuhn_length": 1e-9, "molar_mass": 100.0, "entanglement_molar_mass": 10.0},
+        {
+            "volume_fraction": 0.1,
+            "segments_per_chain": 1e3,
+            "kuhn_length": 1e-9,
+            "molar_mass": 100.0,
+            "entanglement_molar_mass": 10.0,
+        },
     ),
     (
         rheology.packing_entanglement_molar_mass,
@@ -95,18 +141,42 @@ LAWS = [
     (FENEP, {"extensibility": 400.0}),
     (Giesekus, {"mobility": 0.1}),
     (OldroydB, {"solvent_viscosity": 1e-3}),
-    (Volatile, {"name": "x", "saturation": 1e-5, "diffusivity": 1e-5, "ambient": 0.4, "chi": 0.4, "molar_volume": 1e-5}),
+    (
+        Volatile,
+        {"name": "x", "saturation": 1e-5, "diffusivity": 1e-5, "ambient": 0.4, "chi": 0.4, "molar_volume": 1e-5},
+    ),
     (
         Volatile.build,
-        {"name": "water", "temperature": 298.0, "convention": "mass", "pressure": 1e5, "density": 1e3, "vapour_pressure": 1e3, "molar_mass": 0.018},
+        {
+            "name": "water",
+            "temperature": 298.0,
+            "convention": "mass",
+            "pressure": 1e5,
+            "density": 1e3,
+            "vapour_pressure": 1e3,
+            "molar_mass": 0.018,
+        },
     ),
     (
         Solution.build,
-        {"polymer_data": "PEO", "solvent": "water", "mass_fraction": 0.05, "temperature": 293.0, "polymer_density": 1e3,
-         "solvent_density": 1e3, "kuhn_length": 1e-9, "molar_mass": 600.0, "viscosity": 1.0, "relaxation_time": 1.0,
-         "surface_tension": 0.06, "conductivity": 1e-2, "solvent_viscosity": 1e-3, "solvent_molar_mass": 0.018},
+        {
+            "polymer_data": "PEO",
+            "solvent": "water",
+            "mass_fraction": 0.05,
+            "temperature": 293.0,
+            "polymer_density": 1e3,
+            "solvent_density": 1e3,
+            "kuhn_length": 1e-9,
+            "molar_mass": 600.0,
+            "viscosity": 1.0,
+            "relaxation_time": 1.0,
+            "surface_tension": 0.06,
+            "conductivity": 1e-2,
+            "solvent_viscosity": 1e-3,
+            "solvent_molar_mass": 0.018,
+        },
     ),
-]  # fmt: skip
+]
 
 
 def finite(result: object) -> bool:
@@ -153,16 +223,31 @@ def evaporated(**change):
 
 def dried(**change):
     arguments = {
-        "volume_fraction": 0.05, "volatile": WATER, "diffusion": ConstantDiffusion(1e-9), "air_viscosity": 1.5e-5, "cells": 8, "rtol": 1e-4,
-    } | change  # fmt: skip
+        "volume_fraction": 0.05,
+        "volatile": WATER,
+        "diffusion": ConstantDiffusion(1e-9),
+        "air_viscosity": 1.5e-5,
+        "cells": 8,
+        "rtol": 1e-4,
+    } | change
     return rheology.dry_radially(straight_path(JET, Z), **arguments)
 
 
 @pytest.mark.parametrize(
     "name",
-    ["z", "given", "volume_fraction", "volatiles", "shares", "air_viscosity", "air_velocity", "activity", "polymer_molar_volume",
-     "sherwood_floor"],
-)  # fmt: skip
+    [
+        "z",
+        "given",
+        "volume_fraction",
+        "volatiles",
+        "shares",
+        "air_viscosity",
+        "air_velocity",
+        "activity",
+        "polymer_molar_volume",
+        "sherwood_floor",
+    ],
+)
 def test_evaporation(name: str) -> None:
     answers(evaporated, {}, ({name: value} for value in SMALL))
 
@@ -231,10 +316,13 @@ def test_cylinder_series_against_mpmath(biot: float) -> None:
         for x in (0.0, 0.4, 1.0):
             for fo in (0.05, 1.0, min(0.5 / biot, 1e290) + 0.05):
                 exact = sum(
-                    2 * mpmath.besselj(1, q) * mpmath.besselj(0, q * x) * mpmath.exp(-(q**2) * mpmath.mpf(fo))
+                    2
+                    * mpmath.besselj(1, q)
+                    * mpmath.besselj(0, q * x)
+                    * mpmath.exp(-(q**2) * mpmath.mpf(fo))
                     / (q * (mpmath.besselj(0, q) ** 2 + mpmath.besselj(1, q) ** 2))
                     for q in roots
-                )  # fmt: skip
+                )
                 assert float(rheology.cylinder_series(x, fo, biot)) == pytest.approx(float(exact), rel=1e-13, abs=4e-15)
 
 
@@ -286,8 +374,11 @@ def test_steady_fenep_against_mpmath(weissenberg: float, limit: float) -> None:
         near = 1 / mpmath.mpf(axial)
         gap = mpmath.findroot(
             lambda g: 1 / g + 2 / (g + 3 * de) - size + (size - 3) / (g + 2 * de),
-            (near * (1 - mpmath.mpf("1e-4")), near * (1 + mpmath.mpf("1e-4"))), solver="anderson", tol=1e-80, verify=False,
-        )  # fmt: skip
+            (near * (1 - mpmath.mpf("1e-4")), near * (1 + mpmath.mpf("1e-4"))),
+            solver="anderson",
+            tol=1e-80,
+            verify=False,
+        )
         assert float(axial * gap) == pytest.approx(1.0, rel=3e-15)
         assert float(radial * (gap + 3 * de)) == pytest.approx(1.0, rel=3e-15)
 
@@ -299,11 +390,17 @@ def test_tensile_force_does_not_pass_through_the_square_of_the_radius() -> None:
         rheology.tensile_force(1e300, -1e300, 1e300)
 
 
-@pytest.mark.parametrize(("law", "arguments", "words"), [
-    (rheology.modulus, (1e300, 1e-300), "modulus"), (rheology.modulus, (1e-300, 1e300), "modulus"),
-    (rheology.viscosity, (1.0, 0.5, 1e300, 300.0, 1.0), "viscosity"), (rheology.martin_viscosity, (1e300, 1e300, 1.0, 1.0), "decades"),
-    (rheology.scaled, (1.0, 1e-300, 1.0, 20.0), "decades"), (rheology.equilibrium_fraction, ([0.4, 0.5],), "single number"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("law", "arguments", "words"),
+    [
+        (rheology.modulus, (1e300, 1e-300), "modulus"),
+        (rheology.modulus, (1e-300, 1e300), "modulus"),
+        (rheology.viscosity, (1.0, 0.5, 1e300, 300.0, 1.0), "viscosity"),
+        (rheology.martin_viscosity, (1e300, 1e300, 1.0, 1.0), "decades"),
+        (rheology.scaled, (1.0, 1e-300, 1.0, 20.0), "decades"),
+        (rheology.equilibrium_fraction, ([0.4, 0.5],), "single number"),
+    ],
+)
 def test_results_beyond_a_double_are_named(law, arguments: tuple, words: str) -> None:
     with pytest.raises(InputError, match=words):
         law(*arguments)

@@ -85,8 +85,14 @@ def test_bundled_scenes_run_within_physical_bounds(name: str) -> None:
     result = quiet(name)
     known = np.isfinite(result["stretch_ratio"].values)
     assert known.any()
-    for variable in ("relative_extension", "radial_contraction", "core_polymer_fraction", "core_polymer_fraction_eq40",
-                     "core_polymer_fraction_conservative", "mean_polymer_fraction"):  # fmt: skip
+    for variable in (
+        "relative_extension",
+        "radial_contraction",
+        "core_polymer_fraction",
+        "core_polymer_fraction_eq40",
+        "core_polymer_fraction_conservative",
+        "mean_polymer_fraction",
+    ):
         values = result[variable].values[known]
         assert ((values >= 0) & (values <= 1)).all(), variable
     assert (result["network_radius"].values[known] <= result["radius"].values[known]).all()
@@ -163,13 +169,24 @@ def test_odd_scenes_are_warned_about(overrides: list[str], words: str) -> None:
 @pytest.mark.parametrize(
     ("overrides", "field"),
     [
-        (["network.model=conformation"], "solution.relaxation_time"), (["effects.evaporation=true"], "ambient.relative_humidity"), (["network.model=affine", "network.force_law=fene"], "network.force_law"),
-        (["solution.polymer=PE0"], "solution.polymer"), (["solution.solvent=vodka"], "solution.solvent"), (["solution.temperature=900 K"], "temperature"),
-        (["jet={profile='table', path='none.csv', flow_rate='1 mL/h'}"], "jet.path"), (["jet={profile='jetspin', path='none'}"], "jet.path"),
-        (["solution.viscosity=1 Pa s", "jet={profile='power-law', radius='1 um', flow_rate='1 mL/h', beta=0.5, length='1 mm'}"], "jet.k"),
+        (["network.model=conformation"], "solution.relaxation_time"),
+        (["effects.evaporation=true"], "ambient.relative_humidity"),
+        (["network.model=affine", "network.force_law=fene"], "network.force_law"),
+        (["solution.polymer=PE0"], "solution.polymer"),
+        (["solution.solvent=vodka"], "solution.solvent"),
+        (["solution.temperature=900 K"], "temperature"),
+        (["jet={profile='table', path='none.csv', flow_rate='1 mL/h'}"], "jet.path"),
+        (["jet={profile='jetspin', path='none'}"], "jet.path"),
+        (
+            [
+                "solution.viscosity=1 Pa s",
+                "jet={profile='power-law', radius='1 um', flow_rate='1 mL/h', beta=0.5, length='1 mm'}",
+            ],
+            "jet.k",
+        ),
         (["jet.k=1e28", "jet.beta=0.25"], "k"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_computed_is_refused(overrides: list[str], field: str) -> None:
     with pytest.raises(InputError, match=field):
         sl.run(load_scene("peo5-water", overrides))
@@ -250,9 +267,12 @@ def test_files_refused(tmp_path) -> None:
     (tmp_path / "there.nc").write_text("x")
     (tmp_path / "file").write_text("x")
     for path, words in (
-        (tmp_path / "there.nc", "exists"), (tmp_path, "is a folder"), (tmp_path / "none" / "a.nc", "does not exist"), (tmp_path / "file" / "a.nc", "folder"),
+        (tmp_path / "there.nc", "exists"),
+        (tmp_path, "is a folder"),
+        (tmp_path / "none" / "a.nc", "does not exist"),
+        (tmp_path / "file" / "a.nc", "folder"),
         ("/proc/none.nc", "cannot be written"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(InputError, match=words):
             sl.results.save(result, path)
     assert sl.results.save(result, tmp_path / "there.nc", force=True).stat().st_size > 1000
@@ -366,15 +386,32 @@ def test_a_passage_within_a_panel_of_many_decades_is_found():
     """A jet of 10^7 radii: the panel that holds the passage is so long that halving it takes over a hundred steps."""
     scene = scene_from_dict(
         {
-            "solution": {"polymer": "PVP", "solvent": "ethanol", "volume_fraction": 0.027910989502476998,
-                         "viscosity": "6180 Pa s", "kuhn_length": "4.680691543502936e-09 m"},
-            "jet": {"profile": "power-law", "radius": "5.810148615721182e-06 m", "flow_rate": "2.5016367337692542e-12 m^3/s",
-                    "length": "58.101486157211816 m", "k": 0.10965966275812168, "beta": 0.5},
-            "network": {"model": "manifold", "solvent_quality": "good", "coupling": 4692445.023461631, "closure": "force",
-                        "inertia": 2.9542261079115328e-15, "force_law": "linear"},
+            "solution": {
+                "polymer": "PVP",
+                "solvent": "ethanol",
+                "volume_fraction": 0.027910989502476998,
+                "viscosity": "6180 Pa s",
+                "kuhn_length": "4.680691543502936e-09 m",
+            },
+            "jet": {
+                "profile": "power-law",
+                "radius": "5.810148615721182e-06 m",
+                "flow_rate": "2.5016367337692542e-12 m^3/s",
+                "length": "58.101486157211816 m",
+                "k": 0.10965966275812168,
+                "beta": 0.5,
+            },
+            "network": {
+                "model": "manifold",
+                "solvent_quality": "good",
+                "coupling": 4692445.023461631,
+                "closure": "force",
+                "inertia": 2.9542261079115328e-15,
+                "force_law": "linear",
+            },
             "accuracy": {"rtol": 0.0175657782237877, "points": 2},
         }
-    )  # fmt: skip
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)
         result = sl.run(scene)

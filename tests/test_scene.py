@@ -149,9 +149,14 @@ def test_unreadable_files(tmp_path) -> None:
     (tmp_path / "long.toml").write_text("# " + "x" * 2_000_000)
     for path, words in (
         (tmp_path / "long.toml", "too long"),
-        (rubbish, "not text"), (broken, "not a TOML scene"), (tmp_path, "cannot be read"), (tmp_path / "none.toml", "No such file"),
-        ("peo5-watr", "did you mean the bundled 'peo5-water'"), ("", "cannot be read"), ("\0", "cannot be read"),
-    ):  # fmt: skip
+        (rubbish, "not text"),
+        (broken, "not a TOML scene"),
+        (tmp_path, "cannot be read"),
+        (tmp_path / "none.toml", "No such file"),
+        ("peo5-watr", "did you mean the bundled 'peo5-water'"),
+        ("", "cannot be read"),
+        ("\0", "cannot be read"),
+    ):
         with pytest.raises(InputError, match=words):
             load_scene(path)
 

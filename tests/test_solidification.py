@@ -84,9 +84,13 @@ def test_peo_crystallises_from_water_where_flory_says() -> None:
         assert 0.70 < Crystals(melting, heat, peo.unit_volume).crystallisation_fraction(298.15, 18.07e-6, chi) < 0.81
     assert np.isnan(peo.crystallisation_fraction(343.0, 18.07e-6, 0.45))
     exact = mpmath.findroot(
-        lambda s: 1 / mpmath.mpf(342) + mpmath.mpf("8.31446261815324") * peo.unit_volume / (8660 * 18.07e-6) * s * (1 - 0.45 * s)
-        - 1 / mpmath.mpf(298.15), 0.23,
-    )  # fmt: skip
+        lambda s: (
+            1 / mpmath.mpf(342)
+            + mpmath.mpf("8.31446261815324") * peo.unit_volume / (8660 * 18.07e-6) * s * (1 - 0.45 * s)
+            - 1 / mpmath.mpf(298.15)
+        ),
+        0.23,
+    )
     assert phi == pytest.approx(float(1 - exact), rel=1e-12)
     # a solvent so poor that crystals melt in it at no temperature
     assert float(peo.inverse_melting_point(0.05, 18.07e-6, 5.0)) < 0

@@ -41,10 +41,15 @@ def test_slow_jet_is_the_smooth_passage(slow):
     """The tension that comes from inside is that of the steady jet through v = c."""
     settings = slow[1].settings
     steady = steady_jet(
-        AT, density=settings.density, modulus=settings.law.modulus, relaxation_time=settings.law.relaxation_time,
-        flow_rate=settings.inlet.flow_rate, radius=settings.inlet.radius,
-        current=settings.inlet.charge_density * settings.inlet.flow_rate, field=settings.loads.field,
-    )  # fmt: skip
+        AT,
+        density=settings.density,
+        modulus=settings.law.modulus,
+        relaxation_time=settings.law.relaxation_time,
+        flow_rate=settings.inlet.flow_rate,
+        radius=settings.inlet.radius,
+        current=settings.inlet.charge_density * settings.inlet.flow_rate,
+        field=settings.loads.field,
+    )
     worst = [np.abs(radii(chain, AT) / steady.radius - 1).max() for chain in slow]
     assert worst[1] < 1e-4
     assert worst[1] / worst[2] > 3.5
@@ -138,11 +143,16 @@ def test_what_cannot_be_followed_is_said():
         spun(s, 50e-3)
 
 
-@pytest.mark.parametrize("law", [
-    JetLaw("ucm", 1000.0, 1e-3), JetLaw("linear-maxwell", 3000.0, 1e-3), JetLaw("giesekus", 1000.0, 1e-3, mobility=0.3),
-    JetLaw("fene-p", 1000.0, 1e-3, extensibility=100.0),
-    JetLaw("herschel-bulkley", 3000.0, 1e-3, yield_stress=10.0, consistency=3.0, index=1.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "law",
+    [
+        JetLaw("ucm", 1000.0, 1e-3),
+        JetLaw("linear-maxwell", 3000.0, 1e-3),
+        JetLaw("giesekus", 1000.0, 1e-3, mobility=0.3),
+        JetLaw("fene-p", 1000.0, 1e-3, extensibility=100.0),
+        JetLaw("herschel-bulkley", 3000.0, 1e-3, yield_stress=10.0, consistency=3.0, index=1.0),
+    ],
+)
 def test_laws_agree_where_they_must(law):
     """Slow flow: every law is a Newtonian thread of extensional viscosity 3 Pa s."""
     s = pvp(2e-4, 1.0, 0.0)

@@ -225,9 +225,11 @@ def test_energy_of_a_closed_chain(repulsion):
     n = 16
     s = _settings(repulsion, near=16)
     s = replace(
-        s, law=JetLaw("ucm", 5e3 / 3, math.inf), grid=replace(s.grid, feed_charge=0.0, tolerance=1e-9),
+        s,
+        law=JetLaw("ucm", 5e3 / 3, math.inf),
+        grid=replace(s.grid, feed_charge=0.0, tolerance=1e-9),
         inlet=replace(s.inlet, flow_rate=1e-30),
-    )  # fmt: skip
+    )
     chain = start_cylinder(replace(s, inlet=replace(s.inlet, length=n * 1e-4 + 5e-5)))
     n = chain.n
     y = chain.state
@@ -280,9 +282,10 @@ def test_magnetic_force_turns_a_free_charge():
 def test_rotating_field_drives_a_circle():
     s = pvp(1e-3, charge=44000)
     s = replace(
-        s, law=JetLaw("ucm", 0.0, 1.0),
+        s,
+        law=JetLaw("ucm", 0.0, 1.0),
         loads=replace(s.loads, field=0.0, gravity=0.0, side="rotating", side_field=1e4, side_frequency=4000.0),
-    )  # fmt: skip
+    )
     chain = start_cylinder(s)
     chain.march(2e-3)
     push = 44000 * PER_CM3 / s.density * 1e4
@@ -295,9 +298,12 @@ def test_rates_are_finite_with_everything_on():
 
     s = _settings("hybrid")
     s = replace(
-        s, air=Air(velocity=(-10.0, 0.0, 0.0)), drying=Drying(0.05, 2.5e-5, 1.7e-5),
-        grid=replace(s.grid, bending="elastic"), loads=replace(s.loads, image=True, field=FIELD),
-    )  # fmt: skip
+        s,
+        air=Air(velocity=(-10.0, 0.0, 0.0)),
+        drying=Drying(0.05, 2.5e-5, 1.7e-5),
+        grid=replace(s.grid, bending="elastic"),
+        loads=replace(s.loads, image=True, field=FIELD),
+    )
     n, y = 10, _bent(10, 1e-4)
     p, k = parameters(s)
     w, f, dy = np.zeros((c.WORK, 14)), np.zeros((14, 3)), np.zeros((14, c.COLUMNS))

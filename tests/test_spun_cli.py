@@ -11,8 +11,22 @@ QUICK = ("--quick", "--time", "1 ms", "--frames", "4")
 
 
 def test_a_jet_file_that_a_scene_takes(spinline, tmp_path):
-    ran = spinline("spin", "pvp-spun", "-o", "jet.nc", *QUICK, "--json", "--figure", "jet.png", "--vtk", "jet.vtk",
-                   "--xyz", "jet.xyz", "--movie", "jet.gif")  # fmt: skip
+    ran = spinline(
+        "spin",
+        "pvp-spun",
+        "-o",
+        "jet.nc",
+        *QUICK,
+        "--json",
+        "--figure",
+        "jet.png",
+        "--vtk",
+        "jet.vtk",
+        "--xyz",
+        "jet.xyz",
+        "--movie",
+        "jet.gif",
+    )
     assert ran.code == 0, ran.err
     answer = json.loads(ran.out)
     assert answer["elements"] > 2
@@ -43,12 +57,19 @@ def test_an_input_file(spinline, tmp_path):
         assert np.isfinite(jet["x"].values[-1, 0])
 
 
-@pytest.mark.parametrize(("arguments", "words"), [
-    (("peo5-water",), "not a jet to spin"), (("pvp-spun", "--seeds", "0"), "--seeds"), (("pvp-spun", "--time", "fast"), "--time"),
-    (("pvp-spun", "--flow-rate", "1 mL/h"), "input.dat"), (("nothing.dat",), "nothing.dat"),
-    (("pvp-spun", "--set", 'jet.charge="conducting"'), "conducting"), (("pvp-spun", "--frames", "0"), "frames"),
-    (("pvp-spun", "--set", 'jet.law="rubber"'), "law"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("peo5-water",), "not a jet to spin"),
+        (("pvp-spun", "--seeds", "0"), "--seeds"),
+        (("pvp-spun", "--time", "fast"), "--time"),
+        (("pvp-spun", "--flow-rate", "1 mL/h"), "input.dat"),
+        (("nothing.dat",), "nothing.dat"),
+        (("pvp-spun", "--set", 'jet.charge="conducting"'), "conducting"),
+        (("pvp-spun", "--frames", "0"), "frames"),
+        (("pvp-spun", "--set", 'jet.law="rubber"'), "law"),
+    ],
+)
 def test_mistakes_are_named(spinline, arguments, words):
     ran = spinline("spin", *arguments)
     assert ran.code == 2

@@ -37,13 +37,23 @@ def _chain(n, *, leaky=True, potential=False):
         law=JetLaw.from_viscosity("fene-p", needle.MU, needle.THETA, solvent_ratio=needle.RS, extensibility=needle.L2),
         inlet=Inlet(needle.Q, float(first["r"]), axial=float(first["azz"]), radial=float(first["arr"]), stress="given"),
         loads=Loads(
-            needle.H - START, kind="table", axis=tuple(field), values=tuple(needle.applied(START + field)), gravity=needle.G
+            needle.H - START,
+            kind="table",
+            axis=tuple(field),
+            values=tuple(needle.applied(START + field)),
+            gravity=needle.G,
         ),
         grid=Grid(step / (math.pi * float(first["r"]) ** 2), repulsion="local", log_length=needle.LENGTH),
-        surface_tension=needle.GAMMA, conductivity=needle.K if leaky else 0.0,
-        current=None if potential else jet.current, potential=float(first["psi"]), collector=Collector("none"),
-        end_axis=tuple(z - START), end_tension=tuple(pull), end_share=tuple(along["q"]), outflow=OUT - START,
-    )  # fmt: skip
+        surface_tension=needle.GAMMA,
+        conductivity=needle.K if leaky else 0.0,
+        current=None if potential else jet.current,
+        potential=float(first["psi"]),
+        collector=Collector("none"),
+        end_axis=tuple(z - START),
+        end_tension=tuple(pull),
+        end_share=tuple(along["q"]),
+        outflow=OUT - START,
+    )
     if not leaky:
         frozen = float(first["lam"]) / (math.pi * float(first["r"]) ** 2)
         settings = replace(settings, inlet=replace(settings.inlet, charge_density=frozen))

@@ -219,35 +219,62 @@ def test_input_file_translated():
     assert linear.inlet.flow_rate == 1e-8
 
 
-@pytest.mark.parametrize(("line", "words"), [
-    ("kvfluid yes", "no counterpart"), ("thermostat yes", "not a key"), ("viscosity many", "not a number"),
-    ("viscosity -1.d0", "out of range"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("kvfluid yes", "no counterpart"),
+        ("thermostat yes", "not a key"),
+        ("viscosity many", "not a number"),
+        ("viscosity -1.d0", "out of range"),
+    ],
+)
 def test_input_file_refused(line, words):
     text = "\n".join(row for row in PVP_INPUT.splitlines() if not row.strip().startswith(line.split()[0]))
     with pytest.raises(InputError, match=words):
         translate(text.replace(" Finish", f" {line}\n Finish"))
 
 
-@pytest.mark.parametrize(("make", "words"), [
-    (lambda: Inlet(0.0, 1e-4), "flow_rate"), (lambda: Inlet(1e-9, float("nan")), "radius"),
-    (lambda: Inlet(1e-9, 1e-4, stress="both"), "stress"), (lambda: Inlet(1e-9, 1e-4, compliance=0.1), "tension"),
-    (lambda: Loads(0.0), "gap"), (lambda: Loads(0.1, kind="cone"), "kind"), (lambda: Loads(0.1, kind="table"), "axis"),
-    (lambda: Grid(0.0), "element_length"), (lambda: Grid(1e-4, repulsion="local"), "log_length"),
-    (lambda: Grid(1e-4, repulsion="points"), "repulsion"), (lambda: Air(noise=1.0), "grain"),
-    (lambda: Collector("wall"), "collector"), (lambda: Collector("drum"), "radius"), (lambda: Drying(1.5, 1e-5, 1e-5), "fraction"),
-    (lambda: JetLaw("fene-p", 1.0, 1.0), "extensibility"), (lambda: JetLaw("ucm", 1.0, 1.0, solvent_viscosity=1.0), "place"),
-    (lambda: JetLaw("rubber", 1.0, 1.0), "law"), (lambda: moments(0.0, 3), "time"), (lambda: moments(1.0, 0), "frames"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Inlet(0.0, 1e-4), "flow_rate"),
+        (lambda: Inlet(1e-9, float("nan")), "radius"),
+        (lambda: Inlet(1e-9, 1e-4, stress="both"), "stress"),
+        (lambda: Inlet(1e-9, 1e-4, compliance=0.1), "tension"),
+        (lambda: Loads(0.0), "gap"),
+        (lambda: Loads(0.1, kind="cone"), "kind"),
+        (lambda: Loads(0.1, kind="table"), "axis"),
+        (lambda: Grid(0.0), "element_length"),
+        (lambda: Grid(1e-4, repulsion="local"), "log_length"),
+        (lambda: Grid(1e-4, repulsion="points"), "repulsion"),
+        (lambda: Air(noise=1.0), "grain"),
+        (lambda: Collector("wall"), "collector"),
+        (lambda: Collector("drum"), "radius"),
+        (lambda: Drying(1.5, 1e-5, 1e-5), "fraction"),
+        (lambda: JetLaw("fene-p", 1.0, 1.0), "extensibility"),
+        (lambda: JetLaw("ucm", 1.0, 1.0, solvent_viscosity=1.0), "place"),
+        (lambda: JetLaw("rubber", 1.0, 1.0), "law"),
+        (lambda: moments(0.0, 3), "time"),
+        (lambda: moments(1.0, 0), "frames"),
+    ],
+)
 def test_refusals_name_the_field(make, words):
     with pytest.raises(InputError, match=words):
         make()
 
 
-@pytest.mark.parametrize("change", [
-    {"loads": {"field": 0.0}}, {"charge": 0.0}, {"gap": 1.0}, {"gap": 1e-3}, {"law": JetLaw("ucm", 5e3 / 3, float("inf"))},
-    {"law": JetLaw("ucm", 0.0, 1.0)},
-], ids=["no field", "no charge", "1 m", "1 mm", "rubber", "no stress"])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"loads": {"field": 0.0}},
+        {"charge": 0.0},
+        {"gap": 1.0},
+        {"gap": 1e-3},
+        {"law": JetLaw("ucm", 5e3 / 3, float("inf"))},
+        {"law": JetLaw("ucm", 0.0, 1.0)},
+    ],
+    ids=["no field", "no charge", "1 m", "1 mm", "rubber", "no stress"],
+)
 def test_extremes_run(change):
     s = pvp(2e-4, charge=change.get("charge", 8800.0), repulsion="hybrid", start=4e-4)
     s = replace(s, collector=Collector("plate"), law=change.get("law", s.law))

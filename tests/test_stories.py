@@ -86,8 +86,9 @@ def test_an_object_with_the_methods_is_a_jet_and_runs(quiet):
 def test_a_jet_is_added_by_its_law_a_section_and_a_line(cosh_profile, model, quiet):
     data = {
         "solution": {**SOLUTION, "relaxation_time": "10 ms", "viscosity": "2 Pa s"},
-        "jet": {"profile": "cosh", "a": "1.2 mm"}, "network": {"model": model},
-    }  # fmt: skip
+        "jet": {"profile": "cosh", "a": "1.2 mm"},
+        "network": {"model": model},
+    }
     result = sl.run(scene_from_dict(data))
     np.testing.assert_allclose(result["velocity_ratio"], np.cosh(result["z"] / 1.2e-3), rtol=1e-14)
     assert result.attrs["model"] == model
@@ -97,8 +98,12 @@ def test_a_jet_is_added_by_its_law_a_section_and_a_line(cosh_profile, model, qui
 
 
 def test_a_jet_added_dries(cosh_profile, quiet):
-    data = {"solution": SOLUTION, "jet": {"profile": "cosh", "a": "1.2 mm"}, "ambient": {"relative_humidity": 0.3},
-            "effects": {"evaporation": True}}  # fmt: skip
+    data = {
+        "solution": SOLUTION,
+        "jet": {"profile": "cosh", "a": "1.2 mm"},
+        "ambient": {"relative_humidity": 0.3},
+        "effects": {"evaporation": True},
+    }
     result = sl.run(scene_from_dict(data))
     lost = result["evaporated_fraction"].values
     assert 0 < lost[-1] < 0.1

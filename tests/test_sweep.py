@@ -142,8 +142,10 @@ def test_closed_forms_are_those_of_a_run(variant):
         data["vary"]["jet.p"] = {"loguniform": [2.0, 60.0]}
     if variant == "estimated k":
         del data["vary"]["jet.k"]
-        data["vary"] |= {"solution.viscosity": {"loguniform": ["0.1 Pa s", "10 Pa s"]},
-                         "jet.flow_rate": {"loguniform": ["1 mL/hour", "9 mL/hour"]}}  # fmt: skip
+        data["vary"] |= {
+            "solution.viscosity": {"loguniform": ["0.1 Pa s", "10 Pa s"]},
+            "jet.flow_rate": {"loguniform": ["1 mL/hour", "9 mL/hour"]},
+        }
     if variant == "volume fraction":
         del data["vary"]["solution.mass_fraction"]
         data["vary"]["solution.volume_fraction"] = {"loguniform": [1e-3, 0.5]}
@@ -214,10 +216,15 @@ def test_closed_forms_are_taken_only_where_the_plan_takes_them_over_the_whole_bo
 
     radius = spread(1e-9, 1e-2)
     columns = {
-        "solution.volume_fraction": spread(1e-3, 0.6), "jet.radius": radius, "jet.flow_rate": spread(1e-20, 1e-6),
-        "jet.length": radius * spread(1.0, 1e4), "network.coupling": spread(1.0, 1e9), "network.spring": spread(0.3, 3.0),
-        "network.crossover_extension": rng.uniform(0.3, 0.95, n), "accuracy.rtol": spread(1e-4, 0.5),
-    }  # fmt: skip
+        "solution.volume_fraction": spread(1e-3, 0.6),
+        "jet.radius": radius,
+        "jet.flow_rate": spread(1e-20, 1e-6),
+        "jet.length": radius * spread(1.0, 1e4),
+        "network.coupling": spread(1.0, 1e9),
+        "network.spring": spread(0.3, 3.0),
+        "network.crossover_extension": rng.uniform(0.3, 0.95, n),
+        "accuracy.rtol": spread(1e-4, 0.5),
+    }
     shape = (
         {"k": spread(0.05, 20), "beta": rng.uniform(0.25, 1, n)} if profile == "power-law" else {"p": spread(0.5, 1e3)}
     )
@@ -276,8 +283,9 @@ def test_a_manifold_goes_one_by_one_and_equals_its_run():
         run = sl.run(scene)
     np.testing.assert_allclose(result["crossover_position"][1], run["crossover_position"], rtol=1e-12)
     np.testing.assert_allclose(result["end_orientation"][1], run["orientation"][-1], rtol=1e-9)
-    np.testing.assert_allclose(result["crossover_orientation"][1], run.sel(z=run["crossover_position"])["orientation"],
-                               rtol=1e-9)  # fmt: skip
+    np.testing.assert_allclose(
+        result["crossover_orientation"][1], run.sel(z=run["crossover_position"])["orientation"], rtol=1e-9
+    )
 
 
 def test_bead_jets_are_read_once_and_equal_their_run(monkeypatch):
@@ -293,8 +301,12 @@ def test_bead_jets_are_read_once_and_equal_their_run(monkeypatch):
     assert len(reads) == 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sl.SpinlineWarning)
-        run = sl.run(scene_from_dict(placed(load_base("pvp-jetspin"), {"solution.mass_fraction": 0.04}),
-                                     folder=sl.scene.bundled_scenes()["pvp-jetspin"].parent))  # fmt: skip
+        run = sl.run(
+            scene_from_dict(
+                placed(load_base("pvp-jetspin"), {"solution.mass_fraction": 0.04}),
+                folder=sl.scene.bundled_scenes()["pvp-jetspin"].parent,
+            )
+        )
     np.testing.assert_allclose(result["crossover_radius"][-1], run["crossover_radius"], rtol=1e-12)
 
 

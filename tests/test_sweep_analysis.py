@@ -148,8 +148,13 @@ def test_dryness_is_that_of_a_run(quiet):
     window = operating_window(scene, voltage=9e3, gap=0.15, conductivity=0.01, relative_humidity=0.4).squeeze()
     for factor in window["k_factor"].values:
         k = float(window["k"].sel(k_factor=factor))
-        asked = ["jet.length=10 mm", f"jet.k={k!r}", "network.model=affine", "effects.evaporation=true",
-                 "ambient.relative_humidity=0.4"]  # fmt: skip
+        asked = [
+            "jet.length=10 mm",
+            f"jet.k={k!r}",
+            "network.model=affine",
+            "effects.evaporation=true",
+            "ambient.relative_humidity=0.4",
+        ]
         run = sl.run(load_scene("peo5-water", asked))
         share = run["evaporated_fraction"].values[-1] / (1 - float(run["volume_fraction"]))
         np.testing.assert_allclose(window["dryness"].sel(k_factor=factor), share, rtol=1e-9)
@@ -251,8 +256,10 @@ def test_what_differs_is_found_where_it_is_largest():
     a, b = results("accuracy.points=801"), results("jet.k=0.5", "network.closure=stretch")
     found = compare(a, b)
     assert {(d.name, d.a, d.b) for d in found.scene} == {
-        ("jet.k", 1.0, 0.5), ("network.closure", None, "stretch"), ("accuracy.points", 801, None),
-    }  # fmt: skip
+        ("jet.k", 1.0, 0.5),
+        ("network.closure", None, "stretch"),
+        ("accuracy.points", 801, None),
+    }
     assert ("closure", "force", "stretch") in {(d.name, d.a, d.b) for d in found.models}
     numbers = {d.name: d for d in found.scalars}
     position = numbers["crossover_position"]
@@ -306,8 +313,23 @@ def test_the_command_compares_and_gives_json(spinline):
     assert "nix.nc: is not a file" in ran.err
 
 
-WINDOW = ("window", "peo5-water", "--voltage", "5 .. 25 kV", "--gap", "15 cm", "--conductivity", "0.01 S/m", "--humidity",
-          "40 %", "--steps", "3", "--set", "network.model=affine", "--no-figure")  # fmt: skip
+WINDOW = (
+    "window",
+    "peo5-water",
+    "--voltage",
+    "5 .. 25 kV",
+    "--gap",
+    "15 cm",
+    "--conductivity",
+    "0.01 S/m",
+    "--humidity",
+    "40 %",
+    "--steps",
+    "3",
+    "--set",
+    "network.model=affine",
+    "--no-figure",
+)
 
 
 def test_a_concentration_in_bare_percent_is_told_its_unit(spinline):

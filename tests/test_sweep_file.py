@@ -16,16 +16,23 @@ BAD = {
     "key": ('scene = "peo5-water"\n[vary]\nk = [1]', 'did you mean "jet.k"'),
     "one": ('scene = "peo5-water"\n[vary]\njet.k = 1', "nothing varies"),
     "form": ('scene = "peo5-water"\n[vary]\njet.k = { linspce = [1, 2, 3] }', "needs one way to vary"),
-    "two forms": ('scene = "peo5-water"\n[vary]\njet.k = { values = [1], linspace = [1, 2, 3] }', "needs one way to vary"),
+    "two forms": (
+        'scene = "peo5-water"\n[vary]\njet.k = { values = [1], linspace = [1, 2, 3] }',
+        "needs one way to vary",
+    ),
     "unit": ('scene = "peo5-water"\n[vary]\njet.radius = [100]', "vary.jet.radius.values = 100: needs a unit"),
     "range": ('scene = "peo5-water"\n[vary]\njet.beta = [0.1]', "vary.jet.beta.values = 0.1: is out of range"),
     "word": ('scene = "peo5-water"\n[vary]\nmodel = ["afine"]', '= \'afine\': is not known; allowed: "auto", "affine"'),
     "words spaced": ('scene = "peo5-water"\n[vary]\nmodel = { linspace = [1, 2, 3] }', "holds words"),
     "steps": ('scene = "peo5-water"\n[vary]\njet.k = { linspace = [1, 2] }', "[from, to, number]"),
     "step count": ('scene = "peo5-water"\n[vary]\njet.k = { linspace = [1, 2, 2.5] }', "whole number of steps"),
-    "log": ('scene = "peo5-water"\n[vary]\nambient.air_velocity = { logspace = ["-1 m/s", "1 m/s", 3] }', "take linspace"),
+    "log": (
+        'scene = "peo5-water"\n[vary]\nambient.air_velocity = { logspace = ["-1 m/s", "1 m/s", 3] }',
+        "take linspace",
+    ),
     "swapped": (
-        'scene = "peo5-water"\n[design]\nkind = "sobol"\nsamples = 4\n[vary]\njet.k = { uniform = [2, 1] }', "swap the ends",
+        'scene = "peo5-water"\n[design]\nkind = "sobol"\nsamples = 4\n[vary]\njet.k = { uniform = [2, 1] }',
+        "swap the ends",
     ),
     "kind": ('scene = "peo5-water"\n[design]\nkind = "lhs"\n[vary]\njet.k = [1]', "design.kind = 'lhs'"),
     "samples": ('scene = "peo5-water"\n[design]\nkind = "sobol"\n[vary]\njet.k = [1]', "design.samples: is missing"),
@@ -40,7 +47,10 @@ BAD = {
     "no table": ('scene = "peo5-water"\n[design]\nkind = "table"\npath = "x.csv"', "is not a file"),
     "profile": ('scene = "peo5-water"\nprofiles = ["radus"]\n[vary]\njet.k = [1]', "did you mean 'radius'"),
     "points": ('scene = "peo5-water"\npoints = 1\n[vary]\njet.k = [1]', "points = 1: is not a whole number in range"),
-    "bead profile": ('scene = "pvp-jetspin"\nprofiles = ["radius"]\n[vary]\nsolution.mass_fraction = [0.02]', "straight jet"),
+    "bead profile": (
+        'scene = "pvp-jetspin"\nprofiles = ["radius"]\n[vary]\nsolution.mass_fraction = [0.02]',
+        "straight jet",
+    ),
     "wrong base": (
         '[scene.solution]\npolymer = "PEOX"\nsolvent = "water"\nmass_fraction = 0.1\n[scene.jet]\nprofile = "power-law"\n'
         'radius = "1 um"\nflow_rate = "1 mL/h"\nlength = "1 mm"\nbeta = 0.5\n[vary]\njet.k = [1]',
@@ -48,14 +58,16 @@ BAD = {
     ),
     "no such key there": ('scene = "pvp-jetspin"\n[vary]\njet.k = [1]', "error: jet.k = "),
     "one parameter": (
-        'scene = "peo5-water"\n[design]\nkind = "sensitivity"\nsamples = 4\n[vary]\njet.k = { uniform = [1, 2] }', "one key",
+        'scene = "peo5-water"\n[design]\nkind = "sensitivity"\nsamples = 4\n[vary]\njet.k = { uniform = [1, 2] }',
+        "one key",
     ),
     "power of two": (
         'scene = "peo5-water"\n[design]\nkind = "sensitivity"\nsamples = 5\n[vary]\njet.k = { uniform = [1, 2] }\n'
-        "jet.beta = { uniform = [0.3, 0.5] }", "take 8",
+        "jet.beta = { uniform = [0.3, 0.5] }",
+        "take 8",
     ),
     "not TOML": ("scene = ", "is not a TOML sweep"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("what", BAD)

@@ -14,13 +14,22 @@ from spinline.rheology.conformation import FENEP, conformation
 LAWS = ("lattice", "langevin", "fene")
 # design page network-2, free end, s = 4: beta, eps, L, th, w, lam
 TABLE = [
-    (0.5, 0.24, 30, 1e6, 6.06606, 6.06606), (0.5, 0.24, 30, 20, 5.69074, 5.55474), (0.5, 0.24, 30, 5, 4.96934, 4.50888),
-    (0.5, 0.24, 30, 2, 4.37901, 3.45376), (0.5, 0.24, 30, 0.5, 3.90604, 1.87370),
-    (0.5, 0.24, 100, 1e6, 6.37575, 6.37575), (0.5, 0.24, 100, 20, 5.79969, 5.66172), (0.5, 0.24, 100, 5, 4.97161, 4.51098),
-    (0.5, 0.24, 100, 2, 4.37901, 3.45376), (0.5, 0.24, 100, 0.5, 3.90604, 1.87370),
-    (0.47, 0.05, 30, 1e6, 3.85480, 3.85480), (0.47, 0.05, 30, 20, 3.83630, 3.74691), (0.47, 0.05, 30, 5, 3.79065, 3.45347),
-    (0.47, 0.05, 30, 2, 3.73101, 2.97664), (0.47, 0.05, 30, 0.5, 3.65893, 1.78004),
-]  # fmt: skip
+    (0.5, 0.24, 30, 1e6, 6.06606, 6.06606),
+    (0.5, 0.24, 30, 20, 5.69074, 5.55474),
+    (0.5, 0.24, 30, 5, 4.96934, 4.50888),
+    (0.5, 0.24, 30, 2, 4.37901, 3.45376),
+    (0.5, 0.24, 30, 0.5, 3.90604, 1.87370),
+    (0.5, 0.24, 100, 1e6, 6.37575, 6.37575),
+    (0.5, 0.24, 100, 20, 5.79969, 5.66172),
+    (0.5, 0.24, 100, 5, 4.97161, 4.51098),
+    (0.5, 0.24, 100, 2, 4.37901, 3.45376),
+    (0.5, 0.24, 100, 0.5, 3.90604, 1.87370),
+    (0.47, 0.05, 30, 1e6, 3.85480, 3.85480),
+    (0.47, 0.05, 30, 20, 3.83630, 3.74691),
+    (0.47, 0.05, 30, 5, 3.79065, 3.45347),
+    (0.47, 0.05, 30, 2, 3.73101, 2.97664),
+    (0.47, 0.05, 30, 0.5, 3.65893, 1.78004),
+]
 
 
 def power(beta: float = 0.47):
@@ -89,9 +98,13 @@ def test_against_an_independent_solver() -> None:
 
     s = np.linspace(0, length, 4001)
     out = solve_bvp(
-        rates, lambda a, b: np.array([a[1] - a[0], b[1] - 1]), s, np.stack((speed(s), speed(s) ** 0.7)), tol=1e-8,
+        rates,
+        lambda a, b: np.array([a[1] - a[0], b[1] - 1]),
+        s,
+        np.stack((speed(s), speed(s) ** 0.7)),
+        tol=1e-8,
         max_nodes=200_000,
-    )  # fmt: skip
+    )
     assert out.success
     network = two_fluid_network(speed, length, coupling=1 / eps, spring=1.0, relaxation_time=th, rtol=1e-8)
     at = np.linspace(0.0, length, 60)
@@ -251,19 +264,34 @@ def test_first_passage_and_locking() -> None:
 @pytest.mark.parametrize(
     ("change", "field"),
     [
-        ({"coupling": 0.0}, "coupling"), ({"coupling": np.nan}, "coupling"), ({"spring": -1.0}, "spring"),
-        ({"relaxation_time": 0.0}, "relaxation_time"), ({"relaxation_time": -1.0}, "relaxation_time"),
-        ({"relaxation_time": np.nan}, "relaxation_time"), ({"relaxation_time": lambda s: -s}, "relaxation_time"),
-        ({"rtol": 0.0}, "rtol"), ({"length": 0.0}, "length"), ({"length": np.inf}, "length"), ({"end": "open"}, "end"),
-        ({"strand_law": "hooke"}, "strand_law"), ({"known_to": 1.0}, "known_to"), ({"stations": [11.0]}, "stations"),
-        ({"velocity_ratio": lambda s: -s}, "velocity_ratio"), ({"velocity_ratio": 3.0}, "velocity_ratio"),
-        ({"velocity_ratio": lambda s: np.ones(3)}, "velocity_ratio"), ({"law": "lattice"}, "law"),
+        ({"coupling": 0.0}, "coupling"),
+        ({"coupling": np.nan}, "coupling"),
+        ({"spring": -1.0}, "spring"),
+        ({"relaxation_time": 0.0}, "relaxation_time"),
+        ({"relaxation_time": -1.0}, "relaxation_time"),
+        ({"relaxation_time": np.nan}, "relaxation_time"),
+        ({"relaxation_time": lambda s: -s}, "relaxation_time"),
+        ({"rtol": 0.0}, "rtol"),
+        ({"length": 0.0}, "length"),
+        ({"length": np.inf}, "length"),
+        ({"end": "open"}, "end"),
+        ({"strand_law": "hooke"}, "strand_law"),
+        ({"known_to": 1.0}, "known_to"),
+        ({"stations": [11.0]}, "stations"),
+        ({"velocity_ratio": lambda s: -s}, "velocity_ratio"),
+        ({"velocity_ratio": 3.0}, "velocity_ratio"),
+        ({"velocity_ratio": lambda s: np.ones(3)}, "velocity_ratio"),
+        ({"law": "lattice"}, "law"),
     ],
-)  # fmt: skip
+)
 def test_refusals(change: dict, field: str) -> None:
     arguments = {
-        "velocity_ratio": power(), "length": 10.0, "coupling": 1e3, "relaxation_time": 1.0, "breaks": [1.0],
-    } | change  # fmt: skip
+        "velocity_ratio": power(),
+        "length": 10.0,
+        "coupling": 1e3,
+        "relaxation_time": 1.0,
+        "breaks": [1.0],
+    } | change
     with pytest.raises(InputError, match=field):
         two_fluid_network(**arguments)
 
@@ -275,10 +303,16 @@ def test_random_draws_are_finite_and_bounded_or_refused() -> None:
         law, beta, length = rng.choice(["linear", *LAWS]), rng.uniform(0.25, 0.7), 10 ** rng.uniform(0.7, 2.5)
         try:
             network = two_fluid_network(
-                power(beta), length, coupling=10 ** rng.uniform(1, 8), relaxation_time=10 ** rng.uniform(-2, 2),
-                law=Tension.of(law, 10 ** rng.uniform(0.4, 2)), breaks=[1.0], end=rng.choice(["free", "take-up", "extended"]),
-                known_to=rng.choice([length, np.inf]), rtol=1e-4,
-            )  # fmt: skip
+                power(beta),
+                length,
+                coupling=10 ** rng.uniform(1, 8),
+                relaxation_time=10 ** rng.uniform(-2, 2),
+                law=Tension.of(law, 10 ** rng.uniform(0.4, 2)),
+                breaks=[1.0],
+                end=rng.choice(["free", "take-up", "extended"]),
+                known_to=rng.choice([length, np.inf]),
+                rtol=1e-4,
+            )
         except InputError:
             continue
         answered += 1

@@ -39,8 +39,12 @@ def test_the_window_no_longer_decides():
         relaxing = run("network.model=two-fluid", THETA, f"jet.length={length}")
         assert float(relaxing["far_end_effect"]) < 0.01
         assert "far end" not in relaxing.attrs["warnings"]
-        answers.append([np.interp(3.9e-3, relaxing["z"], relaxing[name])
-                        for name in ("strand_stretch", "network_velocity_ratio", "orientation", "core_polymer_fraction")])  # fmt: skip
+        answers.append(
+            [
+                np.interp(3.9e-3, relaxing["z"], relaxing[name])
+                for name in ("strand_stretch", "network_velocity_ratio", "orientation", "core_polymer_fraction")
+            ]
+        )
     np.testing.assert_allclose(answers, [answers[-1]] * 4, rtol=2e-3)
 
 
@@ -95,8 +99,13 @@ def test_the_flux_in_the_file():
 
 def test_along_a_bead_jet():
     for model in ("manifold", "two-fluid"):
-        result = run(f"network.model={model}", "network.force_law=linear", "network.coupling=500", "solution.relaxation_time=5 ms",
-                     name="pvp-jetspin")  # fmt: skip
+        result = run(
+            f"network.model={model}",
+            "network.force_law=linear",
+            "network.coupling=500",
+            "solution.relaxation_time=5 ms",
+            name="pvp-jetspin",
+        )
         known = np.isfinite(result["stretch_ratio"].values)
         w = result["network_velocity_ratio"].values[known]
         assert np.isfinite(w).all()
@@ -122,8 +131,13 @@ def test_disentanglement():
     )
     assert on["orientation"].values[-1] < off["orientation"].values[-1]
     assert "Rolie-Poly" in on.attrs["constitutive_model"]
-    lost = run("solution.relaxation_time=2 s", "network.model=conformation", "effects.disentanglement=true", "rheology.entanglement_release=1",
-               "solution.molar_mass=250 kg/mol")  # fmt: skip
+    lost = run(
+        "solution.relaxation_time=2 s",
+        "network.model=conformation",
+        "effects.disentanglement=true",
+        "rheology.entanglement_release=1",
+        "solution.molar_mass=250 kg/mol",
+    )
     assert ("the network is lost at" in lost.attrs["warnings"]) == bool(
         (lost["entanglements_left"].values * 2.4 < 1).any()
     )

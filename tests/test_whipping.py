@@ -8,8 +8,15 @@ from spinline.base.errors import InputError
 from spinline.jetprofile.whipping import log_term, race_radius, terminal_radius, thinning
 
 EPS0 = 8.8541878188e-12
-JET = {"charge_density": 300.0, "surface_tension": 0.035, "extensional_viscosity": 30.0, "evaporation": 3e-11,
-       "volume_fraction": 0.1, "flight_time": 10.0, "start": 2e-5}  # fmt: skip
+JET = {
+    "charge_density": 300.0,
+    "surface_tension": 0.035,
+    "extensional_viscosity": 30.0,
+    "evaporation": 3e-11,
+    "volume_fraction": 0.1,
+    "flight_time": 10.0,
+    "start": 2e-5,
+}
 
 
 def reference(jet, power, chi=100.0, solid=1.0):
@@ -42,9 +49,17 @@ def reference(jet, power, chi=100.0, solid=1.0):
 @pytest.mark.parametrize("power", [3.93, 4.67])
 @pytest.mark.parametrize(
     "change",
-    [{}, {"flight_time": 0.02}, {"flight_time": 1e-4}, {"surface_tension": 1e-6}, {"charge_density": 30.0}, {"extensional_viscosity": 0.3},
-     {"evaporation": 1e-9}, {"charge_density": 5.0, "extensional_viscosity": 3.0}],
-)  # fmt: skip
+    [
+        {},
+        {"flight_time": 0.02},
+        {"flight_time": 1e-4},
+        {"surface_tension": 1e-6},
+        {"charge_density": 30.0},
+        {"extensional_viscosity": 0.3},
+        {"evaporation": 1e-9},
+        {"charge_density": 5.0, "extensional_viscosity": 3.0},
+    ],
+)
 def test_against_an_independent_integration(change, power):
     jet = JET | change
     radius, fraction, time = reference(jet, power)
@@ -123,9 +138,14 @@ def test_monotone():
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [({"charge_density": 0.0}, "charge_density"), ({"evaporation": -1.0}, "evaporation"), ({"volume_fraction": 1.0}, "solid already"),
-     ({"start": np.nan}, "start"), ({"flight_time": np.inf}, "flight_time")],
-)  # fmt: skip
+    [
+        ({"charge_density": 0.0}, "charge_density"),
+        ({"evaporation": -1.0}, "evaporation"),
+        ({"volume_fraction": 1.0}, "solid already"),
+        ({"start": np.nan}, "start"),
+        ({"flight_time": np.inf}, "flight_time"),
+    ],
+)
 def test_refusals(change, words):
     with pytest.raises(InputError, match=words):
         thinning(**JET | change)

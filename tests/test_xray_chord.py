@@ -48,9 +48,12 @@ def test_price_and_error_at_50_micrometres() -> None:
 
 def test_bias_of_the_logarithm() -> None:
     counts, detector = row([0.05], 100)
-    draws = np.array([
-        xray.chord_fractions(xray.noisy_counts(counts, 2, i), SOLUTION, detector, **KNOWN).fraction[60:90] for i in range(400)
-    ])  # fmt: skip
+    draws = np.array(
+        [
+            xray.chord_fractions(xray.noisy_counts(counts, 2, i), SOLUTION, detector, **KNOWN).fraction[60:90]
+            for i in range(400)
+        ]
+    )
     expected = xray.chord_fractions(counts, SOLUTION, detector, **KNOWN).log_bias[60:90].mean()
     assert -0.6 < expected < -0.3
     assert draws.mean() - 0.05 == pytest.approx(expected, abs=3 * draws.std() / np.sqrt(draws.size))

@@ -26,9 +26,20 @@ def test_against_brute_force(phantom, blur) -> None:
     detector = xray.Detector(flat, PIXEL, dark, veil, blur)
     counts = xray.expected_counts(jet, WATER, detector, amplitude=1.01, slope=-0.02)
     exact = phantom(
-        steps(phi), 50e-6, flat=flat, pixel=PIXEL, solvent=534.0, contrast=-137.0, air=0.6, axis=2.3 * PIXEL,
-        dark=dark, veil=veil, blur=blur, amplitude=1.01, slope=-0.02,
-    )  # fmt: skip
+        steps(phi),
+        50e-6,
+        flat=flat,
+        pixel=PIXEL,
+        solvent=534.0,
+        contrast=-137.0,
+        air=0.6,
+        axis=2.3 * PIXEL,
+        dark=dark,
+        veil=veil,
+        blur=blur,
+        amplitude=1.01,
+        slope=-0.02,
+    )
     assert np.abs(counts / exact - 1).max() < 2e-5
 
 
@@ -119,7 +130,7 @@ ROW = np.ones(10)
         (lambda: xray.noisy_counts(-ROW, 1), "expected"),
         (lambda: xray.noisy_counts(ROW, -1), "seed"),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words) -> None:
     with pytest.raises(InputError, match=words):
         call()

@@ -27,9 +27,20 @@ def row(request):
         key = (tuple(fraction), radius, width, blur)
         if key not in made:
             made[key] = counts(
-                steps(fraction), radius, flat=np.ones(int(width * radius / PIXEL)), pixel=PIXEL, solvent=531.9, contrast=-137.44,
-                air=0.6, axis=3 * PIXEL, amplitude=1.01, slope=0.01, blur=blur, parts=32, along=800,
-            )  # fmt: skip
+                steps(fraction),
+                radius,
+                flat=np.ones(int(width * radius / PIXEL)),
+                pixel=PIXEL,
+                solvent=531.9,
+                contrast=-137.44,
+                air=0.6,
+                axis=3 * PIXEL,
+                amplitude=1.01,
+                slope=0.01,
+                blur=blur,
+                parts=32,
+                along=800,
+            )
         return made[key]
 
     return make
@@ -151,9 +162,14 @@ def test_chords_of_a_frame(row) -> None:
     for i in (0, 7):
         values = {name: float(fine.values[name][i]) for name in ("radius", "axis", "amplitude", "slope")}
         one = xray.chord_fractions(
-            f.counts[i], SOLUTION, xray.Detector(f.flat[i], PIXEL), values["radius"], values["axis"],
-            amplitude=values["amplitude"], slope=values["slope"],
-        )  # fmt: skip
+            f.counts[i],
+            SOLUTION,
+            xray.Detector(f.flat[i], PIXEL),
+            values["radius"],
+            values["axis"],
+            amplitude=values["amplitude"],
+            slope=values["slope"],
+        )
         centre = np.abs(one.position) < values["radius"] / 40
         chord = 2 * np.sqrt(values["radius"] ** 2 - one.position[centre] ** 2)
         assert fine.fraction[i, 0] == pytest.approx(np.average(one.fraction[centre], weights=chord**2), abs=1e-3)

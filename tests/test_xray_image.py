@@ -138,9 +138,25 @@ def test_frames_are_reproducible_and_reduce_to_what_was_put_in(result) -> None:
 
 def test_the_command_writes_frames_and_the_file_that_reduces_them(spinline, tmp_path) -> None:
     ran = spinline(
-        "simulate-image", "peo5-water", "-o", "frames.npz", "--from", "0.2 mm", "--to", "0.21 mm", "--pixel", "1 um",
-        "--frames", 2, "--reference-frames", 3, "--dark", 10, "--blur", "1 um",
-    )  # fmt: skip
+        "simulate-image",
+        "peo5-water",
+        "-o",
+        "frames.npz",
+        "--from",
+        "0.2 mm",
+        "--to",
+        "0.21 mm",
+        "--pixel",
+        "1 um",
+        "--frames",
+        2,
+        "--reference-frames",
+        3,
+        "--dark",
+        10,
+        "--blur",
+        "1 um",
+    )
     assert ran.code == 0, ran.err
     assert "2 frames of 10 x" in ran.out
     data = tomllib.loads((tmp_path / "frames.toml").read_text())
@@ -161,9 +177,23 @@ def test_fringes_tiff_and_overrides(spinline, tmp_path) -> None:
         spinline("run", "peo5-water", "--set", "solution.mass_fraction=4 wt%", "--no-figure", "-o", "four.nc").code == 0
     )
     ran = spinline(
-        "simulate-image", "four.nc", "-o", "f.tif", "--from", "1.000 mm", "--to", "1.003 mm", "--distance", "10 cm",
-        "--frames", 2, "--reference-frames", 2, "--harmonic", 0.01,
-    )  # fmt: skip
+        "simulate-image",
+        "four.nc",
+        "-o",
+        "f.tif",
+        "--from",
+        "1.000 mm",
+        "--to",
+        "1.003 mm",
+        "--distance",
+        "10 cm",
+        "--frames",
+        2,
+        "--reference-frames",
+        2,
+        "--harmonic",
+        0.01,
+    )
     assert ran.code == 0, ran.err
     data = tomllib.loads((tmp_path / "f.toml").read_text())
     assert data["solution"]["mass_fraction"] == "4 wt%"

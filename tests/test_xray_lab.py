@@ -206,9 +206,12 @@ def test_a_map_goes_on_where_it_stopped() -> None:
 def test_a_tilt_along_the_beam_is_even_and_one_sided() -> None:
     """Mean and spread of 1/cos over angles drawn; a given angle; a depth."""
     base = {
-        "counts": "a.npz", "flat": "a.npz", "pixel_size": "1 um", "energy": "10 keV",
+        "counts": "a.npz",
+        "flat": "a.npz",
+        "pixel_size": "1 um",
+        "energy": "10 keV",
         "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
-    }  # fmt: skip
+    }
     rng = np.random.default_rng(0)
     for text, middle, spread in (("0 +/- 3 deg", 0.0, 3.0), ("10 +/- 2 deg", 10.0, 2.0)):
         drawn = 1 / np.cos(np.radians(middle + spread * rng.normal(size=400_000)))

@@ -47,13 +47,23 @@ def image_of(phantom, fraction=profile, rows=range(ROWS), **more):
     return np.array(
         [
             phantom(
-                lambda r, z=HEIGHTS[i]: fraction(r, z), RADIUS[i], flat=np.ones(PIXELS), pixel=PIXEL, solvent=531.9,
-                contrast=-137.44, air=0.6, axis=AXIS[i], amplitude=1.005 + 0.003 * np.cos(4 * HEIGHTS[i]),
-                slope=0.005 + 0.002 * HEIGHTS[i], along=200, parts=8, **more,
+                lambda r, z=HEIGHTS[i]: fraction(r, z),
+                RADIUS[i],
+                flat=np.ones(PIXELS),
+                pixel=PIXEL,
+                solvent=531.9,
+                contrast=-137.44,
+                air=0.6,
+                axis=AXIS[i],
+                amplitude=1.005 + 0.003 * np.cos(4 * HEIGHTS[i]),
+                slope=0.005 + 0.002 * HEIGHTS[i],
+                along=200,
+                parts=8,
+                **more,
             )
             for i in rows
         ]
-    )  # fmt: skip
+    )
 
 
 MADE = {}
@@ -460,7 +470,7 @@ ROW = xray.Detector(np.full(100, 1e4), PIXEL)
         (lambda: xray.fit_map(COUNTS, SOLUTION, ROW, radius=[1e-5, 2e-5]), "radius"),
         (lambda: xray.fit_map(COUNTS, SOLUTION, ROW, slope=2.0), "slope"),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words) -> None:
     with pytest.raises(InputError, match=words):
         call()

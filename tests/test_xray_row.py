@@ -27,9 +27,18 @@ def image(phantom):
     def counts(radius, photons, fraction=PHI, width=3.0, axis=3 * PIXEL, amplitude=1.01, slope=0.01, **more):
         flat = np.full(int(width * radius / PIXEL), float(photons))
         mean = phantom(
-            fraction if callable(fraction) else steps(fraction), radius, flat=flat, pixel=PIXEL, solvent=531.9,
-            contrast=-137.44, air=0.6, axis=axis, amplitude=amplitude, slope=slope, **more,
-        )  # fmt: skip
+            fraction if callable(fraction) else steps(fraction),
+            radius,
+            flat=flat,
+            pixel=PIXEL,
+            solvent=531.9,
+            contrast=-137.44,
+            air=0.6,
+            axis=axis,
+            amplitude=amplitude,
+            slope=slope,
+            **more,
+        )
         return mean, flat
 
     return counts
@@ -181,9 +190,19 @@ def test_any_place_and_drift_is_found(phantom) -> None:
         flat = 3e5 * (50e-6 / radius) ** 3 * (1 + 0.2 * np.sin(np.arange(n) / 20))
         phi = rng.uniform(0, 0.3, 2)
         mean = phantom(
-            steps(phi), radius, flat=flat, pixel=PIXEL, solvent=531.9, contrast=-137.44, air=0.6, axis=axis,
-            amplitude=rng.uniform(0.9, 1.1), slope=rng.uniform(-0.1, 0.1), along=400, parts=8,
-        )  # fmt: skip
+            steps(phi),
+            radius,
+            flat=flat,
+            pixel=PIXEL,
+            solvent=531.9,
+            contrast=-137.44,
+            air=0.6,
+            axis=axis,
+            amplitude=rng.uniform(0.9, 1.1),
+            slope=rng.uniform(-0.1, 0.1),
+            along=400,
+            parts=8,
+        )
         fit = xray.fit_row(xray.noisy_counts(mean, 1, i), SOLUTION, xray.Detector(flat, PIXEL), shells=2)
         assert fit.converged
         z.append((fit.mean_fraction - phi @ [0.25, 0.75]) / fit.mean_fraction_std)
@@ -262,7 +281,7 @@ COUNTS = xray.expected_counts(xray.RoundJet(np.array([0.05]), 20e-6), SOLUTION, 
         (lambda: xray.fit_row(COUNTS, SOLUTION, ROW, slope=2.0), "slope"),
         (lambda: xray.fit_row(COUNTS, SOLUTION, ROW, shells=120), "unknowns"),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words) -> None:
     with pytest.raises(InputError, match=words):
         call()

@@ -142,10 +142,14 @@ def test_a_white_beam_needs_its_spectrum() -> None:
         (lambda: xray.refraction_decrement("plastic", 10.0), "composition"),
         (lambda: xray.refraction_decrement("water", 0.1), "energy_kev"),
         (lambda: xray.delta_over_mu(1e-6, 0.0), "attenuation"),
-        (lambda: xray.solution_medium("PEO", "water", xray.harmonic_spectrum(10.0, {3: 0.1})).with_absorber(
-            xray.Absorber(1.0, 1.0)), "lines"),
+        (
+            lambda: xray.solution_medium("PEO", "water", xray.harmonic_spectrum(10.0, {3: 0.1})).with_absorber(
+                xray.Absorber(1.0, 1.0)
+            ),
+            "lines",
+        ),
     ],
-)  # fmt: skip
+)
 def test_refusals(call, words) -> None:
     with pytest.raises(InputError, match=words):
         call()
