@@ -187,3 +187,19 @@ def test_schema_describes_every_section() -> None:
     assert jet["radius"]["type"] == "string"
     assert "125 um" in jet["radius"]["examples"]
     assert jet["beta"]["type"] == ["string", "number"]
+
+
+def test_a_voltage_is_told_where_it_belongs(spinline):
+    ran = spinline("check", "peo5-water", "--set", "jet.voltage=9 kV")
+    assert ran.code == 2
+    assert 'profile = "needle"' in ran.err
+    assert spinline("check", "peo5-needle").code == 0
+
+
+def test_a_missing_beta_is_told_what_is_usual():
+    data = {
+        "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05, "molar_mass": "600 kg/mol"},
+        "jet": {"profile": "power-law", "radius": "125 um", "flow_rate": "3.2 mL/hour", "length": "5 mm", "k": 1.0},
+    }
+    with pytest.raises(InputError, match=r"jet\.beta: is missing.*0\.4 to 0\.6.*fit-jet"):
+        scene_from_dict(data)

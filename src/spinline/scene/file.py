@@ -382,6 +382,22 @@ def _key(detail: ErrorDetails) -> str:
     return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
 
 
+_USUAL = {
+    "jet.beta": "add it to [jet]: measured jets give 0.4 to 0.6, 0.47 for PEO in water; fit yours with `spinline fit-jet`",
+}
+_NEEDLE = (
+    'the needle\'s settings belong to profile = "needle" (voltage, gap, conductivity, surface_tension, permittivity, no k '
+    "and beta); `spinline scenes --copy peo5-needle` gives one to start from"
+)
+_OF_A_NEEDLE = dict.fromkeys(
+    (
+        f"jet.{name}"
+        for name in ("voltage", "gap", "distance", "surface_tension", "permittivity", "current", "needle", "gauge")
+    ),
+    _NEEDLE,
+)
+
+
 def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel]) -> InputError:
     key, kind, context = _key(detail), detail["type"], detail.get("ctx") or {}
     value = detail["input"]
@@ -392,11 +408,12 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
         remedy = context["remedy"] or ("" if kind == "refusal" else _change(key, root))
         return InputError(key, detail["msg"], value=shown, allowed=context["allowed"], remedy=remedy)
     if kind == "missing":
-        return InputError(key, "is missing", remedy=f"add it to [{key.rpartition('.')[0]}]" if "." in key else "add it")
+        where = f"add it to [{key.rpartition('.')[0]}]" if "." in key else "add it"
+        return InputError(key, "is missing", remedy=_USUAL.get(key, where))
     if kind == "extra_forbidden":
         known = _known_keys(key, data, root)
         near = difflib.get_close_matches(key.rpartition(".")[2], known, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else "take it out"
+        hint = f"did you mean {near[0]!r}?" if near else _OF_A_NEEDLE.get(key, "take it out")
         return InputError(key, "is not a known key", value=value, allowed=", ".join(known), remedy=hint)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         section = value if isinstance(value, Mapping) else {}
