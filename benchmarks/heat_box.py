@@ -97,7 +97,9 @@ def case(index: int) -> str:
         (found.solvent_volume > -1e-9).all() and found.temperature.min() > 120 and found.temperature.max() < 480
     )
     flux = found.radius**2 * found.velocity * found.polymer_fraction
-    good &= bool(np.allclose(flux, flux[0], rtol=1e-10)) and imbalance(found, liquids, phi, share, jet_at, air_at) < 1e-10
+    good &= (
+        bool(np.allclose(flux, flux[0], rtol=1e-10)) and imbalance(found, liquids, phi, share, jet_at, air_at) < 1e-10
+    )
     return "." if good else "!"
 
 
