@@ -368,8 +368,15 @@ def _cannot(y: FloatArray, given: Inputs, x: float, path: ElementPath | None) ->
             for t in given.tables
         ]
     )
-    if float(boils.max()) >= given.air[0]:
+    if float(boils.max()) >= given.air[0] and not y[:-1].any():  # still as it set out
         return InputError("temperature", "is above the boiling point of a solvent", value=kelvin, remedy="lower it")
+    if float(boils.max()) >= given.air[0]:
+        return InputError(
+            "jet",
+            f"is warmed past the boiling point of a solvent{where}",
+            value=kelvin,
+            remedy="lower the temperature of the air, or its humidity",
+        )
     return InputError(
         "jet",
         f"cannot be dried{where}: its temperature or composition changes too fast, or leaves 120 to 480 K",
