@@ -10,19 +10,15 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
-from spinline.rheology._drying_kernels import MU, STAGES
+from spinline.rheology._drying_kernels import DENSE, ERROR, MU, STAGES
 
 __all__ = ["GAS", "activities", "attempt_heat", "rates", "settle", "surface"]
 
 GAS = 8.31446261815324
 _AIR_MASS = 0.0289644
 _AIR_CP = 1006.0
-_S6 = 6.0**0.5
-_ERROR = np.array([-13 - 7 * _S6, -13 + 7 * _S6, -1.0]) / 3
 _LOW, _STEP = 120.0, 3.0  # evaporant.GRID
 _AGREE = 0.1  # of the logarithm of a volume: where the ledger's differs by more, the stages' is taken
-_NODES = np.array([(4 - _S6) / 10, (4 + _S6) / 10, 1.0])
-_DENSE = np.linalg.inv(_NODES[:, np.newaxis] ** np.arange(1, 4))
 
 
 @njit(cache=True, error_model="numpy")
@@ -320,7 +316,7 @@ def attempt_heat(
             ticks[k, c] = h * (STAGES[k, 0] * counts[0, c] + STAGES[k, 1] * counts[1, c] + STAGES[k, 2] * counts[2, c])
     error, real = np.empty(n), np.empty((n, n))
     for i in range(n):
-        error[i] = first[i] + (_ERROR[0] * stages[0, i] + _ERROR[1] * stages[1, i] + _ERROR[2] * stages[2, i]) / h
+        error[i] = first[i] + (ERROR[0] * stages[0, i] + ERROR[1] * stages[1, i] + ERROR[2] * stages[2, i]) / h
         for j in range(n):
             real[i, j] = -jacobian[i, j]
         real[i, i] += MU / h
@@ -367,10 +363,10 @@ def settle(
             change, passed = 0.0, 0.0
             for p in range(2, -1, -1):
                 change = t * (
-                    change + _DENSE[p, 0] * stages[0, i] + _DENSE[p, 1] * stages[1, i] + _DENSE[p, 2] * stages[2, i]
+                    change + DENSE[p, 0] * stages[0, i] + DENSE[p, 1] * stages[1, i] + DENSE[p, 2] * stages[2, i]
                 )
                 passed = t * (
-                    passed + _DENSE[p, 0] * ticks[0, i] + _DENSE[p, 1] * ticks[1, i] + _DENSE[p, 2] * ticks[2, i]
+                    passed + DENSE[p, 0] * ticks[0, i] + DENSE[p, 1] * ticks[1, i] + DENSE[p, 2] * ticks[2, i]
                 )
             book[k, i] = ledger[i] + passed
             if i == n:
