@@ -103,6 +103,7 @@ def window(
     ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
+    html: Annotated[Path | None, typer.Option(help="Page with sliders and values, opens offline (.html).")] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     set_: SetOption = None,
@@ -121,7 +122,7 @@ def window(
     loaded = load_scene(scene, set_ or [])
     target = out or Path(f"{Path(scene).stem}-window.nc")
     picture = None if no_figure else figure or target.with_suffix(".png")
-    for path in filter(None, (target, picture)):
+    for path in filter(None, (target, picture, html)):
         writable(path, force=force)
     if not 2 <= steps <= 2000:
         raise InputError("--steps", "is out of range", value=steps, allowed="2 to 2000", remedy="take 41")
@@ -148,6 +149,10 @@ def window(
         from spinline.report.window_figure import save_window_figure
 
         save_window_figure(found, picture, force=force)
+    if html is not None:
+        from spinline.report.window_page import save_window_page
+
+        save_window_page(found, html, force=force)
     save(found, target, force=force)
     reached = np.isfinite(found["crossover_position"].values).reshape(3, -1).mean(axis=1)
     k = found["k"].sel(k_factor=1.0).values
@@ -172,7 +177,7 @@ def window(
         f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
         f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)"
     )
-    say("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))
+    say("wrote " + ", ".join(str(path) for path in (target, picture, html) if path is not None))
 
 
 def compare(
