@@ -20,6 +20,7 @@ import typer
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
+from spinline.cli.cite import register as register_cite
 from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
@@ -42,7 +43,6 @@ __all__ = ["app", "main"]
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     help="The polymer network inside an electrospinning jet.",
@@ -328,6 +328,7 @@ REGISTERED = (
     register_images,
     register_deposit,
     register_jet,
+    register_cite,
 )
 for register in REGISTERED:
     register(app)
@@ -342,7 +343,7 @@ def main() -> None:
     code = 0
     try:
         with _stopping(), command(), telling():
-            code = int(app(standalone_mode=True) or 0)
+            code = int(app(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
     except SystemExit as ended:
         code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)

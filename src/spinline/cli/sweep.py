@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
+from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
 
@@ -16,11 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["register"]
 
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
-SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite; a sweep starts anew.")]
-ModelOption = Annotated[str | None, typer.Option("--model", help="Override network.model.")]
-RtolOption = Annotated[str | None, typer.Option("--rtol", help="Override accuracy.rtol.")]
 WorkersOption = Annotated[int | None, typer.Option(metavar="N", help="Processes. Default: as many as it pays for.")]
 
 
@@ -89,7 +85,7 @@ def sweep(
 
 
 def window(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")],
+    scene: SceneArgument,
     voltage: Annotated[str, typer.Option(help='"15 kV", or "5 kV .. 25 kV".')],
     gap: Annotated[str, typer.Option(help='"15 cm", or "10 cm .. 20 cm".')],
     flow_rate: Annotated[str | None, typer.Option(help='"1 mL/hour .. 10 mL/hour". Default: the scene\'s.')] = None,
