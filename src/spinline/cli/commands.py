@@ -33,6 +33,7 @@ from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
+from spinline.cli.window import register as register_window
 
 if TYPE_CHECKING:
     from spinline.base.checks import FloatArray
@@ -322,6 +323,7 @@ def import_jet(
 REGISTERED = (
     register_fibre,
     register_sweep,
+    register_window,
     register_fit,
     register_simulate,
     register_spin,

@@ -172,6 +172,8 @@ def _kinds(window: xr.Dataset, dims: tuple[str, ...]) -> dict[str, Any]:
     if "regime" in window:
         words = window["regime"].transpose(*dims).values.astype(str)
         names, codes = np.unique(words, return_inverse=True)
+        said = window["regime"].attrs
+        names = np.array([f"{name}: {said[name]}" if name in said else name for name in names])
         label = "the regimes"
     else:
         answered = window["status"].transpose(*dims).values <= INCOMPLETE
