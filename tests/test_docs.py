@@ -23,6 +23,7 @@ COMMANDS = {
     "run",
     "crossover",
     "check",
+    "cite",
     "plan",
     "trade",
     "scenes",

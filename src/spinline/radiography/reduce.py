@@ -34,9 +34,10 @@ from spinline.images.flat_and_dark import open_counts
 from spinline.images.formats.base import split_source
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sum_frames
-from spinline.radiography.experiment import Experiment, prepare, require_signal
+from spinline.radiography.experiment import Experiment, require_signal
 from spinline.radiography.looks import FRINGES, fringes_in
 from spinline.radiography.methods import Kept, require_method
+from spinline.radiography.prepare import prepare
 from spinline.scene.images_file import Images, Position
 from spinline.xray.frame.blocks import FrameFit, blocks_of
 from spinline.xray.frame.track import track_jet
