@@ -9,7 +9,7 @@ Model: ln d of an experiment is the chain's mean over its unknowns, plus normal 
   concentration, voltage, flow rate and gap beyond the laws;
 * within one setting: what the laws miss there; for each mat: the repeat; both larger in some laboratories than in others.
 
-Looked for are four numbers of the chain (`PRIORS`: where their priors come from is said there) and the standard
+Looked for are five numbers of the chain (`PRIORS`: where their priors come from is said there) and the standard
 deviations of the last two kinds (`SPREADS`), by turns: Gauss and Newton for the numbers, quasi-Newton on the marginal
 likelihood for the spreads. Nothing else is chosen by looking at a fibre.
 """
@@ -40,6 +40,8 @@ PRIORS = {
     "viscosity_power": (False, 14 / 3, 0.7),
     # viscous jet 1/2; straight jets from a needle 0.38; measured 0.4
     "current_conductivity": (False, 0.5, 0.1),
+    # nothing, if the laws held all that the concentration does
+    "concentration_beyond": (False, 0.0, 0.5),
 }
 SPREADS = ("laboratory", "setting", "repeat", *RESPONSES, "unevenness")
 _SCATTER = [1, 2]  # of them a laboratory has a scale of its own
@@ -196,7 +198,7 @@ def calibrate(data, turns=3, count=16):
 
     Returns
     -------
-    Calibrated, and the posterior standard deviations of the four (of the logarithm where that is normal)
+    Calibrated, and the posterior standard deviations of the five (of the logarithm where that is normal)
     """
     names = list(PRIORS)
     middle = np.array([np.log(m) if log else m for log, m, _ in PRIORS.values()])

@@ -195,6 +195,7 @@ def spun(
     )
     dry = 2 * np.sqrt(believed.volume_fraction)
     log_d = np.log(dry * (terminal if rung == "terminal" else found.radius))
+    log_d = log_d + constants.concentration_beyond * believed.away.get("concentration_response", 0.0)
     for name in RESPONSES:
         log_d = log_d + believed.sd.get(name, 0.0) * believed.away.get(name, 0.0) * z[name]
     log_d = log_d + believed.sd.get("laboratory", 0.0) * z["laboratory"]

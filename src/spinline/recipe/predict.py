@@ -59,6 +59,10 @@ class Fibre:
     borrowed : mapping
         What the recipe did not say and what was taken, by its key.
     remarks : tuple of str
+    landing_fraction : float
+        Polymer in the fibre where it lands or is solid, median; 0.7 and more is dry.
+    laying_speed : float
+        m/s at which one unbroken fibre of this diameter uses up the flow: length made a second.
     """
 
     fibre_diameter: float
@@ -77,6 +81,8 @@ class Fibre:
     trade: Mapping[str, float]
     borrowed: Mapping[str, str]
     remarks: tuple[str, ...] = ()
+    landing_fraction: float = float("nan")
+    laying_speed: float = float("nan")
 
 
 def predict(
@@ -133,13 +139,15 @@ def predict(
         regimes=regime.shares,
         rung=rung,
         decides=ended,
-        variance_shares=shares_of(log_d, z) if shares else {},
+        variance_shares=_with_rest(shares_of(log_d, z), bool(measured)) if shares else {},
         current=float(np.median(found.current)),
         viscosity=float(np.median(found.viscosity)),
         charge_density=float(np.median(found.charge_density)),
         trade={"terminal": terminal} if rung == "race" else {"race": race},
         borrowed=borrowed,
-        remarks=_remarks(regime, far),
+        remarks=(*_remarks(regime, far), *_pores(recipe, believed)),
+        landing_fraction=float(np.median(found.thinning.volume_fraction)),
+        laying_speed=float(recipe.flow_rate * believed.volume_fraction / (np.pi * (median / 2) ** 2)),
     )
 
 
@@ -270,6 +278,23 @@ def shares_of(log_d: FloatArray, z: FloatArray) -> dict[str, float]:
         if share > 1e-3:
             found[name] = share
     return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+# breath figures: pores on fibres from volatile solvents in air of more than 30 % RH (Casper et al., Macromolecules 37, 573, 2004)
+_VOLATILE, _HUMID = 4e-10, 0.3  # k_ev in m2/s: tetrahydrofuran, chloroform, acetone and dichloromethane are above
+
+
+def _with_rest(shares: dict[str, float], measured: bool) -> dict[str, float]:
+    """What is left where fibres were measured is their own scatter, which `shares_of` does not see."""
+    rest = 1.0 - sum(shares.values())
+    return {**shares, "measured": rest} if measured and rest > 0 else shares
+
+
+def _pores(recipe: Recipe, believed: Believed) -> tuple[str, ...]:
+    humid = recipe.relative_humidity > _HUMID or recipe.relative_humidity != recipe.relative_humidity
+    if believed.evaporation > _VOLATILE and humid and "water" not in recipe.solvent:
+        return ("pores on the fibres are likely: a volatile solvent, in air of more than 30 % relative humidity",)
+    return ()
 
 
 def _remarks(regime: Regime, far: float) -> tuple[str, ...]:

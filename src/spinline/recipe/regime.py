@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.special import ndtr
@@ -41,16 +40,10 @@ class Regime:
 
 def onset_voltage(surface_tension: float, radius: float, gap: float) -> tuple[float, float]:
     """Voltage at which a needle begins to spin, V, and the sd of its logarithm: the middle and the spread of the theories'."""
-    middle, spread = _onset(radius, gap)
-    return middle * float(np.sqrt(surface_tension / _TENSION)), spread
-
-
-_TENSION = 0.03  # N/m, at which the theories are asked: all of them go as its root
-
-
-@lru_cache(maxsize=1024)
-def _onset(radius: float, gap: float) -> tuple[float, float]:
-    values = np.log(list(threshold_voltage(surface_tension=_TENSION, radius=radius, gap=gap).values()))
+    theories = threshold_voltage(
+        surface_tension=surface_tension, radius=radius, gap=gap, needle_length=_NEEDLE, closed=True
+    )
+    values = np.log(list(theories.values()))
     return float(np.exp(values.mean())), max(float(values.std()), _LEAST_SPREAD)
 
 
