@@ -16,7 +16,7 @@ from spinline.jetprofile.spun.laws import JetLaw
 from spinline.jetprofile.spun.noise import impulses, normals
 from spinline.jetprofile.spun.run import SpunRun, moments
 from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads
-from spinline.jetprofile.spun.two_bead import earnshaw_rate, two_bead
+from spinline.jetprofile.spun.dumbbell import earnshaw_rate, two_bead
 
 PVP_INPUT = """
  system 3
