@@ -27,7 +27,7 @@ from spinline.base.naming import lock_folder, unlock_folder
 from spinline.scene.keys import unit_of
 from spinline.solve.results import VARIABLES
 from spinline.study.design import Column
-from spinline.study.rows import PENDING, SCALARS, STD_FLAG, Block, Task
+from spinline.study.rows import PENDING, SCALARS, STD_FLAG, WAYS, Block, Task
 from spinline.study.sweep_file import Sweep
 
 if TYPE_CHECKING:
@@ -38,6 +38,8 @@ __all__ = ["Memory", "Store", "as_grid", "open_sweep"]
 _MARK = "spinline_sweep"
 _OWN = re.compile(r"(?:[^/]+/)?zarr\.json|[^/]+/c(?:/\d+)+|(?:[^/]+/)*[^/]*\.partial")
 _STATUS = "0 ok, 1 incomplete, 2 refused, 3 failed, 255 not computed"
+_WAY = "how a row was computed: " + ", ".join(f"{code} {words}" for code, words in WAYS.items())
+_BYTES = ("status", "computed_by")
 _REASON = "why a row has no numbers, or not all"
 
 
@@ -131,8 +133,8 @@ class Store:
             group = zarr.open_group(str(place), mode="w", zarr_format=3)
             for name, (dims, described) in _layout(self.sweep, self.task).items():
                 text = name == "reason" or (name in example and example[name].dtype == object)
-                kind: Any = str if text else np.uint8 if name == "status" else np.float64
-                fill: Any = "" if text else PENDING if name == "status" else float("nan")
+                kind: Any = str if text else np.uint8 if name in _BYTES else np.float64
+                fill: Any = "" if text else PENDING if name in _BYTES else float("nan")
                 wide = () if len(dims) == 1 else (self.task.points,)
                 group.create_array(
                     name,
@@ -350,6 +352,7 @@ def _layout(sweep: Sweep, task: Task) -> dict[str, tuple[tuple[str, ...], dict[s
     for name in task.profiles:
         layout[f"profile_{name}"] = (("scene", "point"), {"long_name": VARIABLES[name][1], **_unit(VARIABLES[name][0])})
     layout["reason"] = (("scene",), {"long_name": _REASON})
+    layout["computed_by"] = (("scene",), {"long_name": _WAY})
     layout["status"] = (("scene",), {"long_name": _STATUS})
     return layout
 
@@ -366,4 +369,6 @@ def _piece(name: str, columns: Mapping[str, Column], block: Block) -> NDArray[An
         return block.status
     if name == "reason":
         return block.reason
+    if name == "computed_by":
+        return block.way
     return block.numbers[name] if name in block.numbers else block.profiles[name.removeprefix("profile_")]
