@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from spinline.base.checks import BoolArray, FloatArray
-from spinline.network.mesh import network_at_rest, rest_force
+from spinline.network.mesh import rest_force
 from spinline.plan.estimates import MARGIN, UNSTEADY
 from spinline.setup.batch import Batch
 
@@ -66,7 +66,7 @@ def _error(batch: Batch, targets: list[FloatArray]) -> tuple[FloatArray, BoolArr
     w = v * (1 + first + 2 * first**2)
     error = _change(batch, v, w)
     doubtful = np.abs(number - UNSTEADY) < _NEAR
-    for target in (network_at_rest(batch.volume_fraction, batch.scene.network.solvent_quality).full_stretch, *targets):
+    for target in (batch.full_stretch, *targets):
         here, there = _passage(z, w, target), _passage(z, v, target)
         for stretch in (w, v):
             doubtful |= (np.abs(stretch - target[:, None]) < _NEAR * target[:, None]).any(axis=1)
@@ -96,8 +96,7 @@ def _places(batch: Batch) -> FloatArray:
 def _change(batch: Batch, v: FloatArray, w: FloatArray) -> FloatArray:
     """Largest change of stretch, core fraction and orientation, as `estimates.change`, of the affine force."""
     phi = batch.volume_fraction[:, None]
-    quality = batch.scene.network.solvent_quality
-    rest, full = rest_force(phi, quality)[0], network_at_rest(phi, quality).full_stretch
+    rest, full = rest_force(phi, batch.scene.network.solvent_quality)[0], batch.full_stretch[:, None]
     moved, affine = _walk(rest * w, rest, full, phi), _walk(rest * v, rest, full, phi)
     stretch, core = np.abs(moved[0] / affine[0] - 1), np.abs(moved[2] / affine[2] - 1)
     largest: FloatArray = np.maximum(np.maximum(stretch, core), np.abs(moved[1] - affine[1])).max(axis=1)

@@ -88,6 +88,11 @@ class Batch:
         return None if measured is None else np.asarray(getattr(measured, "value", measured))
 
     @cached_property
+    def full_stretch(self) -> FloatArray:
+        """V_S, the stretch at which a strand is its contour, (rows,)."""
+        return network_at_rest(self.volume_fraction, self.scene.network.solvent_quality).full_stretch
+
+    @cached_property
     def coupling(self) -> FloatArray | None:
         """alpha_v of Eq. (33); None where the viscosity is not known."""
         given = self.of("network.coupling")
