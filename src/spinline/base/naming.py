@@ -54,7 +54,12 @@ def nameless(folder: Path) -> Iterator[tuple[IO[bytes], Callable[[Path, bool], N
         if getattr(error, "errno", None) in (errno.ENOSPC, errno.EROFS, errno.EDQUOT, errno.EACCES):
             raise
         with scratch_folder(folder) as scratch, (scratch / "part").open("wb+", buffering=0) as raw:
-            yield raw, lambda target, force: named(scratch / "part", target, force=force)
+
+            def close_and_name(target: Path, force: bool) -> None:
+                raw.close()  # Windows renames no open file
+                named(scratch / "part", target, force=force)
+
+            yield raw, close_and_name
         return
     with os.fdopen(handle, "wb+", buffering=0) as raw:
 
@@ -93,7 +98,7 @@ def named(part: Path, target: Path, *, force: bool) -> None:
 
 def keep_mode(handle: int, target: Path) -> None:
     """A file that is replaced keeps its permissions."""
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):  # a system without permissions of this kind
         os.fchmod(handle, stat.S_IMODE(os.stat(target).st_mode))
 
 
@@ -133,6 +138,8 @@ def lock_folder(folder: Path) -> None:
     InputError
         If another process has it.
     """
+    if os.name == "nt":  # folders are not opened there; the exclusive making of files still holds
+        return
     handle = os.open(folder, os.O_RDONLY)
     state = os.fstat(handle)
     if (state.st_dev, state.st_ino) in _locks:
@@ -193,6 +200,8 @@ def _sweep(folder: Path) -> None:
 
 
 def _alive(process: int) -> bool:
+    if os.name == "nt":  # signal 0 would end it there
+        return True
     try:
         os.kill(process, 0)
     except ProcessLookupError:

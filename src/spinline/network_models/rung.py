@@ -4,6 +4,7 @@ A rung is one file that ends in ``RUNG = MyRung()`` and one line in `spinline.ne
 report, the command line and the docs read its traits. How to add one: CONTRIBUTING.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from spinline.setup.context import Context
     from spinline.setup.history import History
 
-__all__ = ["Network", "Relaxed", "Rung", "Setting"]
+__all__ = ["RUNGS", "Network", "Relaxed", "Rung", "Setting", "cheapest", "rung_of", "simplest"]
 
 
 class Network(Protocol):
@@ -129,8 +130,6 @@ class Rung:
         """
         n = context.scene.network
         if "straight jet" in self.needs and not context.straight:
-            from spinline.network_models.registry import simplest
-
             raise InputError(
                 "network.model",
                 "needs a straight jet",
@@ -138,8 +137,6 @@ class Rung:
                 remedy=f'take "{simplest().name}" for a bead jet',
             )
         if not self.slips and n.force_law != "lattice":
-            from spinline.network_models.registry import RUNGS
-
             others = " or ".join(f'"{rung.name}"' for rung in RUNGS.values() if rung.slips)
             raise InputError(
                 "network.force_law",
@@ -223,3 +220,22 @@ class Rung:
     def finest(self, context: "Context") -> Setting | None:
         """How it serves as the reference of its branch; None where it does not."""
         return None
+
+
+RUNGS: dict[str, Rung] = {}  # cheapest first; `spinline.network_models.registry` fills it
+
+
+def rung_of(name: str) -> Rung:
+    """The rung of a name that the scene file allows."""
+    return RUNGS[name]
+
+
+def simplest() -> Rung:
+    """The rung that holds nothing: what every other is measured against."""
+    return next(rung for rung in RUNGS.values() if rung.automatic and not rung.holds)
+
+
+def cheapest(effects: Iterable[str]) -> Rung | None:
+    """The first rung, of those that "auto" may take, that holds all of these effects; None where none does."""
+    asked = set(effects)
+    return next((rung for rung in RUNGS.values() if rung.automatic and asked <= set(rung.holds)), None)

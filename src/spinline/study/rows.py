@@ -34,7 +34,8 @@ from spinline.setup.build import build_solution
 from spinline.setup.jet import build_jet, built_from_numbers
 from spinline.solve.many import AT_END
 from spinline.solve.results import VARIABLES
-from spinline.solve.spine import Solved, evaluate
+from spinline.solve.solved import Solved
+from spinline.solve.spine import evaluate
 from spinline.solve.summary import FIBRE, SUMMARISED, summarised
 from spinline.solve.uncertainty import shares
 from spinline.study.design import Column

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.file_format import FORMAT, require_format
 from spinline.base.files import discard, new_folder
 from spinline.base.naming import lock_folder, unlock_folder
 from spinline.scene.keys import unit_of
@@ -146,7 +147,7 @@ class Store:
                     attributes=described,
                     compressors=[ZstdCodec(level=0), Crc32cCodec()],
                 )
-            told = {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
+            told = {_MARK: FORMAT, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
             group.attrs.update(told | {"checksum": _checksum(place, told)})
 
     def pending(self) -> list[int]:
@@ -277,6 +278,9 @@ def peek(path: Path) -> Mapping[str, Any] | None:
         told = {key: value for key, value in attributes.items() if key != "checksum"}
         if attributes["checksum"] != _checksum(path, told):
             raise broken
+        require_format(str(path), attributes[_MARK])
+    except InputError:
+        raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise broken from None
     return attributes

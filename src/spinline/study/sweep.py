@@ -14,8 +14,6 @@ second start, and wherever a worker died. What was stored is not computed again;
 """
 
 import os
-import signal
-import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -29,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.workers import start_worker
 from spinline.study.closed_forms import closed_forms, why_not
 from spinline.study.design import Column
 from spinline.study.rows import PENDING, SCALARS, Block, Task, evaluate_rows, numbers, solve_row
@@ -165,7 +164,7 @@ def _pooled(
     """Chunks in processes; when one dies the others' chunks are given out again."""
     left, deaths = list(chunks), 0
     while left:
-        pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_start_worker, initargs=(os.getpid(),))
+        pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=start_worker, initargs=(os.getpid(),))
         waiting = iter(list(left))
         running: dict[Future[Block], int] = {}
         try:
@@ -197,19 +196,6 @@ def _pooled(
             raise
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _start_worker(parent: int) -> None:
-    """A worker ignores Ctrl-C (its parent sees to that) and does not outlive its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    warnings.simplefilter("ignore", SpinlineWarning)
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(1.0)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _distributed(
