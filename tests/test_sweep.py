@@ -483,6 +483,18 @@ def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
 
 
 @pytest.mark.slow
+def test_what_a_kill_left_beside_a_store_is_gone_after_the_next_start(tmp_path):
+    """Killed after the store had its place, before the scratch folder was removed: the next start makes no scratch."""
+    from spinline.base.naming import scratch_name
+
+    sweep = sweep_from_dict(spec(samples=8))
+    run_sweep(sweep, tmp_path / "s.zarr")
+    left = tmp_path / scratch_name(tmp_path).name.replace(f"-{os.getpid()}-", "-4194999-")  # beyond the largest pid
+    left.mkdir()
+    run_sweep(sweep, tmp_path / "s.zarr")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.zarr"]
+
+
 def test_processes_give_the_same_and_survive_the_death_of_one():
     import multiprocessing
 

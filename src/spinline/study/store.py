@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.file_format import FORMAT, require_format
 from spinline.base.files import discard, new_folder
-from spinline.base.naming import lock_folder, unlock_folder
+from spinline.base.naming import clear_leavings, lock_folder, unlock_folder
 from spinline.scene.keys import unit_of
 from spinline.solve.results import VARIABLES
 from spinline.study.design import Column
@@ -118,6 +118,7 @@ class Store:
                 remedy="choose another name, or --force to start anew",
             )
         lock_folder(path)
+        clear_leavings(path.parent)  # killed between the store's move to its place and the end of what it was made in
         for left in path.rglob("*.partial"):  # of a process that was killed
             left.unlink(missing_ok=True)
         self._group: Any = zarr.open_group(str(path), mode="r+")
