@@ -10,8 +10,8 @@ import xarray as xr
 import spinline as sl
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.fit.least_squares import fit
-from spinline.fit.overlay import compare_theory
 from spinline.fit.observations import Observation
+from spinline.fit.overlay import compare_theory
 from spinline.fit.problem import FitProblem, Prior
 from spinline.fit.scene_model import forward_model
 from spinline.jetprofile.ehd import NeedleSettings, NoSteadyJet, StraightEhdJet

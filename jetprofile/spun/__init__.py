@@ -21,11 +21,11 @@ from spinline.base.lazy import lazily
 if TYPE_CHECKING:
     from spinline.jetprofile.spun.chain import Chain, start_cylinder
     from spinline.jetprofile.spun.dataset import landings, to_dataset
+    from spinline.jetprofile.spun.dumbbell import TwoBeadJet, earnshaw_rate, two_bead
     from spinline.jetprofile.spun.laws import JetLaw
     from spinline.jetprofile.spun.run import SpunRun
     from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads, SpunSettings
     from spinline.jetprofile.spun.steady import SteadyJet, steady_jet
-    from spinline.jetprofile.spun.dumbbell import TwoBeadJet, earnshaw_rate, two_bead
 
 _NAMES = {
     "Air": "settings",

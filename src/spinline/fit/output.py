@@ -15,7 +15,7 @@ from spinline.solve.results import plain
 
 if TYPE_CHECKING:
     from spinline.fit.fit_file import FitFile
-    from spinline.fit.least_squares import Fit
+    from spinline.fit.fitted import Fit
     from spinline.fit.posterior import Posterior
 
 __all__ = ["fit_dataset", "fit_json", "fit_words", "handy"]

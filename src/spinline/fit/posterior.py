@@ -24,7 +24,7 @@ from spinline.network_models.registry import rung_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from spinline.fit.least_squares import Fit
+    from spinline.fit.fitted import Fit
     from spinline.fit.model import Prediction
 
 __all__ = ["LEVELS", "Posterior", "bands", "gaussian_draws", "predictive", "sample", "stored_draws"]
