@@ -16,6 +16,7 @@ from spinline.base.errors import InputError
 
 __all__ = [
     "SCRATCH",
+    "clear_leavings",
     "keep_mode",
     "kind_of",
     "lock_folder",
@@ -39,7 +40,7 @@ def scratch_name(folder: Path, ending: str = "") -> Path:
 @contextmanager
 def scratch_folder(folder: Path) -> Iterator[Path]:
     """A folder for what is under way; what dead processes left beside it is removed."""
-    _sweep(folder)
+    clear_leavings(folder)
     with tempfile.TemporaryDirectory(prefix=f"{scratch_name(folder).name}-", dir=folder) as made:
         yield Path(made)
 
@@ -47,7 +48,7 @@ def scratch_folder(folder: Path) -> Iterator[Path]:
 @contextmanager
 def nameless(folder: Path) -> Iterator[tuple[IO[bytes], Callable[[Path, bool], None]]]:
     """A file without a name, and what gives it one; where the file system has none such, one in a scratch folder."""
-    _sweep(folder)
+    clear_leavings(folder)
     try:
         handle = os.open(folder, os.O_TMPFILE | os.O_RDWR, 0o666)
     except (AttributeError, OSError) as error:  # no such flag, or no such file system
@@ -183,7 +184,7 @@ def _machine() -> str:
     return f"{zlib.crc32(gethostname().encode()):08x}"
 
 
-def _sweep(folder: Path) -> None:
+def clear_leavings(folder: Path) -> None:
     """Remove what processes of this machine left in a folder when they were killed."""
     ours = f"{SCRATCH}{_machine()}-"
     with suppress(OSError), os.scandir(folder) as entries:

@@ -27,7 +27,7 @@ from spinline.setup.context import Context
 if TYPE_CHECKING:
     from spinline.jetprofile.jet import Jet
 
-__all__ = ["MARGIN", "Plan", "plan_of", "plan_scene", "resolved"]
+__all__ = ["MARGIN", "Plan", "plan_of", "plan_scene", "resolved", "with_rung"]
 
 _MOVING = tuple(effect.name for effect in EFFECTS if effect.moves)
 
@@ -151,10 +151,15 @@ def plan_of(context: Context, numbers: EffectNumbers | None = None) -> Plan:
 
 def resolved(scene: Scene, plan: Plan) -> Scene:
     """The scene with the rung of its plan in place of "auto"."""
-    if scene.network.model == plan.model:
+    return with_rung(scene, RUNGS[plan.model])
+
+
+def with_rung(scene: Scene, rung: Rung) -> Scene:
+    """The scene with a rung in place of "auto"."""
+    if scene.network.model == rung.name:
         return scene
-    changes: dict[str, Any] = {"model": plan.model}
-    if RUNGS[plan.model].slips and not _names_a_law(scene):
+    changes: dict[str, Any] = {"model": rung.name}
+    if rung.slips and not _names_a_law(scene):
         changes["force_law"] = "linear"
     return scene.model_copy(update={"network": scene.network.model_copy(update=changes)})
 
