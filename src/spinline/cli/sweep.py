@@ -47,7 +47,7 @@ def sweep(
 
     import numpy as np
 
-    from spinline.study.rows import STATUS_NAMES
+    from spinline.study.rows import STATUS_NAMES, WAYS
     from spinline.study.sensitivity import OUTPUTS
     from spinline.study.sensitivity import sobol as sobol_
     from spinline.study.sweep import load_sweep, run_sweep
@@ -61,12 +61,13 @@ def sweep(
             say(f"stopped; what is done is in {target}: the same command goes on from there", err=True)
             raise typer.Exit(130) from None
     status, counts = np.unique(result["status"].values, return_counts=True)
+    ways, rows = np.unique(result["computed_by"].values, return_counts=True)
     tally = {STATUS_NAMES[int(s)]: int(n) for s, n in zip(status, counts, strict=True)}
     answer: dict[str, Any] = {
         "out": str(target),
         "scenes": int(counts.sum()),
         **tally,
-        "computed_by": result.attrs["computed_by"],
+        "computed_by": {WAYS[int(code)]: int(n) for code, n in zip(ways, rows, strict=True) if int(code) in WAYS},
     }
     found = sobol_(result, output or OUTPUTS) if result.attrs["design"] == "sensitivity" else None
     if json:
@@ -74,7 +75,8 @@ def sweep(
             answer["indices"] = _index_rows(found)
         say(json_.dumps(answer))
         return
-    say(f"{answer['scenes']} scenes, {', '.join(f'{n} {name}' for name, n in tally.items())}; {answer['computed_by']}")
+    states, done = (", ".join(f"{n} {name}" for name, n in told.items()) for told in (tally, answer["computed_by"]))
+    say(f"{answer['scenes']} scenes, {states}; {done}")
     for name, many in _reasons(result):
         say(f"  {many}: {name}")
     if found is not None:

@@ -12,6 +12,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 
 if TYPE_CHECKING:
+    from spinline.setup.batch import Batch
     from spinline.setup.context import Context
     from spinline.setup.history import History
 
@@ -97,6 +98,8 @@ class Rung:
         Too slow, or too noisy, to be repeated for every uncertain input.
     lean : bool
         Its numbers do not depend on how many places are written.
+    many : bool
+        `rows` may serve it.
     automatic : bool
         `network.model = "auto"` may take it.
     branch : str
@@ -113,6 +116,7 @@ class Rung:
     relaxes: bool = False
     sampled: bool = False
     lean: bool = True
+    many: bool = False
     automatic: bool = False
     branch: str = ""
     cost: str = ""
@@ -163,6 +167,27 @@ class Rung:
         ------
         InputError
             Where there is none.
+        """
+        return None
+
+    def rows(self, batch: "Batch", places: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """Networks along many straight jets at once; None where a rung has no such way.
+
+        Parameters
+        ----------
+        batch : Batch
+            Usable rows, this rung named in its scene.
+        places : ndarray, (rows, m)
+            Where the stretch is wanted, m; NaN for nowhere.
+        target : ndarray, (rows,)
+            A stretch.
+
+        Returns
+        -------
+        stretch : ndarray, (rows, m)
+            NaN throughout a row that has to be run by itself.
+        passages : ndarray, (rows,)
+            Where the stretch first passes the target, initial radii; NaN where never.
         """
         return None
 

@@ -38,6 +38,7 @@ __all__ = ["Sweep", "bundled_sweeps", "load_sweep", "scene_tables", "sweep_from_
 
 _TOP = ("title", "scene", "set", "profiles", "points", "chunk", "design", "vary")
 _DESIGN = ("kind", "samples", "seed", "path")
+_LAYOUT = 2  # of stores: one of another is another sweep
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +88,7 @@ class Sweep:
 
         parts = [
             __version__,
+            _LAYOUT,
             self.base,
             self.design.digest(),
             self.profiles,
