@@ -12,7 +12,7 @@ with the mean over papers, which moves less from one choice of papers to the nex
 import argparse
 import json
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from spindb_calibrate import PRIORS, calibrate, load
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import CONSTANTS, Calibrated
 from spinline.recipe.model import UNKNOWNS, spun
-from spinline.recipe.predict import another, even, gain_of, normals, predict, shares_of
+from spinline.recipe.predict import another, even, gain_of, normals, shares_of
 from spinline.recipe.regime import regime_of
 from spinline.recipe.table import read_experiments, recipes_of
 
@@ -111,7 +111,19 @@ def one_known(data, folds, draws=512):
     usual = even(z)
     found = {}
     for over in ("mats", "settings"):
-        each = {name: [] for name in ("chain", "equal", "chain, all pairs", "equal, all pairs", "68", "95", "middle", "middle, equal")}
+        each = {
+            name: []
+            for name in (
+                "chain",
+                "equal",
+                "chain, all pairs",
+                "equal, all pairs",
+                "68",
+                "95",
+                "middle",
+                "middle, equal",
+            )
+        }
         for p in np.unique(data.paper):
             mats = np.flatnonzero(data.paper[data.setting] == p)
             settings = data.setting[mats]
@@ -136,7 +148,8 @@ def one_known(data, folds, draws=512):
                         if shared not in mine:  # ln d of the known mat by the draws that the other one shares
                             own = another(z, recipes[t], recipes[s], 100)
                             mine[shared] = [
-                                spun(believed[s], w, constants=folds[p], steps=16).log_diameter for w in (own, even(own))
+                                spun(believed[s], w, constants=folds[p], steps=16).log_diameter
+                                for w in (own, even(own))
                             ]
                         seen, seen_usual = mine[shared]
                         (gain,) = gain_of(plain_usual[t], seen_usual[np.newaxis])
@@ -172,7 +185,7 @@ def central(data, settings):
     return int(np.argmin(np.sum(x * x, axis=1)))
 
 
-def failures(path, folds, draws=2048):
+def failures(path, folds, draws=512):
     """Chance of anything but fibres, of the experiments that failed and of the others; the area under the curve."""
     groups = {}
     rows = read_experiments(path)
@@ -192,7 +205,8 @@ def failures(path, folds, draws=2048):
     bad, good = np.array(scores[False]), np.array(scores[True])
     mixed = {p for p, s, _ in found if s == "False"} & {p for p, s, _ in found if s == "True"}
     inside = [
-        np.mean([b > g for p, s, g in found if p == q and s == "True"]) + 0.5 * np.mean([b == g for p, s, g in found if p == q and s == "True"])
+        np.mean([b > g for p, s, g in found if p == q and s == "True"])
+        + 0.5 * np.mean([b == g for p, s, g in found if p == q and s == "True"])
         for q in sorted(mixed)
         for _, s, b in [f for f in found if f[0] == q]
         if s == "False"
@@ -221,7 +235,10 @@ def _resampled(bad, good, times=400):
 def floor(data):
     """How far nearly equal recipes of different papers lie apart, and mats of one setting within a paper."""
     x = np.column_stack(
-        [np.log([r.mass_fraction for r in data.recipes]), *[data.believed.away[n][:, 0] for n in data.believed.away if n != "concentration_response"]]
+        [
+            np.log([r.mass_fraction for r in data.recipes]),
+            *[data.believed.away[n][:, 0] for n in data.believed.away if n != "concentration_response"],
+        ]
     )
     y = np.array([data.log_d[data.setting == s].mean() for s in range(len(data.rows))])
     near = {}
@@ -245,7 +262,9 @@ def floor(data):
     return {
         "pairs of papers": len(pairs),
         "factor between them": float(np.exp(np.median(pairs))) if len(pairs) else None,
-        "factor of the best prediction from these columns": float(np.exp(np.median(pairs) / 2**0.5)) if len(pairs) else None,
+        "factor of the best prediction from these columns": float(np.exp(np.median(pairs) / 2**0.5))
+        if len(pairs)
+        else None,
         "repeat_sd": float(np.median(repeats)),
         "papers with repeats": len(repeats),
     }
@@ -256,14 +275,18 @@ def fold(data, papers):
     return calibrate(data.of(np.setdiff1d(data.paper, papers)))[0]
 
 
-def predicted(data, folds, rung="race", draws=2048):
-    """Quantiles of ln d of every setting, by the constants of its paper's fold, (setting, 5)."""
+def predicted(data, folds, draws=2048):
+    """Quantiles of ln d of every setting by its paper's constants, (setting, 5), by rung."""
     z = normals(draws)
-    found = []
+    found = {"race": [], "terminal": []}
     for recipe, paper in zip(data.recipes, data.paper, strict=True):
         believed = believe(recipe, folds[paper])[0]
-        found.append(np.quantile(spun(believed, z, rung=rung, constants=folds[paper]).log_diameter, QUANTILES))
-    return np.array(found)
+        spins = spun(believed, z, constants=folds[paper])
+        race = spins.log_diameter
+        alone = np.log(2 * np.sqrt(believed.volume_fraction) * spins.thinning.radius)
+        found["race"].append(np.quantile(race, QUANTILES))
+        found["terminal"].append(np.quantile(race - alone + np.log(spins.terminal), QUANTILES))
+    return {rung: np.array(values) for rung, values in found.items()}
 
 
 def scored(q, y, paper):
@@ -285,8 +308,7 @@ def judge(path, known=None):
     y = np.array([data.log_d[data.setting == s].mean() for s in range(len(data.rows))])
     folds = known or {p: fold(data, [p]) for p in papers}
     answer = {"settings": len(y), "mats": len(data.log_d), "papers": len(papers), "rungs": {}}
-    for rung in ("race", "terminal"):
-        q = predicted(data, folds, rung)
+    for rung, q in predicted(data, folds).items():
         answer["rungs"][rung] = scored(q, y, data.paper)
         if rung == "race":
             answer["elasticities"] = elasticities(data.rows, y, q[:, 2], data.paper)
@@ -294,10 +316,11 @@ def judge(path, known=None):
                 [p, round(float(np.exp(v)), 11), *np.round(np.exp(five), 11).tolist()]
                 for p, v, five in zip(data.paper, y, q, strict=True)
             ]
-    answer["in sample"] = scored(predicted(data, dict.fromkeys(papers, CONSTANTS)), y, data.paper)
+    answer["in sample"] = scored(predicted(data, dict.fromkeys(papers, CONSTANTS), 512)["race"], y, data.paper)
     plain = baselines(data.rows, y, data.paper)
     answer["plain statistics"] = {
-        name: dict(zip(("factor", "mean"), over_papers(np.abs(v - y), data.paper), strict=True)) for name, v in plain.items()
+        name: dict(zip(("factor", "mean"), over_papers(np.abs(v - y), data.paper), strict=True))
+        for name, v in plain.items()
     }
     answer["one known"] = one_known(data, folds)
     answer["failures"] = failures(path, folds)
@@ -313,7 +336,8 @@ def judge(path, known=None):
     answer["calibrated on all"] = asdict(calibrate(data)[0])
     answer["folds"] = {p: asdict(c) for p, c in folds.items()}
     answer["constants over folds"] = {
-        name: [min(getattr(c, name) for c in folds.values()), max(getattr(c, name) for c in folds.values())] for name in PRIORS
+        name: [min(getattr(c, name) for c in folds.values()), max(getattr(c, name) for c in folds.values())]
+        for name in PRIORS
     }
     answer["cpu_seconds"] = round(time.process_time() - began, 1)
     return answer

@@ -1,6 +1,8 @@
 """Calibration of the fibre's chain on published fibres: the largest posterior density of a mixed model, in seconds.
 
-    python benchmarks/spindb_calibrate.py ../shared/data/spindb/experiments.csv      # prints src/spinline/recipe/constants.py's numbers
+    python benchmarks/spindb_calibrate.py ../shared/data/spindb/experiments.csv
+
+prints the numbers of `src/spinline/recipe/constants.py`.
 
 Model: ln d of an experiment is the chain's mean over its unknowns, plus normal departures whose covariance is
 
@@ -69,7 +71,9 @@ class Experiments:
         index = np.full(len(keep), -1)
         index[keep] = np.arange(keep.sum())
         mats = keep[self.setting]
-        part = {f: getattr(self.believed, f)[keep] for f in self.believed.__dataclass_fields__ if f not in ("sd", "away")}
+        part = {
+            f: getattr(self.believed, f)[keep] for f in self.believed.__dataclass_fields__ if f not in ("sd", "away")
+        }
         for f in ("sd", "away"):
             part[f] = {name: value[keep] for name, value in getattr(self.believed, f).items()}
         return Experiments(
@@ -216,14 +220,20 @@ def calibrate(data, turns=3, count=16):
         blocks = _blocks(data, now)
         f = _mean(data, now, z)
         rest = data.log_d - f[data.setting]
-        log_sd = minimize(_spread_loss, log_sd, (blocks, rest), jac=True, method="L-BFGS-B", bounds=[(-5, 1)] * len(log_sd)).x
+        log_sd = minimize(
+            _spread_loss, log_sd, (blocks, rest), jac=True, method="L-BFGS-B", bounds=[(-5, 1)] * len(log_sd)
+        ).x
         inverses = _spread_loss(log_sd, blocks, rest, want="inverses")
         for _ in range(4):
             now = constants(at)
             f = _mean(data, now, z)
             small = 0.1 * width
             jac = np.stack(
-                [(_mean(data, constants(at + small * (np.arange(len(at)) == j)), z) - f) / small[j] for j in range(len(at))], axis=1
+                [
+                    (_mean(data, constants(at + small * (np.arange(len(at)) == j)), z) - f) / small[j]
+                    for j in range(len(at))
+                ],
+                axis=1,
             )
             rest, jac = data.log_d - f[data.setting], jac[data.setting]
             gram, pull = np.diag(width**-2.0), -(at - middle) / width**2
@@ -242,7 +252,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("table", type=Path)
     found, width = calibrate(load(parser.parse_args().table))
-    for name in PRIORS:
-        print(f"    {name}: float = {getattr(found, name):.4g}  # posterior sd {width[name]:.2g}{' of its logarithm' if PRIORS[name][0] else ''}")
+    for name, (log, *_) in PRIORS.items():
+        words = f"posterior sd {width[name]:.2g}{' of its logarithm' if log else ''}"
+        print(f"    {name}: float = {getattr(found, name):.4g}  # {words}")
     for name, value in found.sd.items():
         print(f'            "{name}": {value:.4g},')

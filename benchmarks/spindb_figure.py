@@ -39,7 +39,9 @@ def main():
     for row, (_, ratio, low, high, i, low95, high95) in enumerate(sorted(errors, key=lambda e: e[0])):
         right.hlines(row, np.exp(low95), np.exp(high95), color=GREY, alpha=0.35, linewidth=1)
         right.hlines(row, np.exp(low), np.exp(high), color=GREY, alpha=0.6, linewidth=4)
-        right.plot(np.exp(ratio), np.full(len(ratio), row), "os^vD"[i % 5], color=f"C{i % 10}", markersize=3, linestyle="")
+        right.plot(
+            np.exp(ratio), np.full(len(ratio), row), "os^vD"[i % 5], color=f"C{i % 10}", markersize=3, linestyle=""
+        )
     right.axvline(1.0, color=GREY, linewidth=1)
     right.set(xscale="log", xlim=(0.08, 12), xlabel="measured over predicted diameter", yticks=[], ylabel="papers")
     right.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10], ["0.1", "0.2", "0.5", "1", "2", "5", "10"])

@@ -225,7 +225,9 @@ def test_tables_as_people_keep_them(tmp_path):
     (tmp_path / "s.csv").write_text(";".join(names) + "\n\n" + ";".join(row[n].replace(".", ",") for n in names) + "\n")
     plain, comma = (predict_table(read_experiments(tmp_path / f)) for f in ("t.csv", "s.csv"))
     assert plain[0]["predicted_nm"] == comma[0]["predicted_nm"] != ""
-    (tmp_path / "n.csv").write_text(",".join(names) + "\n" + ",".join("NaN" if n[:4] == "conc" else row[n] for n in names) + "\n")
+    (tmp_path / "n.csv").write_text(
+        ",".join(names) + "\n" + ",".join("NaN" if n[:4] == "conc" else row[n] for n in names) + "\n"
+    )
     assert predict_table(read_experiments(tmp_path / "n.csv"))[0]["predicted_nm"] != ""
     (tmp_path / "e.csv").write_text(",".join(names) + "\n")
     with pytest.raises(InputError, match="no rows"):
@@ -309,7 +311,9 @@ def test_the_calibration_finds_what_made_the_fibres():
             recipes.append(replace(base, mass_fraction=c))
             paper.append(str(lab))
     believed = Believed.of([believe(recipe)[0] for recipe in recipes])
-    data = sc.Experiments([{} for _ in recipes], recipes, believed, np.array(paper), np.array(["a"] * 48), np.arange(48), np.zeros(48))
+    data = sc.Experiments(
+        [{} for _ in recipes], recipes, believed, np.array(paper), np.array(["a"] * 48), np.arange(48), np.zeros(48)
+    )
     z = np.zeros((1, len(sc.UNKNOWNS)))
     made = spun(believed, z, constants=truth, steps=12).log_diameter[:, 0] + 0.05 * rng.standard_normal(48)
     found, width = sc.calibrate(replace(data, log_d=made), turns=2, count=4)

@@ -150,7 +150,12 @@ class SpindbTable(Generated):
         rows.append(row("one fibre of the paper measured, the others said equal", {"factor": one["equal"]}))
         low = found["floor"]["factor of the best prediction from these columns"]
         rows.append(row("best that these columns allow, from papers with nearly equal recipes", {"factor": low}))
-        return self.parse(_table(("prediction, the paper left out", "factor, median paper", "mean paper", "68 / 95 % intervals hold"), rows))
+        return self.parse(
+            _table(
+                ("prediction, the paper left out", "factor, median paper", "mean paper", "68 / 95 % intervals hold"),
+                rows,
+            )
+        )
 
 
 class SpindbText(Generated):
@@ -159,7 +164,12 @@ class SpindbText(Generated):
     def run(self):
         found = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb.json").read_text(encoding="utf-8"))
         rows = [
-            (name, f"{e['predicted']:.2f}", f"{e['measured'][1]:.2f} ({e['measured'][0]:.2f} to {e['measured'][2]:.2f})", f"{e['papers']}")
+            (
+                name,
+                f"{e['predicted']:.2f}",
+                f"{e['measured'][1]:.2f} ({e['measured'][0]:.2f} to {e['measured'][2]:.2f})",
+                f"{e['papers']}",
+            )
             for name, e in found["elasticities"].items()
         ]
         table = self.parse(

@@ -173,7 +173,7 @@ def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -
         borrowed["solution.concentration"] = f"{100 * w:.3g} wt%, where such chains are usually spun"
         return TAKEN.spun_at, w
     # where people spin: ln(usual/c_e) about ln 2.5
-    precision = (own**-2, TAKEN.spun_at_sd ** -2)
+    precision = (own**-2, TAKEN.spun_at_sd**-2)
     said = np.log(usual) - np.log(TAKEN.spun_at)
     log_ce = (precision[0] * log_ce + precision[1] * said) / sum(precision)
     sd["entanglement_concentration"] = float(sum(precision) ** -0.5)
@@ -204,9 +204,7 @@ def _rate(name: str, kelvin: float, humidity: float) -> float:
     ambient = min(humidity, 0.97) if name == "water" else 0.0
     pressure = float(saturation_pressure(name, kelvin))
     content = pressure * molar_mass(name) / (_GAS * kelvin)
-    free = (
-        vapour_diffusivity(name, kelvin) * TAKEN.sherwood * content * (1 - ambient) / solvent_density(name, kelvin)
-    )
+    free = vapour_diffusivity(name, kelvin) * TAKEN.sherwood * content * (1 - ambient) / solvent_density(name, kelvin)
     cooled = wet_bulb(Evaporant.build(name, kelvin, ambient_pressure=ambient * pressure), kelvin).rate_factor
     return float(free * cooled)
 

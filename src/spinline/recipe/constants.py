@@ -6,7 +6,6 @@ there. `Taken` were never looked at against a fibre.
 """
 
 from dataclasses import dataclass, field
-from math import inf
 
 __all__ = ["CONSTANTS", "TAKEN", "Calibrated", "Taken"]
 
@@ -19,7 +18,7 @@ class Taken:
     ----------
     current_voltage, current_flow, current_viscosity : float
         Exponents of the current of a viscous jet, `spinline.jetprofile.ehd.current.viscous_current`; as voltage counts
-        ``V/ln(4 H/r)``, the field near a needle.
+        ``V/ln(1 + 4 H/r)``, the field near a needle.
     spun_at, spun_at_sd : float
         Concentration over that of entanglement at which people spin, and the sd of its logarithm.
     viscosity_at_entanglement : float

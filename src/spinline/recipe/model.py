@@ -105,7 +105,9 @@ class Believed:
         def column(values: Any) -> Any:
             return np.array([list(values)]).T
 
-        plain = {f.name: column(getattr(one, f.name) for one in many) for f in fields(cls) if f.name not in ("sd", "away")}
+        plain = {
+            f.name: column(getattr(one, f.name) for one in many) for f in fields(cls) if f.name not in ("sd", "away")
+        }
         return cls(
             **plain,
             sd={name: column(one.sd.get(name, 0.0) for one in many) for name in UNKNOWNS},
@@ -206,7 +208,7 @@ def spun(
 
 def _field(voltage: Any, gap: Any, radius: Any) -> Any:
     """Voltage as the tip of a needle sees it."""
-    return voltage / np.log(4 * gap / radius)
+    return voltage / np.log1p(4 * gap / radius)
 
 
 _USUAL_FLOW = 1e-6 / 3600

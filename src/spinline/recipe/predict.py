@@ -151,9 +151,7 @@ def predict(
     )
 
 
-def _one_laboratory(
-    recipe: Recipe, measured: Sequence[Measurement]
-) -> tuple[Recipe, list[Measurement]]:
+def _one_laboratory(recipe: Recipe, measured: Sequence[Measurement]) -> tuple[Recipe, list[Measurement]]:
     """The recipes with the fraction about which they are spun in common."""
     alike = [one.recipe for one in measured if one.recipe.polymer == recipe.polymer]
     if not alike or recipe.usual_fraction == recipe.usual_fraction:
@@ -161,7 +159,8 @@ def _one_laboratory(
     given = [r.mass_fraction for r in (recipe, *alike) if r.mass_fraction == r.mass_fraction]
     usual = float(np.exp(np.mean(np.log(given)))) if given else float("nan")
     shared = [
-        replace(one, recipe=replace(one.recipe, usual_fraction=usual)) if one.recipe in alike else one for one in measured
+        replace(one, recipe=replace(one.recipe, usual_fraction=usual)) if one.recipe in alike else one
+        for one in measured
     ]
     return replace(recipe, usual_fraction=usual), shared
 
@@ -280,7 +279,8 @@ def shares_of(log_d: FloatArray, z: FloatArray) -> dict[str, float]:
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-# breath figures: pores on fibres from volatile solvents in air of more than 30 % RH (Casper et al., Macromolecules 37, 573, 2004)
+# breath figures: pores on fibres from volatile solvents in air of more than 30 % RH (Casper et al., Macromolecules 37, 573
+# (2004))
 _VOLATILE, _HUMID = 4e-10, 0.3  # k_ev in m2/s: tetrahydrofuran, chloroform, acetone and dichloromethane are above
 
 

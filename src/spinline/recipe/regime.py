@@ -21,9 +21,10 @@ REGIMES = {
     "wet deposit": "lands wet: fibres fuse or flatten",
     "clogs": "too viscous for the pump and the needle",
 }
-# c/c_e: drops below entanglement; beads to about twice that (McKee et al., Macromolecules 37, 1760 (2004): fibres from c_e,
-# without beads at 2 to 2.5 c_e)
-_SPRAY, _BEADS = 1.0, 2.0
+# c/c_e (Shenoy et al., Polymer 46, 3372 (2005): with two entanglements a chain at c_e, fibres among beads from some 1.4,
+# none but fibres from 2.5). McKee et al., Macromolecules 37, 1760 (2004) see the last beads go at 2 to 2.5 c_e: beads that
+# few are no failure here.
+_SPRAY, _BEADS = 0.7, 1.25
 _PUMP = 2e6  # Pa that a syringe pump can push (some 200 N on 1 cm2)
 _NEEDLE = 0.025  # m, length
 _LEAST_SPREAD = 0.3  # sd of ln V of the threshold
