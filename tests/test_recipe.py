@@ -248,7 +248,7 @@ COMMITTED = json.loads((Path(__file__).parents[1] / "benchmarks" / "spindb.json"
 def test_the_judgement_on_published_fibres_holds():
     """What the committed result of benchmarks/spindb.py says, every paper left out of its own calibration."""
     race = COMMITTED["rungs"]["race"]
-    assert race["factor"] < 1.6
+    assert race["factor"] < min(1.62, *(r["factor"] for r in COMMITTED["plain statistics"].values()))
     assert race["mean"] < min(r["mean"] for r in COMMITTED["plain statistics"].values())
     assert 0.58 <= race["coverage_68"] <= 0.78
     assert 0.90 <= race["coverage_95"] <= 0.99
@@ -268,7 +268,7 @@ def test_the_constants_of_the_chain_are_those_of_the_calibration():
 
     whole = COMMITTED["calibrated on all"]
     for name, value in asdict(CONSTANTS).items():
-        assert value == pytest.approx(whole[name], rel=2e-3)
+        assert value == pytest.approx(whole[name], rel=1e-3)
     for name, (low, high) in COMMITTED["constants over folds"].items():
         assert low <= whole[name] <= high
 
