@@ -25,6 +25,7 @@ from spinline.images.sums import FrameSum
 from spinline.radiography.detector import blocks_of_frame, shared_detector
 from spinline.radiography.experiment import Experiment, bent, first_look, fit_blocks, judged, sees_jointly
 from spinline.radiography.methods import map_frame_fit, map_shifts
+from spinline.radiography.stage import Seam, stage_shifts
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, FrameFit
 from spinline.xray.frame.lean import axis_lean
@@ -34,7 +35,7 @@ from spinline.xray.map.fit import fit_map
 from spinline.xray.map.result import MapState
 from spinline.xray.row.model import beam_shape
 
-__all__ = ["Place", "Seam", "prepare_positions", "reduce_positions", "seams"]
+__all__ = ["Place", "prepare_positions", "reduce_positions", "seams"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,8 @@ class Place:
     facts : dict
     offset, offset_std : float
         Of its first row along the jet, m.
+    moved, stage_std : float
+        By how much it was moved from where the stage said, for the radii of its neighbours; and the stage's error.
     """
 
     experiment: Experiment
@@ -56,37 +59,14 @@ class Place:
     facts: dict[str, float]
     offset: float
     offset_std: float
+    moved: float = 0.0
+    stage_std: float = 0.0
 
     @property
     def z(self) -> FloatArray:
         """Places of the rows along the jet, m."""
         step = np.hypot(1.0, self.experiment.lean.slope) * self.frame.pixel
         return np.asarray(self.offset + np.cumsum(step) - 0.5 * step)
-
-
-@dataclass(frozen=True)
-class Seam:
-    """What two neighbouring positions say of the rows that both see.
-
-    Attributes
-    ----------
-    first, second : int
-        Positions.
-    chi_squared, blocks : float, int
-        Of the differences of their mean fractions, their own errors taken; and how many.
-    probability : float
-        Of a larger one by chance; under 0.01 they do not agree.
-    radius, radius_gap : float
-        Mean difference of their radii over its standard deviation, the stage's taken in; and that difference, m.
-    """
-
-    first: int
-    second: int
-    chi_squared: float
-    blocks: int
-    probability: float
-    radius: float
-    radius_gap: float
 
 
 def prepare_positions(images: Images, summing: Callable[[Stack], FrameSum]) -> tuple[list[Place], list[str]]:
@@ -218,10 +198,15 @@ def seams(places: list[Place], fits: list[FrameFit]) -> list[Seam]:
         noise = np.hypot(
             fits[a].std["radius"][inside], np.interp(z[0][inside], z[1][good], fits[a + 1].std["radius"][good])
         )
-        taper = abs(float(np.polyfit(z[1][good], radius, 1)[0]))
-        stage = taper * float(np.hypot(one.offset_std, two.offset_std))
-        pull = float(gap.mean() / np.hypot(np.sqrt((noise**2).sum()) / gap.size, stage))
-        out.append(Seam(a, a + 1, chi, inside.size, float(chi2.sf(chi, inside.size)), pull, float(gap.mean())))
+        around = [f.values["radius"][np.isfinite(f.mean)] for f in fits[a : a + 2]]
+        along = [at[np.isfinite(f.mean)] for at, f in zip(z, fits[a : a + 2], strict=True)]
+        taper = float(np.mean([np.polyfit(at, r, 1)[0] for at, r in zip(along, around, strict=True) if at.size > 1]))
+        stage = abs(taper) * float(np.hypot(one.offset_std, two.offset_std))
+        own = float(np.sqrt((noise**2).sum())) / gap.size
+        mean = float(gap.mean())
+        pull = mean / float(np.hypot(own, stage))
+        chance = float(chi2.sf(chi, inside.size))
+        out.append(Seam(a, a + 1, chi, inside.size, chance, pull, mean, own, taper))
     return out
 
 
@@ -231,11 +216,13 @@ def reduce_positions(
     done: Callable[[int, int], None] | None = None,
     begun: MapState | None = None,
     keep: Callable[[MapState], None] | None = None,
-) -> tuple[list[FrameFit], FrameFit | None, FloatArray, list[Seam]]:
+) -> tuple[list[Place], list[FrameFit], FrameFit | None, FloatArray, list[Seam]]:
     """Reduce all positions.
 
     Returns
     -------
+    places : list of Place
+        Where their radii say that they are (`stage`).
     fits : list of FrameFit
         Of each position, block by block.
     joint : FrameFit or None
@@ -260,10 +247,21 @@ def reduce_positions(
         if done is not None:
             done(i + 1, len(places))
     found = seams(places, fits)
+    places = _placed(places, found)
     if images.method == "row":
-        return fits, None, np.zeros(0), found
+        return places, fits, None, np.zeros(0), found
     joint, z = _joint_map(places, fits, begun, keep)
-    return fits, joint, z, found
+    return places, fits, joint, z, found
+
+
+def _placed(places: list[Place], found: list[Seam]) -> list[Place]:
+    """The positions where their radii say that they are, with the errors that are left."""
+    shift, covariance = stage_shifts(np.array([place.offset_std for place in places]), found)
+    std = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
+    return [
+        replace(place, offset=place.offset + d, offset_std=s, moved=d, stage_std=place.offset_std)
+        for place, d, s in zip(places, shift.tolist(), std.tolist(), strict=True)
+    ]
 
 
 def _joint_map(
