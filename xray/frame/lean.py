@@ -118,7 +118,7 @@ class _Curve:
         """Derivatives of the Legendre polynomials from row to row."""
         x, basis = np.linspace(-1.0, 1.0, rows), np.eye(self.order + 1)
         columns = [np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(row, times)) for row in basis]
-        return np.stack(columns, axis=1) * (2.0 / max(rows - 1, 1)) ** times
+        return np.asarray(np.stack(columns, axis=1) * (2.0 / max(rows - 1, 1)) ** times, dtype=np.float64)
 
     def slope(self, rows: int, times: int = 1) -> FloatArray:
         """Change from row to row; or of that, for `times` = 2."""

@@ -73,7 +73,9 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
         converged=best.converged,
         iterations=best.turns,
         warnings=(),
-        posterior=MapPosterior(radial, model.axial, model.names, local[:, :size], inner, best.factor, data.pixel),
+        posterior=MapPosterior(
+            radial, model.axial, model.names, local[:, :size], inner, best.factor, data.pixel, best.look.fisher
+        ),
     )
     object.__setattr__(fit, "warnings", _warnings(fit, model, best))
     return fit

@@ -108,7 +108,7 @@ def pair_noise(
         samples += count
         used.append(i)
         if min(d.shape) >= _LEAST:
-            _add_lags(np.where(near, d, 0.0) / np.sqrt(scale), near, lags, weight)
+            _add_lags(np.where(near, d, 0.0) / np.sqrt(scale), near.astype(np.float64), lags, weight)
     if not samples:
         return None
     # squares of two differences that share a frame are correlated by 1/4
@@ -151,7 +151,7 @@ def _add_lags(d: FloatArray, near: FloatArray, lags: FloatArray, weight: FloatAr
 
     reach = lags.shape[0] // 2
     size = tuple(next_fast_len(n + reach, real=True) for n in d.shape)
-    for array, into in ((d, lags), (near.astype(np.float64), weight)):
+    for array, into in ((d, lags), (near, weight)):
         spectrum = rfft2(array, size)
         product = irfft2(np.abs(spectrum) ** 2, size)
         at = np.arange(-reach, reach + 1)

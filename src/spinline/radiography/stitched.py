@@ -78,9 +78,10 @@ def assemble_positions(
         ),
         position=("row", position, {"long_name": "position that the row is from, or nearest to"}),
     )
-    stage = np.array([place.offset_std for place in places])[position]
-    std = np.hypot(result["jet_radius_std"].values, np.abs(np.gradient(result["jet_radius"].values, at)) * stage)
-    result["jet_radius_std"] = ("row", std, dict(result["jet_radius_std"].attrs))
+    if joint is None:  # a map has the stage's error in its own
+        stage = np.array([place.offset_std for place in places])[position]
+        std = np.hypot(result["jet_radius_std"].values, np.abs(np.gradient(result["jet_radius"].values, at)) * stage)
+        result["jet_radius_std"] = ("row", std, dict(result["jet_radius_std"].attrs))
     result = _with_seams(result, found)
     moved = {
         "position_offset": ([place.offset for place in places], "offset of the position, its radii told"),
