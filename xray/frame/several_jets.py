@@ -167,17 +167,7 @@ def fit_sections(
     """
     from scipy.optimize import least_squares
 
-    x, theta = real("position", position, unit="m"), real("view", view, unit="rad")
-    data = real("extinction", extinction)
-    if x.ndim != 1 or x.size < 8 or (np.diff(x) <= 0).any() or np.ptp(np.diff(x)) > 1e-3 * np.diff(x).mean():
-        raise InputError(
-            "position", "is not an evenly spaced, rising row", value=x.shape, allowed="at least 8 positions"
-        )
-    if theta.ndim != 1 or theta.size < 5:
-        raise InputError("view", "are too few", value=theta.size, allowed="at least 5 views")
-    if data.shape != (theta.size, x.size):
-        allowed = f"({theta.size}, {x.size})"
-        raise InputError("extinction", "does not fit views and positions", value=data.shape, allowed=allowed)
+    x, theta, data = _scans(position, view, extinction)
     step = float(np.diff(x).mean())
     broad = step if width is None else number("width", width, least=0.0, most=10 * step, unit="m")
     held = None if share is None else number("share", share, least=0.0, below=1.0)
@@ -251,6 +241,22 @@ def _require_light(share: float, std: float) -> None:
             allowed="[0, 1)",
             remedy="give width as it is, or scan one liquid at a time",
         )
+
+
+def _scans(position: ArrayLike, view: ArrayLike, extinction: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Positions, views and readings, checked."""
+    x, theta = real("position", position, unit="m"), real("view", view, unit="rad")
+    data = real("extinction", extinction)
+    if x.ndim != 1 or x.size < 8 or (np.diff(x) <= 0).any() or np.ptp(np.diff(x)) > 1e-3 * np.diff(x).mean():
+        raise InputError(
+            "position", "is not an evenly spaced, rising row", value=x.shape, allowed="at least 8 positions"
+        )
+    if theta.ndim != 1 or theta.size < 5:
+        raise InputError("view", "are too few", value=theta.size, allowed="at least 5 views")
+    if data.shape != (theta.size, x.size):
+        allowed = f"({theta.size}, {x.size})"
+        raise InputError("extinction", "does not fit views and positions", value=data.shape, allowed=allowed)
+    return x, theta, data
 
 
 def _places(sections: tuple[Section, ...], x: FloatArray, theta: FloatArray) -> list[FloatArray]:
