@@ -34,6 +34,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.rheology._water import HIGHEST, water_density, water_viscosity
 from spinline.rheology.atoms import VAPOURS
 from spinline.rheology.names import known_as
 
@@ -115,6 +116,8 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
         at_room, fall = _LINES[known]
         return at_room - fall * (kelvin - 298.15)
     if known == "water":
+        if kelvin <= HIGHEST:
+            return water_density(kelvin)
         from chemicals.iapws import iapws95_rhol_sat
 
         return float(iapws95_rhol_sat(kelvin))
@@ -137,6 +140,8 @@ def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> 
         _within(f"range of the viscosity of {known}", temperature, 293.15, 303.15, "give solvent_viscosity (Pa s)")
         return _ONE_VISCOSITY[known]
     if known == "water":
+        if temperature <= HIGHEST:
+            return water_viscosity(temperature)
         from chemicals.viscosity import mu_IAPWS
 
         return float(mu_IAPWS(temperature, density))
