@@ -182,7 +182,7 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
         from spinline.setup.spun import spun_remarks
 
         for remark in spun_remarks(loaded.jet, solution):
-            say(f"odd: {remark}")
+            say(f"remark: {remark}")
         say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
         return
     jet = build_jet(loaded, solution)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.base.errors import SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.fit.diagnostics import examine_fit
 from spinline.fit.fitted import Fit
 from spinline.fit.model import PARAMETERS, ForwardModel
@@ -145,7 +145,8 @@ def _best(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], st
         n in problem.free and not np.isfinite(problem.free[n].std) for n in ("relaxation_time", "evaporation")
     )
     if open_rate or chi2.sf(2 * float(best.cost), max(problem.size - len(problem.free), 1)) < _DOUBT:
-        best = min([best, *(_solve(problem, residuals, u) for u in starts[1:])], key=lambda end: float(end.cost))
+        others = [u for u in starts[1:] if np.isfinite(problem.log_posterior(u))]
+        best = min([best, *(_solve(problem, residuals, u) for u in others)], key=lambda end: float(end.cost))
     return best
 
 
@@ -195,12 +196,19 @@ def _solve(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], s
 
     bounds = problem.bounds
     loss: Any = "linear" if problem.loss == "gauss" else problem.rho
+    rows = residuals(start).size  # a start that the model refuses is refused
+
+    def tried(u: FloatArray) -> FloatArray:
+        try:
+            return residuals(u)
+        except InputError:  # such a step is made shorter
+            return np.full(rows, np.inf)
 
     def slopes(u: FloatArray) -> FloatArray:
         return _jacobian(residuals, u, bounds, central=False)
 
     return least_squares(
-        residuals,
+        tried,
         start,
         jac=slopes,
         bounds=bounds,
@@ -227,11 +235,19 @@ def _jacobian(
         step[i] = _STEP if central else 1e-2 * _STEP
         room = u[i] + step[i] <= bounds[1][i], u[i] - step[i] >= bounds[0][i]
         if central and all(room):
-            columns.append((residuals(u + step) - residuals(u - step)) / (2 * step[i]))
-            continue
+            try:
+                columns.append((residuals(u + step) - residuals(u - step)) / (2 * step[i]))
+                continue
+            except InputError:  # no jet on one side
+                pass
         here = residuals(u) if here is None else here
         side = 1.0 if room[0] else -1.0
-        columns.append(side * (residuals(u + side * step) - here) / step[i])
+        try:
+            columns.append(side * (residuals(u + side * step) - here) / step[i])
+        except InputError:
+            if not all(room):
+                raise
+            columns.append((here - residuals(u - side * step)) / (side * step[i]))
     return np.stack(columns, axis=1)
 
 

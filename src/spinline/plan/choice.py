@@ -25,6 +25,7 @@ from spinline.scene.file import Scene
 from spinline.setup.context import Context
 
 if TYPE_CHECKING:
+    from spinline.jetprofile.ehd import Verdict
     from spinline.jetprofile.jet import Jet
 
 __all__ = ["MARGIN", "Plan", "plan_of", "plan_scene", "resolved", "with_rung"]
@@ -53,6 +54,8 @@ class Plan:
         A sentence.
     remarks : tuple of str
         What the choice loses, or cannot hold.
+    verdicts : tuple
+        The numbers that decide about the jet of a needle (`spinline.jetprofile.ehd.Verdict`); empty for other jets.
     """
 
     model: str
@@ -64,6 +67,7 @@ class Plan:
     numbers: EffectNumbers
     reason: str
     remarks: tuple[str, ...]
+    verdicts: "tuple[Verdict, ...]" = ()
 
     def effect(self, name: str) -> Estimate:
         """One effect by name."""
@@ -88,6 +92,7 @@ class Plan:
             "effects_used": listed(self.used),
             "effects_left_out": listed(self.left_out),
             "remarks": list(self.remarks),
+            **({"jet_verdicts": [asdict(one) for one in self.verdicts]} if self.verdicts else {}),
         }
 
     def json(self) -> str:
@@ -146,6 +151,7 @@ def plan_of(context: Context, numbers: EffectNumbers | None = None) -> Plan:
         known,
         reason,
         remarks,
+        getattr(context.jet, "verdicts", ()),
     )
 
 

@@ -6,6 +6,7 @@ from spinline.jetprofile.power_law import PowerLaw
 from spinline.network.concentration import compaction_velocity_ratio
 from spinline.network_models.registry import rung_of
 from spinline.plan.choice import Plan, plan_of, resolved
+from spinline.plan.plausible import implausible
 from spinline.plan.switches import choose_effects
 from spinline.rheology.solution import Solution
 from spinline.scene.file import PowerLawJet, Scene
@@ -49,7 +50,7 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     rung = rung_of(n.model)
     rung.check(context)
     phi = solution.volume_fraction
-    remarks = rung.remarks(context)
+    remarks = [*implausible(context), *rung.remarks(context)]
     strands = solution.strands_per_chain(rest.segments)
     if strands < 2:
         remarks.append(

@@ -109,6 +109,7 @@ BEYOND = {  # reasons of status 1
     "crossover_extension_position": "the extension of the criterion is not reached within the jet",
 }
 BOTH = "; ".join(BEYOND.values())
+_NONE_IS_NEWS = "bending_onset"  # NaN says that the whole jet is straight, not that a number is missing
 _LONGEST = 400  # characters of a reason
 
 
@@ -326,7 +327,7 @@ def _missing(block: Block, i: int) -> str:
     absent = [
         name
         for name, values in block.numbers.items()
-        if np.isnan(values[i]) and name != STD_FLAG and not name.endswith("_std")
+        if np.isnan(values[i]) and name != STD_FLAG and not name.endswith("_std") and not name.startswith(_NONE_IS_NEWS)
     ]
     words = [text for name, text in BEYOND.items() if name in absent]
     others = [name for name in absent if not (name.startswith("crossover") and words)]
