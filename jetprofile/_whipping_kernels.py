@@ -18,7 +18,8 @@ def _gained(
     y0 = min(x / terminal, 1.0)
     share = min(free / terminal, 1e12)
     if share < 1e-9:
-        return free * (1.0 - y0**0.75)
+        small: float = free * (1.0 - y0**0.75)
+        return small
     y = y0
     for _ in range(30):  # Newton on y = y0 + share (1 - y^(3/4)): monotone, so kept between y0 and 1
         root = max(y, 1e-300) ** 0.75
@@ -28,7 +29,8 @@ def _gained(
         y = new
         if done:
             break
-    return max(y - y0, 0.0) * terminal
+    value: float = max(y - y0, 0.0) * terminal
+    return value
 
 
 @njit(cache=True, error_model="numpy")
