@@ -279,6 +279,10 @@ def test_materials_of_ones_own(tmp_path) -> None:
         warnings.simplefilter("ignore", SpinlineWarning)
         result = sl.run(scene)
     assert float(result["temperature"][-1]) < 293.15
+    meant = scene_file.read_text().replace('"PEOX"', '"PEOXX"')
+    scene_file.write_text(meant)
+    with pytest.raises(InputError, match=r"neither in the file of materials nor built in.*did you mean 'PEOX'\?"):
+        sl.load_scene(scene_file)
     file.write_text('[polymers.PEOX]\ndensty = "1 g/cm3"\n')
     with pytest.raises(InputError, match="densty"):
         read_materials(file)
