@@ -195,7 +195,9 @@ def test_composition_paths() -> None:
     other = run(merged(film, solution={"polymer": "PVP", "solvent": "ethanol"}))
     assert "not judged" in other.attrs["composition_path"]
     assert "rheology.chi_water_solvent" in other.attrs["composition_path"]
-    said = "chi of PVP is not known, and taken to be 0.5 with ethanol (rheology.chi), 0.5 with water (rheology.chi_water)"
+    said = (
+        "chi of PVP is not known, and taken to be 0.5 with ethanol (rheology.chi), 0.5 with water (rheology.chi_water)"
+    )
     assert said in other.attrs["warnings"]
     assert "is not known, and taken" not in dry.attrs["warnings"]
     mixes = merged(
