@@ -101,16 +101,18 @@ def elasticities(rows, y, predicted, paper):
     return found
 
 
-def one_known(data, folds, draws=512):
+def one_known(mats_only, everything, folds, draws=512):
     """Errors of the others when one experiment of a paper is known, each in turn; beside it, the others said equal to it.
 
     Per paper the median over the known ones of the median error of the others (`factor`, the measure of the published
-    comparison), and the median over all pairs; over every mat, and over distinct settings.
+    comparison, over every row of the table as it stands), and the median over all pairs; also over rows that differ, and over
+    distinct settings; `middle` where the known one is that in the middle of the paper's settings.
     """
     z = normals(draws)
     usual = even(z)
     found = {}
-    for over in ("mats", "settings"):
+    for over in ("rows", "mats", "settings"):
+        data = everything if over == "rows" else mats_only
         each = {
             name: []
             for name in (
@@ -322,7 +324,7 @@ def judge(path, known=None):
         name: dict(zip(("factor", "mean"), over_papers(np.abs(v - y), data.paper), strict=True))
         for name, v in plain.items()
     }
-    answer["one known"] = one_known(data, folds)
+    answer["one known"] = one_known(data, load(path, twice=True), folds)
     answer["failures"] = failures(path, folds)
     answer["floor"] = floor(data)
     z = normals(2048)

@@ -87,9 +87,11 @@ class Experiments:
         )
 
 
-def load(path):
-    """Every fibre of a table whose recipe can be read; a row that stands twice counts once."""
-    rows = [dict(row) for row in dict.fromkeys(tuple(row.items()) for row in read_experiments(path))]
+def load(path, twice=False):
+    """Every fibre of a table whose recipe can be read; a row that stands twice counts once, or as often as it stands."""
+    rows = read_experiments(path)
+    if not twice:
+        rows = [dict(row) for row in dict.fromkeys(tuple(row.items()) for row in rows)]
     settings, mats = {}, []
     for row, recipe in zip(rows, recipes_of(rows), strict=True):
         if isinstance(recipe, str) or not row["fibre_diameter_nm"]:

@@ -144,12 +144,12 @@ class SpindbTable(Generated):
 
         rows = [row(f"rung `{name}`", r) for name, r in found["rungs"].items()]
         rows += [row(name, r) for name, r in found["plain statistics"].items()]
-        one = found["one known"]["mats"]
+        one = found["one known"]["rows"]
         known = {"factor": one["chain"], "coverage_68": one["coverage_68"], "coverage_95": one["coverage_95"]}
         rows.append(row("one fibre of the paper measured, rung `race`", known))
         rows.append(row("one fibre of the paper measured, the others said equal", {"factor": one["equal"]}))
         low = found["floor"]["factor of the best prediction from these columns"]
-        rows.append(row("best that these columns allow, from papers with nearly equal recipes", {"factor": low}))
+        rows.append(row("floor by pairs of papers with nearly equal recipes, mostly PVDF", {"factor": low}))
         return self.parse(
             _table(
                 ("prediction, the paper left out", "factor, median paper", "mean paper", "68 / 95 % intervals hold"),
