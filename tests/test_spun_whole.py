@@ -168,11 +168,11 @@ def test_start_lies_on_the_straight_jet():
         assert radius[1:-2] == pytest.approx(jet.radius(middle[1:-2]), rel=2e-2)
         assert chain.held[0] == 1
     assert 0.05 < settings.inlet.compliance < 0.2
-    assert (
-        sum(charge for _, charge in settings.grid.feed_lines)
-        == pytest.approx(float(jet.line_charge(3e-3 / 16)), rel=0.5)
-        or settings.grid.feed_lines
-    )
+    lines = settings.grid.feed_lines
+    for upstream in (2e-4, 1e-3, 2e-3):  # nested lines add up to the straight jet's charge there
+        assert sum(e for length, e in lines if length > upstream) == pytest.approx(
+            float(jet.line_charge(3e-3 - upstream)), rel=0.05
+        )
 
 
 def test_refusals():

@@ -62,12 +62,10 @@ def conducting(settings: SpunSettings, needle: "NeedleSettings", position: float
         start = _samples(jet, axis, 0.0)
         grid = replace(settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius)
         loads = replace(settings.loads, image=True)
-        return replace(settings, grid=grid, loads=loads, start=start, **_moving(needle))
+        return replace(
+            settings, grid=grid, loads=loads, start=start, conductivity=needle.conductivity, current=needle.current
+        )
     return _downstream(settings, jet, position)
-
-
-def _moving(needle: "NeedleSettings") -> dict[str, float | None]:
-    return {"conductivity": needle.conductivity, "current": needle.current}
 
 
 def _axis(end: float, radius: float) -> FloatArray:
@@ -121,7 +119,16 @@ def _downstream(settings: SpunSettings, jet: "StraightEhdJet", position: float) 
     loads = replace(settings.loads, gap=gap, needle_at=-position, image=True)
     if loads.kind == "table":
         loads = replace(loads, axis=tuple(np.asarray(loads.axis) - position))
-    return replace(settings, inlet=inlet, grid=grid, loads=loads, start=start, potential=potential, **_moving(needle))
+    return replace(
+        settings,
+        inlet=inlet,
+        grid=grid,
+        loads=loads,
+        start=start,
+        potential=potential,
+        conductivity=needle.conductivity,
+        current=needle.current,
+    )
 
 
 def _pull(jet: "StraightEhdJet", position: float) -> float:
