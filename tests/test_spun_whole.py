@@ -18,7 +18,8 @@ from spinline.jetprofile.spun.dataset import to_dataset
 from spinline.jetprofile.spun.laws import JetLaw
 from spinline.jetprofile.spun.run import SpunRun, moments
 from spinline.jetprofile.spun.settings import Collector, Grid, Inlet, Loads, SpunSettings
-from spinline.jetprofile.spun.start import StraightStart, start_straight
+from spinline.jetprofile.spun.start import start_straight
+from spinline.jetprofile.spun.straight import StraightStart
 from spinline.setup.spun_start import conducting
 
 

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,9 +10,7 @@ from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.jetprofile.spun._codes import FEEDS
 from spinline.jetprofile.spun.laws import JetLaw
-
-if TYPE_CHECKING:
-    from spinline.jetprofile.spun.start import StraightStart
+from spinline.jetprofile.spun.straight import StraightStart
 
 __all__ = ["Air", "Collector", "Drying", "Grid", "Inlet", "Loads", "SpunSettings"]
 
@@ -340,7 +337,7 @@ class SpunSettings:
     end_share: tuple[float, ...] = ()
     outflow: float = 0.0
     seed: int = 0
-    start: "StraightStart | None" = field(default=None, repr=False, compare=False)
+    start: StraightStart | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         positive("density", self.density, "kg/m3")

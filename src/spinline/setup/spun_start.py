@@ -15,7 +15,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.spun.settings import SpunSettings
-from spinline.jetprofile.spun.start import StraightStart
+from spinline.jetprofile.spun.straight import StraightStart
 
 if TYPE_CHECKING:
     from spinline.jetprofile.ehd import NeedleSettings, StraightEhdJet
