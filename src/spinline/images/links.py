@@ -51,7 +51,8 @@ def stays_home(group: Any, inside: str, key: str, depth: int = 0) -> None:
         if not isinstance(group, h5py.Group) or depth > _DEPTH:
             return
         try:
-            kind, target = group.id.links.get_info(part.encode()).type, None
+            kind: Any = group.id.links.get_info(part.encode()).type
+            target: Any = None
             if kind != h5py.h5l.TYPE_HARD:
                 target = group.id.links.get_val(part.encode())
         except (KeyError, OSError, RuntimeError):
