@@ -103,7 +103,13 @@ def main() -> None:
     }
     Path(__file__).with_suffix(".json").write_text(json.dumps(result, indent=1) + "\n")
     print(
-        json.dumps({key: result[key] for key in ("measured", "predicted_least_median_most", "without_a_jet", "current_exponents")}, indent=1)
+        json.dumps(
+            {
+                key: result[key]
+                for key in ("measured", "predicted_least_median_most", "without_a_jet", "current_exponents")
+            },
+            indent=1,
+        )
     )
 
 
