@@ -5,7 +5,7 @@ field written out (Feng's form), FENE-P in its own variables, the current a para
 checks: the needle's and the table's field, and the jet itself, moved off by 1 % (or by 0.1, 0.01 %, where scipy does not come
 back from 1 %), as scipy's start. Near the four reference jets: glycerol with its current given and predicted, Feng's set, PEO.
 
-    python benchmarks/ehd_independent.py [number]        # writes ehd_independent.json
+    python benchmarks/ehd_independent.py [number]        # goes on where ehd_independent.json ends, to so many
 """
 
 import json
@@ -218,15 +218,22 @@ def row(index: int) -> dict[str, Any]:
     }
 
 
-def main() -> None:
-    rows = [row(index) for index in range(int(sys.argv[1]) if len(sys.argv) > 1 else 60)]
+def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     jets = [one for one in rows if one["verdict"] == "jet"]
     result: dict[str, Any] = {"settings": len(rows), "compared": len(jets)}
     result["not_compared"] = [one for one in rows if one["verdict"] != "jet"]
     for name in ("radius_apart", "current_apart", "tension_apart"):
-        result[f"largest {name}"] = max(one[name] for one in jets)
-    print(json.dumps(result, indent=1))
-    Path(__file__).with_suffix(".json").write_text(json.dumps(result | {"rows": rows}, indent=1) + "\n")
+        result[f"largest {name}"] = max((one[name] for one in jets), default=None)
+    return result | {"rows": rows}
+
+
+def main() -> None:
+    path = Path(__file__).with_suffix(".json")
+    rows = json.loads(path.read_text())["rows"] if path.exists() else []
+    for index in range(len(rows), int(sys.argv[1]) if len(sys.argv) > 1 else 60):
+        rows.append(row(index))
+        print(rows[-1], flush=True)
+        path.write_text(json.dumps(summary(rows), indent=1) + "\n")
 
 
 if __name__ == "__main__":
