@@ -18,8 +18,9 @@ from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.units import Measured
 from spinline.rheology.constitutive import ConstitutiveLaw
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
+from spinline.scene.blown import BlownJetSection
 from spinline.scene.jets import HyperbolicJet, JetspinJet, LagrangianJetFile, PowerLawJet, TableJet
-from spinline.scene.mat_sections import CollectorSection, MatSection
+from spinline.scene.mat_sections import CollectorSection, JetsSection, MatSection
 from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
     Concentration,
@@ -138,7 +139,7 @@ class SolutionSection(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet,
+    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet | BlownJetSection,
     Field(discriminator="profile"),
 ]
 JET_SECTIONS: dict[str, type[Section]] = {
@@ -149,6 +150,7 @@ JET_SECTIONS: dict[str, type[Section]] = {
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
     "spun": SpunJet,
+    "blown": BlownJetSection,
 }
 
 
@@ -218,6 +220,7 @@ class Scene(Sheet):
     network: NetworkSection = NetworkSection()
     accuracy: AccuracySection = AccuracySection()
     collector: CollectorSection | None = None
+    jets: JetsSection | None = None
     mat: MatSection | None = None
 
 
@@ -450,6 +453,7 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "network": NetworkSection,
         "accuracy": AccuracySection,
         "collector": CollectorSection,
+        "jets": JetsSection,
         "mat": MatSection,
     }
     section = key.rpartition(".")[0]

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "collector_of",
     "laid_file",
+    "landings_alone",
     "landings_of",
     "lay_scene",
     "laydown_of",
@@ -126,8 +127,12 @@ def rows_of(scene: MatScene) -> int:
     return scene.jets.count * max(round(law.speed * scene.collector.time.value / step), 1)
 
 
-def scene_jet(source: str | Path, overrides: Sequence[str]) -> tuple[Path | None, Surface | None, MatOptions | None]:
-    """Bead run, collector and options of a scene that has a ``[jet]``; (None, None, None) for one of laydown alone.
+def scene_jet(
+    source: str | Path, overrides: Sequence[str]
+) -> tuple[Path | LandingRecord | None, Surface | None, MatOptions | None]:
+    """Bead run (or landings, of a jet that is blown for it), collector and options of a scene that has a ``[jet]``.
+
+    (None, None, None) for one of laydown alone.
 
     Raises
     ------
@@ -142,22 +147,47 @@ def scene_jet(source: str | Path, overrides: Sequence[str]) -> tuple[Path | None
     from spinline.scene.file import load_scene
 
     scene = load_scene(source, overrides)
+    if scene.jet.profile == "blown":
+        return _blown(scene), _surface_of(scene), options_of(scene.mat) if scene.mat else None
     path = getattr(scene.jet, "path", None)
     if scene.jet.profile not in ("jetspin", "lagrangian") or path is None:
         raise InputError(
             "jet.profile",
             "has no beads that land",
             value=scene.jet.profile,
-            remedy="take a bead jet that ran to its collector, or give [laydown] in place of [jet]",
+            remedy="`spinline spin` it first and give the file it writes"
+            if scene.jet.profile == "spun"
+            else "take a bead jet that ran to its collector, or give [laydown] in place of [jet]",
         )
+    surface = _surface_of(scene)
+    place = Path(path) if Path(path).is_absolute() else scene.folder / path
+    return place, surface, options_of(scene.mat) if scene.mat else None
+
+
+def _surface_of(scene: Any) -> Surface:
     if scene.collector is None:
         raise InputError("collector", "is missing", remedy='add [collector] with kind = "plate" and its distance')
-    place = Path(path) if Path(path).is_absolute() else scene.folder / path
-    return place, collector_of(scene.collector), options_of(scene.mat) if scene.mat else None
+    return collector_of(scene.collector)
 
 
-def laid_file(source: str | Path) -> Segments | None:
+def _blown(scene: Any) -> LandingRecord:
+    """Landings of the jets of a blown scene, run here."""
+    from spinline.setup.blown import blown_dataset
+    from spinline.setup.build import build_solution
+
+    return LandingRecord.from_dataset(landings_alone(blown_dataset(scene, build_solution(scene))))
+
+
+def landings_alone(data: "xr.Dataset") -> "xr.Dataset":
+    """What has landed of a file that holds beads as well: ``landing_x`` as x, and so on."""
+    own = [str(name) for name in data.data_vars if data[name].dims == ("landing",)]
+    return data[own].rename({name: name.removeprefix("landing_") for name in own if name.startswith("landing_")})
+
+
+def laid_file(source: str | Path | LandingRecord) -> Segments | None:
     """Fibres of a jet file whose run had its own collector; None for anything else."""
+    if isinstance(source, LandingRecord):
+        return None
     path = Path(source)
     if path.suffix != ".nc" or not path.exists():
         return None
@@ -167,7 +197,7 @@ def laid_file(source: str | Path) -> Segments | None:
     return laid_by(data) if "deposit" in data.dims else None
 
 
-def landings_of(source: str | Path) -> LandingRecord:
+def landings_of(source: str | Path | LandingRecord) -> LandingRecord:
     """Landings of a JETSPIN run (its ``bead.dat``) or of a file with the dimension `landing`.
 
     Raises
@@ -175,6 +205,8 @@ def landings_of(source: str | Path) -> LandingRecord:
     InputError
         Where there are none.
     """
+    if isinstance(source, LandingRecord):
+        return source
     path = Path(source)
     if path.is_dir():
         path = path / "bead.dat"
@@ -202,4 +234,4 @@ def _with_landings(path: Path) -> "xr.Dataset":
             value=", ".join(map(str, data.dims)),
             remedy="run the jet until it reaches its collector, with its landings kept",
         )
-    return data
+    return landings_alone(data)
