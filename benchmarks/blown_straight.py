@@ -1,8 +1,8 @@
 """The straight blown jet over gas velocities, relaxation times and laws: verdict, balance, forces, cost.
 
 PAN 12 % in DMF as in the tests (1 mL/h, 100 um, 3 Pa s, 1 mm gas nozzle, 10 mm to a free end), U0 = 50, 100, 200, 400 m/s,
-theta 1e-5 ... 1 s; newton, ucm, oldroyd-b and fene-p with a tenth of the viscosity the solvent's. Kept in ``blown_straight.json``;
-rows that are there are not done again.
+theta 1e-5 ... 1 s; newton, ucm, oldroyd-b and fene-p with a tenth of the viscosity the solvent's. Kept in
+``blown_straight.json``; rows that are there are not done again.
 
     python benchmarks/blown_straight.py [--json FILE]
 """
