@@ -10,13 +10,13 @@ from spinline.base.errors import InputError
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun.dataset import to_dataset
+from spinline.jetprofile.spun.dumbbell import earnshaw_rate, two_bead
 from spinline.jetprofile.spun.exports import vtk_text, xyz_text
 from spinline.jetprofile.spun.jetspin_input import translate
 from spinline.jetprofile.spun.laws import JetLaw
 from spinline.jetprofile.spun.noise import impulses, normals
 from spinline.jetprofile.spun.run import SpunRun, moments
 from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads
-from spinline.jetprofile.spun.two_bead import earnshaw_rate, two_bead
 
 PVP_INPUT = """
  system 3
@@ -326,7 +326,7 @@ def test_drying_jet_loses_solvent_alone():
     assert y[:n, c.LABEL].sum() == pytest.approx(AREA * 8e-4 + s.inlet.flow_rate * 10e-3, rel=1e-12)
 
 
-def test_moving_charge_of_a_whole_jet_is_refused():
+def test_moving_charge_without_a_known_end_is_refused():
     s = pvp(2e-4, repulsion="hybrid")
-    with pytest.raises(InputError, match="cut at an end"):
+    with pytest.raises(InputError, match="free charged front"):
         replace(s, conductivity=0.01)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
-from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.options import ForceOption, JsonOption, SetOption, bundled
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
 
@@ -23,7 +23,10 @@ def register(app: typer.Typer) -> None:
 
 def fibre(
     recipe: Annotated[
-        str | None, typer.Argument(metavar="RECIPE", help="Recipe file, or the name of a bundled one.")
+        str | None,
+        typer.Argument(
+            metavar="RECIPE", help="Recipe file, or the name of a bundled one.", autocompletion=bundled("recipes")
+        ),
     ] = None,
     table: Annotated[Path | None, typer.Option(help="CSV table of experiments instead, one row each.")] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Table with the predictions, CSV.")] = None,
@@ -108,7 +111,13 @@ def lines(found: "Fibre") -> list[str]:
         f"{found.orientation:.2g} ({found.orientation_68[0]:.2g} to {found.orientation_68[1]:.2g}), an order of magnitude; "
         "drawing by a drum is not in it.",
     ]
-    parts = [f"{UNKNOWNS[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
+    dry = "dry" if found.landing_fraction > 0.69 else "wet" if found.landing_fraction < 0.4 else "damp"
+    said.append(
+        f"It lands {dry} ({100 * found.landing_fraction:.0f} % of polymer); one unbroken fibre would be made at "
+        f"{found.laying_speed:.3g} m/s."
+    )
+    known = {**UNKNOWNS, "measured": "scatter of the measured fibres"}
+    parts = [f"{known[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
     if parts:
         said.append("The interval is made of: " + ", ".join(parts) + ".")
     said.append(

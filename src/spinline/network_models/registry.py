@@ -1,16 +1,14 @@
 """The rungs of the ladder, cheapest first: the one place where a rung is named."""
 
-from collections.abc import Iterable
-
 from spinline.network_models import affine, chain, conformation, manifold, two_fluid, walk
-from spinline.network_models.rung import Rung
+from spinline.network_models.rung import RUNGS, Rung, cheapest, rung_of, simplest
 from spinline.scene.file import MODELS, add_model
 
 __all__ = ["RUNGS", "cheapest", "register", "rung_of", "simplest"]
 
-RUNGS: dict[str, Rung] = {
-    module.RUNG.name: module.RUNG for module in (affine, manifold, conformation, two_fluid, chain, walk)
-}  # in the order that "auto" tries them
+RUNGS.update(
+    {module.RUNG.name: module.RUNG for module in (affine, manifold, conformation, two_fluid, chain, walk)}
+)  # in the order that "auto" tries them
 
 
 def register(rung: Rung) -> None:
@@ -18,19 +16,3 @@ def register(rung: Rung) -> None:
     RUNGS[rung.name] = rung
     if rung.name not in MODELS:
         add_model(rung.name, rung.slips)
-
-
-def rung_of(name: str) -> Rung:
-    """The rung of a name that the scene file allows."""
-    return RUNGS[name]
-
-
-def simplest() -> Rung:
-    """The rung that holds nothing: what every other is measured against."""
-    return next(rung for rung in RUNGS.values() if rung.automatic and not rung.holds)
-
-
-def cheapest(effects: Iterable[str]) -> Rung | None:
-    """The first rung, of those that "auto" may take, that holds all of these effects; None where none does."""
-    asked = set(effects)
-    return next((rung for rung in RUNGS.values() if rung.automatic and asked <= set(rung.holds)), None)

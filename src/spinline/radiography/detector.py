@@ -15,7 +15,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.scene.images_file import Images
-from spinline.xray.frame.blocks import Frame, row_steps
+from spinline.xray.frame.blocks import Frame, lean_smear
 from spinline.xray.frame.lean import Lean
 from spinline.xray.frame.shared import Block, DetectorFit, fit_detector, hidden_traces
 from spinline.xray.frame.track import Track
@@ -125,9 +125,9 @@ def _block(frame: Frame, track: Track, lean: Lean, start: int, stop: int, known:
     except InputError:
         return None
     at = np.arange(stop - start)
-    radius, axis = track.radius[inside], track.axis[inside] - row_steps(stop - start, slope)
+    radius, axis = track.radius[inside], track.axis[inside] - slope * (at - 0.5 * (at.size - 1))
     spread = [float(np.std(np.polyval(np.polyfit(at, v, 1), at))) if at.size > 2 else 0.0 for v in (radius, axis)]
-    smear = float(np.sqrt(spread[0] ** 2 + spread[1] ** 2 + slope**2 / 12.0)) * frame.pixel
+    smear = float(np.sqrt(spread[0] ** 2 + spread[1] ** 2 + lean_smear(at.size, slope) ** 2)) * frame.pixel
     half = 0.5 * frame.counts.shape[1] - 1.0
     middle = float(np.clip(axis.mean(), -half, half))
     return Block(
