@@ -270,7 +270,7 @@ def bead_path(jet: BeadJet, *, flow_rate: float | None = None, residence_time: A
     if own is not None and np.isfinite(own[usable]).all():
 
         def past(x: FloatArray) -> FloatArray:
-            return np.interp(x, position, own[usable])
+            return np.asarray(np.interp(x, position, own[usable]))
 
     return ElementPath(position, 0.0, radius, jet.stretch_ratio, speed, exposure, position, "velocity", blown, past)
 

@@ -26,7 +26,7 @@ def _push(v: float, air: float, p: FloatArray) -> float:
     a = math.sqrt(f / math.pi)
     w = air - v
     drag = p[9] * math.pi * a * p[11] * (2 * a / p[12]) ** -p[10] * abs(w) ** (2 - p[10])
-    return p[2] * p[3] * f + p[13] * math.copysign(drag, w)
+    return float(p[2] * p[3] * f + p[13] * math.copysign(drag, w))
 
 
 @njit(cache=True, error_model="numpy")
@@ -68,7 +68,7 @@ def entry(y: FloatArray, air: float, p: FloatArray) -> float:
     bracket += 3 * p[7] / p[6]
     wanted = (-p[5] * (bz * (rz + c0) - br * (rr + c0)) - v * _push(v, air, p) / f) / bracket
     rate = (y[1] * p[14] - math.pi * a * p[4] - f * p[5] * (bz - br)) / (3 * p[7] * f)
-    return (rate - wanted) * 3 * p[7] * f / p[14]
+    return float((rate - wanted) * 3 * p[7] * f / p[14])
 
 
 @njit(cache=True, error_model="numpy")

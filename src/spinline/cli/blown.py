@@ -164,7 +164,7 @@ def _answer(jet: "xr.Dataset", target: Path) -> dict[str, Any]:
     import numpy as np
 
     from spinline.deposit.landing import LandingRecord
-    from spinline.setup.mat import landings_alone
+    from spinline.setup.collector import landings_alone
 
     last = jet.isel(time=-1)
     whole = last["valid_element"].values

@@ -203,7 +203,7 @@ def blown_run(
         For a scene without a collector, or a straight part that does not exist.
     """
     from spinline.jetprofile.blown.bead_jet import blown_beads
-    from spinline.setup.mat import collector_of
+    from spinline.setup.collector import collector_of
 
     section: Any = scene.jet
     if scene.collector is None:
@@ -262,7 +262,7 @@ def blown_dataset(
 
 
 def _collector_attributes(scene: "Scene") -> dict[str, Any]:
-    from spinline.setup.mat import collector_of
+    from spinline.setup.collector import collector_of
 
     assert scene.collector is not None
     made = collector_of(scene.collector)

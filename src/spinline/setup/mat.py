@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError
-from spinline.deposit.collectors import Belt, Drum, Plate, collector
+from spinline.deposit.collectors import Belt, Drum, Plate
 from spinline.deposit.frames import landings_from_table
 from spinline.deposit.landing import LandingRecord, laid_by
 from spinline.deposit.mat import MatOptions
 from spinline.deposit.segments import Segments
 from spinline.deposit.surrogate import Laydown, surrogate_fibre
 from spinline.scene.mat_file import MatScene
-from spinline.scene.mat_sections import CollectorSection, LaydownSection, MatSection
+from spinline.scene.mat_sections import LaydownSection, MatSection
+from spinline.setup.collector import collector_of, landings_alone
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,17 +37,6 @@ __all__ = [
 ]
 
 Surface = Plate | Belt | Drum
-
-
-def collector_of(section: CollectorSection) -> Surface:
-    """Collector of a scene."""
-    return collector(
-        section.kind,
-        section.distance.value,
-        speed=section.speed.value if section.speed else None,
-        rotation=section.rotation,
-        radius=section.radius.value if section.radius else None,
-    )
 
 
 def laydown_of(section: LaydownSection) -> Laydown:
@@ -177,12 +167,6 @@ def _blown(scene: Any) -> LandingRecord:
     from spinline.setup.build import build_solution
 
     return LandingRecord.from_dataset(landings_alone(blown_dataset(scene, build_solution(scene))))
-
-
-def landings_alone(data: "xr.Dataset") -> "xr.Dataset":
-    """What has landed of a file that holds beads as well: ``landing_x`` as x, and so on."""
-    own = [str(name) for name in data.data_vars if data[name].dims == ("landing",)]
-    return data[own].rename({name: name.removeprefix("landing_") for name in own if name.startswith("landing_")})
 
 
 def laid_file(source: str | Path | LandingRecord) -> Segments | None:
