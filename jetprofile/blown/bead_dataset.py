@@ -60,8 +60,12 @@ def bead_frames(jet: BlownJet, run: BeadRun) -> "xr.Dataset":
             data[name] = (("time", dim), block == 1.0 if name == "valid_element" else block, about)
     data["n_bead"] = ("time", np.array([bead["x"].size for bead, _ in tables], dtype=np.int32), {"units": "1"})
     time = ("time", np.array([state.time for state in run.states]), {"units": "s", "long_name": "time"})
-    about = {"nozzle_radius": jet.initial_radius, "bending_start": jet.solved.bending_start, "model": jet.model}
-    return xr.Dataset(data, coords={"time": time}, attrs=about)
+    whole: dict[str, Any] = {
+        "nozzle_radius": jet.initial_radius,
+        "bending_start": jet.solved.bending_start,
+        "model": jet.model,
+    }
+    return xr.Dataset(data, coords={"time": time}, attrs=whole)
 
 
 def _ahead(jet: BlownJet, start: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
