@@ -40,9 +40,9 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, real
 from spinline.base.errors import InputError
-from spinline.network.mesh import SolventQuality, check_quality
+from spinline.network.mesh import Mesh, SolventQuality, check_quality, network_at_rest
 
-__all__ = ["Disentangled", "disentangle", "rouse_time", "strand_fraction"]
+__all__ = ["Disentangled", "disentangle", "rouse_time", "strand_fraction", "strands_at_rest"]
 
 _EXPONENT = -0.5
 _LARGEST = 1e100
@@ -112,6 +112,13 @@ def strand_fraction(
     nu = real("entanglements_left", entanglements_left, above=0.0, most=1.0)
     value: FloatArray = phi * (np.sqrt(nu) if check_quality(solvent_quality) == "theta" else nu)
     return value
+
+
+def strands_at_rest(
+    volume_fraction: ArrayLike, entanglements_left: ArrayLike, solvent_quality: SolventQuality = "theta"
+) -> Mesh:
+    """Strands that have joined, at rest: their mesh, segments and full stretch."""
+    return network_at_rest(strand_fraction(volume_fraction, entanglements_left, solvent_quality), solvent_quality)
 
 
 def disentangle(

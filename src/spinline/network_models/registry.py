@@ -4,9 +4,9 @@ from collections.abc import Iterable
 
 from spinline.network_models import affine, chain, conformation, manifold, two_fluid, walk
 from spinline.network_models.rung import Rung
-from spinline.scene.file import MODELS, add_model
+from spinline.scene.file import MODELS, NetworkSection, add_model
 
-__all__ = ["RUNGS", "cheapest", "register", "rung_of", "simplest"]
+__all__ = ["RUNGS", "cheapest", "register", "rung_in", "rung_of", "simplest"]
 
 RUNGS: dict[str, Rung] = {
     module.RUNG.name: module.RUNG for module in (affine, manifold, conformation, two_fluid, chain, walk)
@@ -23,6 +23,11 @@ def register(rung: Rung) -> None:
 def rung_of(name: str) -> Rung:
     """The rung of a name that the scene file allows."""
     return RUNGS[name]
+
+
+def rung_in(network: NetworkSection) -> Rung:
+    """The rung of a scene that names one; of one that samples strands, under the tension of the rung that it names besides."""
+    return RUNGS[network.model].under(RUNGS[network.walk_tension])
 
 
 def simplest() -> Rung:

@@ -7,6 +7,8 @@ report, the command line and the docs read its traits. How to add one: CONTRIBUT
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 
@@ -158,6 +160,31 @@ class Rung:
     def remarks(self, context: "Context") -> list[str]:
         """What is odd about a scene that it takes."""
         return []
+
+    def under(self, mover: "Rung") -> "Rung":
+        """Itself, unless it needs another rung to say what its strands bear."""
+        return self
+
+    def strand_tension(self, context: "Context", fields: dict[str, FloatArray], network: Network | None) -> FloatArray:
+        """Axial force ``f = F b/(k_B T)`` on a strand, in the shape of the stretch; of a network that moves with the jet.
+
+        inf where strands are at their contour.
+        """
+        from spinline.network.state import network_state
+
+        n, lam = context.scene.network, fields["strand_stretch"]
+        known = np.isfinite(lam)
+        force = np.full(lam.shape, np.nan)
+        left = fields.get("entanglements_left")
+        force[known] = network_state(
+            lam[known],
+            lam[known],
+            context.solution.volume_fraction,
+            entanglements_left=None if left is None else left[known],
+            closure=n.closure_used,
+            solvent_quality=n.solvent_quality,
+        ).conformation.force
+        return force
 
     def solve(self, context: "Context") -> Network | None:
         """The network along a straight jet; None where it moves with the solution.

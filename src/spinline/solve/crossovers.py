@@ -10,6 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
+from spinline.network.tension import Tension
 from spinline.network_models.rung import Network
 from spinline.network_models.steady import Networks
 from spinline.scene.file import Scene
@@ -119,22 +120,26 @@ def passage(context: Context, velocity_ratio: float) -> Crossover:
 
 
 def slipping_passages(context: Context, network: Network, target: float) -> list[Crossover]:
-    """First places, one a moment, where the stretch of a network that slips passes a value."""
+    """First places, one a moment, where the strands of a network that slips are stretched by a value.
+
+    Beyond the contour of strands that have one: where they bear the tension of the spring that is stretched so far.
+    """
     moments = network.moments if isinstance(network, Networks) else [network]
     return [_slipping_passage(frame, one, target) for frame, one in zip(context.frames, moments, strict=True)]
 
 
 def _slipping_passage(context: Context, network: Network, target: float) -> Crossover:
-    nan, jet = float("nan"), context.jet
-    if context.scene.network.force_law != "linear" and target >= context.rest.full_stretch:
-        words = "strands of this force law come to their contour and do not pass it: see crossover_extension"
-        return Crossover(nan, nan, nan, nan, nan, words)
-    s = network.first_passage(target)
+    nan, jet, full = float("nan"), context.jet, context.rest.full_stretch
+    stretch = target
+    if target >= full:  # strands with a contour do not pass it: they bear there what a spring of that stretch bears
+        law = Tension.of(context.scene.network.force_law, full)
+        stretch = float(law.stretch(target))
+    s = network.first_passage(stretch)
     if np.isnan(s):
-        return Crossover(nan, nan, nan, nan, nan)
+        return Crossover(target, nan, nan, nan, nan)
     place = min(jet.start + s * jet.initial_radius, jet.end)
     radius = float(jet.radius(place))
-    return Crossover(float(jet.velocity_ratio(place)), place, radius, radius / jet.initial_radius, place)
+    return Crossover(target, place, radius, radius / jet.initial_radius, place)
 
 
 def odd_places(context: Context, found: dict[str, list[Crossover]]) -> list[str]:
