@@ -136,7 +136,9 @@ def _slipping_passage(context: Context, network: Network, target: float) -> Cros
         stretch = float(law.stretch(target))
     s = network.first_passage(stretch)
     if np.isnan(s):
-        return Crossover(target, nan, nan, nan, nan)
+        most = float(network.stretch(np.linspace(0.0, network.length, 201)).max())
+        words = f"the network, as it slips, is stretched w = {most:.6g} at most; it takes {stretch:.6g}"
+        return Crossover(target, nan, nan, nan, nan, words)
     place = min(jet.start + s * jet.initial_radius, jet.end)
     radius = float(jet.radius(place))
     return Crossover(target, place, radius, radius / jet.initial_radius, place)
@@ -150,7 +152,7 @@ def odd_places(context: Context, found: dict[str, list[Crossover]]) -> list[str]
     r0, first = jet.initial_radius, float(jet.velocity_ratio(jet.start))
     for name, places in found.items():
         words, place = name.replace("_", " by "), places[0]
-        if np.isnan(place.position):
+        if np.isnan(place.position) or place.position == jet.start:
             if first > place.velocity_ratio > 1:
                 remarks.append(
                     f"{words} lies before the profile: its first sample, at {1e3 * jet.start:.4g} mm, is past it "
