@@ -101,7 +101,9 @@ def follow(i):
         except Exception as error:  # everything else is what is looked for
             return f"wrong: {type(error).__name__}: {error}", turns, np.nan
     nu, trace = state.entanglements_left, state.axial + 2 * state.radial
-    if not (np.isfinite(nu).all() and np.isfinite(trace).all() and (state.axial > 0).all() and (state.radial > 0).all()):
+    if not (
+        np.isfinite(nu).all() and np.isfinite(trace).all() and (state.axial > 0).all() and (state.radial > 0).all()
+    ):
         return "wrong: not finite and positive", turns, np.nan
     if not ((nu > 0).all() and (nu <= 1).all()):
         return f"wrong: nu in {nu.min():g} ... {nu.max():g}", turns, np.nan

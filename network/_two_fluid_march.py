@@ -69,12 +69,15 @@ class March:
         InputError
             Where Newton's method fails, or the error stays above `rtol`.
         """
-        nodes = self.guess.nodes
-        if start is not None and self.delicate:
-            nodes = thinned(np.union1d(nodes, start.nodes), nodes)
-        now = self._solved(nodes, self.guess if start is None else start, end)
+        if start is not None and self.delicate:  # how far it is from the first is all that is asked of it: the first one's mesh
+            return self._solved(thinned(np.union1d(self.guess.nodes, start.nodes), self.keep), start, end)
+        now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
         for _ in range(_ROUNDS):
-            now = self._solved(remeshed(now.nodes, self._curves(now), self.cells, self.breaks), now, end)
+            nodes = remeshed(now.nodes, self._curves(now), self.cells, self.breaks)
+            state = self.box.solve(nodes, now.on(nodes), end)
+            if state is None:  # the mesh that has an answer serves: halving it says how far off it is
+                break
+            now = Solved(nodes, state)
         now = self._solved(thinned(now.nodes, self.keep), now, end)
         while True:
             finer = self._solved(halved(now.nodes), now, end)
