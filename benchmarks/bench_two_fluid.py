@@ -3,8 +3,8 @@
     python benchmarks/bench_two_fluid.py
 
 Asserted: 50 ms for 401 stations of `peo5-water` by every force law and end, 1 s along the bundled JETSPIN run (V to 210, eps
-to 6e-6), whatever the law and the relaxation time; endless relaxation is the manifold there. The least of five, compiled, by the
-solver as a run calls it. Writes bench_two_fluid.json.
+to 6e-6), whatever the law and the relaxation time; endless relaxation is the manifold there. The least of five, compiled, by
+the solver as a run calls it. Writes bench_two_fluid.json.
 """
 
 import json

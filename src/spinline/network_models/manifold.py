@@ -65,7 +65,7 @@ def _steady(context: "Context") -> "Manifold":
 
 
 def _along_beads(context: "Context") -> "TwoFluid | Manifold":
-    """The same network where V has a kink at every element: by the box scheme, ten times faster there; heavy beads, by `_steady`."""
+    """The same network where V has a kink at every element: by the box scheme, ten times faster; heavy beads, by `_steady`."""
     from spinline.network.tension import Tension
     from spinline.network.two_fluid import two_fluid_network
 
