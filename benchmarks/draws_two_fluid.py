@@ -4,7 +4,8 @@
 
 Even draws are real jets, odd ones anything; draw i of the seed does not depend on how many are drawn. "Wrong" is checked on
 every answer by what it does not share with the solver: bounds, and the integrals of momentum and relaxation over a piece of
-the jet by Gauss's rule, to 1e-3 of their terms. Writes draws_two_fluid.json; a run that starts where the file ends is added to it.
+the jet by Gauss's rule, to 1e-3 of their terms. Writes draws_two_fluid.json; a run that starts where the file ends is added to
+it.
 """
 
 import json

@@ -6,7 +6,9 @@
 A case follows from its index alone: solvents and mixtures of the library, air and jet from 200 to 400 K, RH 0 to 1,
 polymer fraction 1e-4 to 1, radii 10 nm to 1 mm, all three transfer laws, blown or not. One letter a case: ``.`` a
 result; ``b`` boils, ``c`` the air is all water, ``j`` cannot be followed, ``o`` another refusal by name; ``!`` a
-failure (a value that is not finite or out of bounds, a warning, an exception that is no refusal).
+failure (a value that is not finite or out of bounds, mass or enthalpy not conserved to 1e-10, a warning, an exception
+that is no refusal). Cases are done in chunks, each written before the next begins; a run that was stopped goes on from
+the file.
 """
 
 import argparse
@@ -22,7 +24,7 @@ from spinline.base.errors import InputError
 from spinline.jetprofile import PowerLaw
 from spinline.rheology import straight_path
 from spinline.rheology.evaporant import Evaporant
-from spinline.rheology.heat import dry_with_heat
+from spinline.rheology.heat import POLYMER_HEAT_CAPACITY, dry_with_heat
 from spinline.rheology.thermal import saturation_pressure
 from spinline.rheology.vapour import VAPOURS
 
@@ -95,27 +97,56 @@ def case(index: int) -> str:
         (found.solvent_volume > -1e-9).all() and found.temperature.min() > 120 and found.temperature.max() < 480
     )
     flux = found.radius**2 * found.velocity * found.polymer_fraction
-    return "." if good and np.allclose(flux, flux[0], rtol=1e-10) else "!"
+    good &= (
+        bool(np.allclose(flux, flux[0], rtol=1e-10)) and imbalance(found, liquids, phi, share, jet_at, air_at) < 1e-10
+    )
+    return "." if good else "!"
+
+
+def imbalance(found, liquids, phi, share, jet_at, air_at, polymer=1200.0 * POLYMER_HEAT_CAPACITY):
+    """Mass and enthalpy that the ledger and the jet disagree on, over the largest that either holds or passes."""
+    rho, heat = (np.array([getattr(e, key) for e in liquids]) for key in ("density", "heat_capacity"))
+    start = (1 - phi) * np.asarray(share) / np.sum(share)
+    gone = rho @ (start[:, np.newaxis] - found.solvent_volume)
+    mass = np.abs(found.mass_given_off - gone).max() / max(float(rho @ start), np.abs(gone).max())
+    capacity, first = phi * polymer + (rho * heat) @ found.solvent_volume, phi * polymer + (rho * heat) @ start
+    held = capacity * (found.temperature - air_at)
+    wrong = np.abs(found.enthalpy_taken_up - (held - first * (jet_at - air_at))).max()
+    return max(float(mass), float(wrong / max(first * abs(jet_at - air_at), np.abs(held).max())))
+
+
+def summary(letters: str) -> str:
+    """The file's text."""
+    counts = dict(sorted(Counter(letters).items()))
+    lines = [letters[i : i + 100] for i in range(0, len(letters), 100)]
+    return json.dumps({"seed": SEED, "cases": len(letters), "counts": counts, "letters": lines}, indent=1) + "\n"
+
+
+def said(path: Path) -> str:
+    """Letters of a file; none where there is no file."""
+    return "".join(json.loads(path.read_text())["letters"]) if path.exists() else ""
 
 
 def main() -> None:
-    """Run or check."""
+    """Run, go on, or check."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=1000)
-    parser.add_argument("--check", type=Path)
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so many (processor time)")
+    parser.add_argument("--check", type=Path, help="a file whose first cases are judged again")
     parser.add_argument("-o", "--out", type=Path)
     asked = parser.parse_args()
     begin = time.process_time()
-    letters = "".join(case(i) for i in range(asked.cases))
-    counts = Counter(letters)
-    print(dict(counts), f"{(time.process_time() - begin) / asked.cases * 1e3:.2f} ms a case")
-    if asked.out:
-        asked.out.write_text(
-            json.dumps({"seed": SEED, "cases": asked.cases, "counts": counts, "letters": letters}, indent=1) + "\n"
-        )
+    letters = said(asked.out)[: asked.cases] if asked.out else ""
+    first = len(letters)
+    while len(letters) < asked.cases and time.process_time() - begin < asked.seconds:
+        letters += "".join(case(i) for i in range(len(letters), min(len(letters) + 500, asked.cases)))
+        if asked.out:
+            asked.out.write_text(summary(letters))
+    done = max(len(letters) - first, 1)
+    print(dict(Counter(letters)), f"{(time.process_time() - begin) / done * 1e3:.2f} ms a case")
     if asked.check:
-        said = json.loads(asked.check.read_text())["letters"][: asked.cases]
-        print("changed:", [i for i, (a, b) in enumerate(zip(letters, said, strict=False)) if a != b])
+        pairs = zip(letters, said(asked.check), strict=False)
+        print("changed:", [i for i, (a, b) in enumerate(pairs) if a != b])
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from spinline import xray  # noqa: E402
 from spinline.base.errors import InputError, SpinlineWarning  # noqa: E402
 from spinline.images import images_from_dict  # noqa: E402
 from spinline.images.geometry import path_factor  # noqa: E402
-from spinline.radiography.experiment import prepare  # noqa: E402
+from spinline.radiography.prepare import prepare  # noqa: E402
 from spinline.radiography.reduce import reduce_images  # noqa: E402
 from spinline.xray.frame.shared import row_shifts  # noqa: E402
 

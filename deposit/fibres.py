@@ -13,6 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.file_format import FORMAT, FORMAT_NAME, require_format
 from spinline.deposit.segments import Segments
 
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
@@ -83,7 +84,7 @@ class FibreWriter:
         """Write the sums and close."""
         for key, value in self._sums.items():
             self._file.attrs[key] = value
-        self._file.attrs["format"] = "spinline fibres 1"
+        self._file.attrs[FORMAT_NAME] = FORMAT
         self._file.close()
 
     def __enter__(self) -> Self:
@@ -125,6 +126,11 @@ class FibreFile:
                 f"is not a file of fibres: it has no {', '.join(lost)}",
                 remedy="write one with `spinline deposit`",
             )
+        try:
+            require_format(str(path), self._file.attrs.get(FORMAT_NAME))
+        except InputError:
+            self._file.close()
+            raise
         self.rows = int(self._file["x"].shape[0])
         self.attributes = {
             key: value.item() if isinstance(value, np.generic) else value

@@ -10,21 +10,65 @@ that are 13 ms old). Q is often not known: a simulation's inlet velocity need no
 settled jet the stretch grows from one element to the next as its own rate says, ``d ln Lambda = edot dV/Q``.
 """
 
-from typing import TYPE_CHECKING
+from typing import Protocol, Self
 
 import numpy as np
 
-from spinline.base.checks import FloatArray
-
-if TYPE_CHECKING:
-    from spinline.jetprofile.lagrangian import LagrangianJet
+from spinline.base.checks import BoolArray, FloatArray
 
 __all__ = ["bead_ages", "bead_flow_rate", "element_age"]
 
 _SPREAD = 0.5  # of the middle half of the pairs, over their median
 
 
-def bead_flow_rate(jet: "LagrangianJet") -> float:
+class Beads(Protocol):
+    """What of a bead jet says how old its elements are; names, shapes and units of `LagrangianJet`."""
+
+    @property
+    def time(self) -> FloatArray | None:
+        """Moments, s; none of one moment."""
+
+    @property
+    def x(self) -> FloatArray:
+        """Of the beads along the spin axis, m."""
+
+    @property
+    def y(self) -> FloatArray:
+        """Across it, m."""
+
+    @property
+    def z(self) -> FloatArray:
+        """Across both, m."""
+
+    @property
+    def arc_length(self) -> FloatArray:
+        """Of the elements, m."""
+
+    @property
+    def element_radius(self) -> FloatArray:
+        """M."""
+
+    @property
+    def stretch(self) -> FloatArray:
+        """Material stretch of the elements."""
+
+    @property
+    def element_strain_rate(self) -> FloatArray:
+        """1/s."""
+
+    @property
+    def bead_velocity(self) -> FloatArray:
+        """m/s."""
+
+    @property
+    def usable(self) -> BoolArray:
+        """Where there is an element."""
+
+    def at(self, time: float | None = None, /) -> Self:
+        """One moment of it."""
+
+
+def bead_flow_rate(jet: Beads) -> float:
     """Flow rate in m3/s that the motion of a settled bead jet implies; NaN where it does not agree on one.
 
     Parameters
@@ -51,7 +95,7 @@ def bead_flow_rate(jet: "LagrangianJet") -> float:
     return float(middle) if high - low <= _SPREAD * middle else float("nan")
 
 
-def bead_ages(jet: "LagrangianJet") -> tuple[FloatArray, float]:
+def bead_ages(jet: Beads) -> tuple[FloatArray, float]:
     """Age of the elements of a bead jet in s, and the flow rate (m3/s) behind it.
 
     By what was fed since, at the flow rate that the motion implies; where there is none (NaN), by the time it takes along
@@ -66,7 +110,7 @@ def bead_ages(jet: "LagrangianJet") -> tuple[FloatArray, float]:
     return ages, rate
 
 
-def element_age(jet: "LagrangianJet", flow_rate: float) -> FloatArray:
+def element_age(jet: Beads, flow_rate: float) -> FloatArray:
     """Age of the elements in s at a flow rate in m3/s, (..., element); NaN where there is no element."""
     if jet.time is not None:
         return np.stack([element_age(jet.at(float(t)), flow_rate) for t in jet.time])
@@ -76,7 +120,7 @@ def element_age(jet: "LagrangianJet", flow_rate: float) -> FloatArray:
     return age
 
 
-def _volumes(jet: "LagrangianJet") -> FloatArray:
+def _volumes(jet: Beads) -> FloatArray:
     length = np.sqrt(np.diff(jet.x) ** 2 + np.diff(jet.y) ** 2 + np.diff(jet.z) ** 2)
     value: FloatArray = (np.pi * jet.element_radius**2 * length)[jet.usable]
     return value

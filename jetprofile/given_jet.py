@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
 from spinline.base.quadrature import gauss
+from spinline.jetprofile.jet import METHODS
+from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.straight import StraightJet
 
-__all__ = ["GivenJet"]
+__all__ = ["GivenJet", "complete"]
 
 _SEARCHED = 4001  # places of the grid on which V is looked for
 _FARTHEST = 1e6  # initial radii, of a jet without an end
@@ -114,3 +116,28 @@ class GivenJet(StraightJet):
         slowness = 1 / np.asarray(self.jet.velocity_ratio(z.ravel()), dtype=np.float64).reshape(z.shape)
         taken = float(np.asarray(self.jet.residence_time(self._far)))
         return float(np.sum(half[:, np.newaxis] * weights * slowness)) / positive("jet.residence_time", taken, "s")
+
+
+def complete(jet: Any) -> StraightJet | LagrangianJet:
+    """The jet with all that a run asks of one, whatever it says of itself.
+
+    Raises
+    ------
+    InputError
+        For an object that is no `Jet`.
+    """
+    if isinstance(jet, StraightJet | LagrangianJet):
+        return jet
+    lacking = [name for name in METHODS if not callable(getattr(jet, name, None))]
+    lacking += [
+        name for name in ("start", "end") if not np.isreal(getattr(jet, name, None) or 0.0) or not hasattr(jet, name)
+    ]
+    if lacking:
+        raise InputError(
+            "jet",
+            f"is no jet: it has no {', '.join(lacking)}",
+            value=type(jet).__name__,
+            allowed=", ".join((*METHODS, "start", "end")),
+            remedy="see spinline.jetprofile.Jet",
+        )
+    return GivenJet(jet)

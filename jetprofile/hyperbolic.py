@@ -4,6 +4,8 @@ Smooth from the nozzle on, exponent beta = 1 far away; measured p = 23.1. It is 
 figure (V = 7.46 against 32.1 at s = 40): the two published fits meet near s = 20 only for k near 0.48.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -38,6 +40,10 @@ class Hyperbolic(StraightJet):
         super().__init__(radius, flow_rate)
         self.p = positive("p", p)
 
+    def formula(self) -> tuple[float, float, float]:
+        """V as ``(1 + s/p)^2``."""
+        return formula(self.p)
+
     def _parameters(self) -> dict[str, object]:
         return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "p": self.p}
 
@@ -55,6 +61,11 @@ class Hyperbolic(StraightJet):
 
 
 # The law itself, for arrays of jets too: s and p broadcast. Ranges are checked by the callers.
+
+
+def formula(p: Any) -> tuple[Any, Any, Any]:
+    """Offset, scale and exponent of `StraightJet.formula`."""
+    return 1.0, p, 2.0
 
 
 def ratio(s: FloatArray, p: ArrayLike) -> FloatArray:

@@ -1,7 +1,7 @@
 """What a jet is: anything that says how it moves along its arc, and what is made of an object that says no more than that.
 
-An object with the members of `Jet` is a jet; a run takes it as it is (`complete` finds out the rest). What else a jet may say
-of itself, and saves or sharpens a computation where it does:
+An object with the members of `Jet` is a jet; a run takes it as it is (`given_jet.complete` finds out the rest). What else a
+jet may say of itself, and saves or sharpens a computation where it does:
 
 ====================  ==================================================================================================
 ``initial_radius``    r_0, m; else the radius at its start
@@ -15,19 +15,13 @@ of itself, and saves or sharpens a computation where it does:
 ====================  ==================================================================================================
 """
 
-from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
+from typing import Protocol, Self, runtime_checkable
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray
-from spinline.base.errors import InputError
 
-if TYPE_CHECKING:
-    from spinline.jetprofile.lagrangian import LagrangianJet
-    from spinline.jetprofile.straight import StraightJet
-
-__all__ = ["METHODS", "Jet", "complete"]
+__all__ = ["METHODS", "Jet"]
 
 METHODS = ("radius", "velocity_ratio", "strain_rate", "residence_time", "stretch_ratio", "at")
 
@@ -61,33 +55,3 @@ class Jet(Protocol):
 
     def at(self, time: float | None = None) -> Self:
         """One moment of it; itself, where it is steady."""
-
-
-def complete(jet: Any) -> "StraightJet | LagrangianJet":
-    """The jet with all that a run asks of one, whatever it says of itself.
-
-    Raises
-    ------
-    InputError
-        For an object that is no `Jet`.
-    """
-    from spinline.jetprofile.lagrangian import LagrangianJet
-    from spinline.jetprofile.straight import StraightJet
-
-    if isinstance(jet, StraightJet | LagrangianJet):
-        return jet
-    lacking = [name for name in METHODS if not callable(getattr(jet, name, None))]
-    lacking += [
-        name for name in ("start", "end") if not np.isreal(getattr(jet, name, None) or 0.0) or not hasattr(jet, name)
-    ]
-    if lacking:
-        raise InputError(
-            "jet",
-            f"is no jet: it has no {', '.join(lacking)}",
-            value=type(jet).__name__,
-            allowed=", ".join((*METHODS, "start", "end")),
-            remedy="see spinline.jetprofile.Jet",
-        )
-    from spinline.jetprofile.given_jet import GivenJet
-
-    return GivenJet(jet)

@@ -56,6 +56,11 @@ class StraightJets:
         """Scale of a grid at the nozzle, initial radii, as `spinline.setup.grid.jet_grid` takes it."""
         return np.where(self.onset > 0, np.minimum(self.onset, 1.0), 1.0)
 
+    def formula(self) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
+        """Offset, scale and exponent where ``V = max(offset + s/scale, 1)^exponent``, each (rows,) or a number."""
+        found: tuple[ArrayLike, ArrayLike, ArrayLike] = self._law.formula(*self._parameters)
+        return found
+
     def velocity_ratio(self, z: FloatArray) -> FloatArray:
         """``V = v / v_0``."""
         return self._call(self._law.ratio, z / self._tall(self.initial_radius, z))

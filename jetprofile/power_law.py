@@ -11,6 +11,8 @@ References
 Review Eq. (31); Reznik and Zussman, Phys. Rev. E 81, 026313 (2010), and measured beta = 0.47 (Fig. 35).
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -58,6 +60,10 @@ class PowerLaw(StraightJet):
         """The onset s_0, where the slope jumps."""
         return (self.onset,)
 
+    def formula(self) -> tuple[float, float, float]:
+        """V as ``max(s/s_0, 1)^(2 beta)``."""
+        return formula(self.onset, self.beta)
+
     def _parameters(self) -> dict[str, object]:
         return {"radius": self.initial_radius, "flow_rate": self.flow_rate, "k": self.k, "beta": self.beta}
 
@@ -75,6 +81,11 @@ class PowerLaw(StraightJet):
 
 
 # The law itself, for arrays of jets too: s, the onset s_0 and beta broadcast. Ranges are checked by the callers.
+
+
+def formula(onset: Any, beta: Any) -> tuple[Any, Any, Any]:
+    """Offset, scale and exponent of `StraightJet.formula`."""
+    return 0.0, onset, 2 * beta
 
 
 def ratio(s: FloatArray, onset: ArrayLike, beta: ArrayLike) -> FloatArray:

@@ -106,6 +106,10 @@ class StraightJet(ABC):
         """Places where the profile is not smooth, in initial radii from `start`."""
         return ()
 
+    def formula(self) -> tuple[float, float, float] | None:
+        """Offset, scale and exponent where ``V = max(offset + s/scale, 1)^exponent``, s from `start`; None elsewhere."""
+        return None
+
     def _reduced(self, z: ArrayLike) -> FloatArray:
         most = min(self.end, _FARTHEST * self.initial_radius)
         return real("z", z, least=self.start, most=most, unit="m") / self.initial_radius

@@ -1,4 +1,4 @@
-"""Radial drying in compiled loops: fluxes between cells, their Jacobian, and a step of Radau's method on it.
+"""Radial drying in compiled loops: fluxes between cells, their Jacobian, tridiagonal systems; the step is `_map_kernels`'.
 
 The Jacobian holds what is stiff, diffusion between neighbours and the loss of the outermost cell; that a flux also depends on
 all the volume inside it (X) and the Sherwood number on all that is left is slow, and left to the Newton iteration. Its columns
@@ -13,11 +13,26 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
 
-__all__ = ["NODES", "STAGES", "attempt", "fluxes", "interpolate"]
+__all__ = [
+    "DENSE",
+    "ERROR",
+    "MU",
+    "MU_PAIR",
+    "NODES",
+    "STAGES",
+    "TI",
+    "T",
+    "bands",
+    "factor",
+    "fluxes",
+    "interpolate",
+    "solve",
+    "turn",
+]
 
 _S6 = 6.0**0.5
 NODES = np.array([(4 - _S6) / 10, (4 + _S6) / 10, 1.0])
-_ERROR = np.array([-13 - 7 * _S6, -13 + 7 * _S6, -1.0]) / 3
+ERROR = np.array([-13 - 7 * _S6, -13 + 7 * _S6, -1.0]) / 3
 _POWERS = np.arange(3)
 STAGES = (NODES[:, np.newaxis] ** (_POWERS + 1) / (_POWERS + 1)) @ np.linalg.inv(NODES[:, np.newaxis] ** _POWERS)
 
@@ -31,9 +46,9 @@ def _transformed() -> tuple[float, complex, FloatArray, FloatArray]:
     return float(values[real].real), complex(values[pair].conjugate()), basis, np.linalg.inv(basis)
 
 
-MU, MU_PAIR, _T, _TI = _transformed()
+MU, MU_PAIR, T, TI = _transformed()
 # u(x_0 + theta h) - u(x_0) = sum_k Q_k theta^k, from the stages
-_DENSE = np.linalg.inv(NODES[:, np.newaxis] ** (_POWERS + 1))
+DENSE = np.linalg.inv(NODES[:, np.newaxis] ** (_POWERS + 1))
 
 
 @njit(cache=True, error_model="numpy")
@@ -95,7 +110,7 @@ def fluxes(
 
 
 @njit(cache=True, error_model="numpy")
-def _jacobian(
+def bands(
     inner: FloatArray,
     outer: FloatArray,
     share: FloatArray,
@@ -116,7 +131,7 @@ def _jacobian(
 
 
 @njit(cache=True, error_model="numpy")
-def _factor(low, mid, high, shift, pivots):  # type: ignore[no-untyped-def]
+def factor(low, mid, high, shift, pivots):  # type: ignore[no-untyped-def]
     """Pivots of shift - J, tridiagonal."""
     pivots[0] = shift - mid[0]
     for i in range(1, mid.size):
@@ -124,7 +139,7 @@ def _factor(low, mid, high, shift, pivots):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _solve(low, high, pivots, right):  # type: ignore[no-untyped-def]
+def solve(low, high, pivots, right):  # type: ignore[no-untyped-def]
     """Solve (shift - J) x = right in place; the last of `right` is the loss, and stays."""
     m = pivots.size
     for i in range(1, m):
@@ -135,7 +150,7 @@ def _solve(low, high, pivots, right):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _turn(matrix: FloatArray, values: FloatArray, out: FloatArray) -> None:
+def turn(matrix: FloatArray, values: FloatArray, out: FloatArray) -> None:
     """`matrix` (3, 3) times the three rows of `values`."""
     for i in range(values.shape[1]):
         a, b, c = values[0, i], values[1, i], values[2, i]
@@ -143,117 +158,8 @@ def _turn(matrix: FloatArray, values: FloatArray, out: FloatArray) -> None:
             out[k, i] = matrix[k, 0] * a + matrix[k, 1] * b + matrix[k, 2] * c
 
 
-@njit(cache=True, error_model="numpy")
-def _rates(flux: FloatArray, share: FloatArray, pace: float, out: FloatArray) -> None:
-    m = share.size
-    out[0] = pace * flux[0] / share[0]
-    for i in range(1, m):
-        out[i] = pace * (flux[i] - flux[i - 1]) / share[i]
-    out[m] = -pace * flux[m - 1]
-
-
-@njit(cache=True, error_model="numpy")
-def attempt(
-    y: FloatArray,
-    h: float,
-    guess: FloatArray,
-    scale: FloatArray,
-    tolerance: float,
-    share: FloatArray,
-    table: FloatArray,
-    air: FloatArray,
-    places: FloatArray,
-    stages: FloatArray,
-    first: FloatArray,
-    error: FloatArray,
-) -> tuple[int, float, float]:
-    """One step: stages (3, m + 1) as changes of y, rates at the start, and the error.
-
-    `places` are stretch, speed and pace (exposure over the polymer) at the start and at the three stages, (4, 3).
-
-    Returns
-    -------
-    iterations : int
-        0 if they do not converge.
-    contraction : float
-        Of the last iteration.
-    size : float
-        Norm of the error.
-    """
-    m = share.size
-    flux, inner, outer = np.empty(m), np.empty(m), np.empty(m)
-    low, mid, high = np.empty(m), np.empty(m), np.empty(m)
-    fluxes(y[:m], share, table, air, places[0], flux, inner, outer)
-    _rates(flux, share, places[0, 2], first)
-    _jacobian(inner, outer, share, places[0, 2], low, mid, high)
-    loss = -places[0, 2] * inner[m - 1]  # d(loss rate)/du of the outermost cell
-    real, pair = np.empty(m), np.empty(m, np.complex128)
-    _factor(low, mid, high, MU / h, real)
-    _factor(low, mid, high, MU_PAIR / h, pair)
-    w, turned, at = np.empty((3, m + 1)), np.empty((3, m + 1)), np.empty(m)
-    _turn(_TI, guess, w)
-    stages[:] = guess
-    rates = np.empty((3, m + 1))
-    right, both = np.empty(m + 1), np.empty(m + 1, np.complex128)
-    before, contraction = -1.0, 0.0
-    done = 0
-    for iteration in range(1, 9):
-        for k in range(3):
-            for i in range(m):
-                at[i] = y[i] + stages[k, i]
-                if not -0.3 < at[i] < 1e300:
-                    return 0, contraction, 0.0
-            fluxes(at, share, table, air, places[k + 1], flux, inner, outer)
-            _rates(flux, share, places[k + 1, 2], rates[k])
-        _turn(_TI, rates, turned)
-        size = 0.0
-        for i in range(m + 1):
-            right[i] = turned[0, i] - MU / h * w[0, i]
-            both[i] = turned[1, i] + 1j * turned[2, i] - MU_PAIR / h * (w[1, i] + 1j * w[2, i])
-        _solve(low, high, real, right)
-        _solve(low, high, pair, both)
-        right[m] = (right[m] + loss * right[m - 1]) * h / MU
-        both[m] = (both[m] + loss * both[m - 1]) * h / MU_PAIR
-        for i in range(m + 1):
-            size += (right[i] ** 2 + both[i].real ** 2 + both[i].imag ** 2) / scale[i] ** 2
-            w[0, i] += right[i]
-            w[1, i] += both[i].real
-            w[2, i] += both[i].imag
-        size = np.sqrt(size / (3 * (m + 1)))
-        _turn(_T, w, stages)
-        if not np.isfinite(size):
-            return 0, contraction, 0.0
-        if before > 0:
-            contraction = size / before
-            if contraction >= 1 or contraction ** (8 - iteration) / (1 - contraction) * size > tolerance:
-                return 0, contraction, 0.0
-        if size == 0 or (before > 0 and contraction / (1 - contraction) * size < tolerance):
-            done = iteration
-            break
-        before = size
-    if not done:
-        return 0, contraction, 0.0
-    for i in range(m + 1):
-        error[i] = first[i] + (_ERROR[0] * stages[0, i] + _ERROR[1] * stages[1, i] + _ERROR[2] * stages[2, i]) / h
-    return done, contraction, _error_of(error, low, high, real, loss, h, scale)
-
-
-@njit(cache=True, error_model="numpy")
-def _error_of(
-    error: FloatArray, low: FloatArray, high: FloatArray, pivots: FloatArray, loss: float, h: float, scale: FloatArray
-) -> float:
-    """Filter the error through the real system, in place, and take its norm."""
-    m = pivots.size
-    _solve(low, high, pivots, error)
-    error[m] = (error[m] + loss * error[m - 1]) * h / MU
-    size = 0.0
-    for i in range(m + 1):
-        size += (error[i] / scale[i]) ** 2
-    return float(np.sqrt(size / (m + 1)))
-
-
 def interpolate(stages: FloatArray, theta: FloatArray) -> FloatArray:
     """Change of y at fractions of a step: the collocation polynomial, (theta, m + 1)."""
     powers = np.asarray(theta, dtype=np.float64)[:, np.newaxis] ** (_POWERS + 1)
-    value: FloatArray = powers @ (_DENSE @ stages)
+    value: FloatArray = powers @ (DENSE @ stages)
     return value

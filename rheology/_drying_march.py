@@ -9,7 +9,8 @@ from scipy.optimize import brentq
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.rheology._drying_kernels import NODES, STAGES, attempt, interpolate
+from spinline.rheology._drying_kernels import NODES, STAGES, interpolate
+from spinline.rheology._map_kernels import NO_HEAT, Heat, attempt
 from spinline.rheology.diffusion_laws import DiffusionLaw
 
 __all__ = ["March", "march", "tabulated"]
@@ -48,7 +49,7 @@ def march(
     rtol: float,
     atol: FloatArray,
     events: tuple[tuple[int, float], ...] = (),
-    attempt: Callable[..., tuple[int, float, float]] = attempt,
+    heat: Heat = NO_HEAT,
 ) -> March:
     """Solve from `start` to the last position.
 
@@ -65,9 +66,8 @@ def march(
     rtol, atol : float, ndarray (m + 1,)
     events : tuple of (cell, u)
         First place where u of a cell falls to a value.
-    attempt : callable
-        One step; that of `_drying_kernels` or another with its arguments, whose state is the cells first and the loss
-        last.
+    heat : tuple of ndarray, optional
+        What `_map_kernels.surface_rates` takes: the state then has the temperature between the cells and the loss.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def march(
     for stop in [*marks, end]:
         guess, known, old_h, old_size = np.zeros_like(stages), False, 0.0, 0.0
         if not h:
-            h = _first_step(stop - x, y, x, share, table, air, along, rtol, atol, attempt)
+            h = _first_step(stop - x, y, x, share, table, air, along, rtol, atol, heat)
         while x < stop:
             taken += 1
             if taken > _MOST_STEPS or h < max(16 * np.spacing(abs(x)), _SHORTEST * (end - start)):
@@ -110,6 +110,7 @@ def march(
                 share,
                 table,
                 air,
+                heat,
                 places,
                 trial := np.empty_like(stages),
                 first,
@@ -162,13 +163,13 @@ def _first_step(
     along: Callable[[FloatArray], FloatArray],
     rtol: float,
     atol: FloatArray,
-    attempt: Callable[..., tuple[int, float, float]],
+    heat: Heat,
 ) -> float:
     """A hundredth of what the outermost cell changes by in scale, no more than the way to go."""
     places = along(np.full(4, x + 1e-9 * span))
     first, error, stages = np.empty(y.size), np.empty(y.size), np.zeros((3, y.size))
     scale = atol + rtol * np.abs(y)
-    attempt(y, 1e-30 * span, np.zeros_like(stages), scale, 1.0, share, table, air, places, stages, first, error)
+    attempt(y, 1e-30 * span, np.zeros_like(stages), scale, 1.0, share, table, air, heat, places, stages, first, error)
     rate = float(np.max(np.abs(first) / scale))
     return min(span, 0.1 / rate) if rate > 0 else span
 

@@ -1,26 +1,24 @@
 """Rates of a drying jet with heat in compiled loops, and a step of Radau's method on them.
 
 State: logarithms of the solvents' volumes over their starts (plain volumes for what is only in the air), temperature.
-Beside it a ledger that nothing depends on: mass given off and enthalpy taken up, integrated with the same stages.
+Beside it a ledger: the mass of every liquid that has passed the surface, and the enthalpy. `settle` takes the state
+after a step from the ledger, so that both are conserved to rounding: the stages give volumes and temperature to the
+order of the method either way.
 """
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
-from spinline.rheology._drying_kernels import MU, STAGES
+from spinline.rheology._drying_kernels import DENSE, ERROR, MU, STAGES
 
-__all__ = ["GAS", "LEDGER", "activities", "attempt_heat", "dense", "rates", "surface"]
+__all__ = ["GAS", "activities", "attempt_heat", "rates", "settle", "surface"]
 
 GAS = 8.31446261815324
 _AIR_MASS = 0.0289644
 _AIR_CP = 1006.0
-_S6 = 6.0**0.5
-_ERROR = np.array([-13 - 7 * _S6, -13 + 7 * _S6, -1.0]) / 3
 _LOW, _STEP = 120.0, 3.0  # evaporant.GRID
-LEDGER = 2
-_NODES = np.array([(4 - _S6) / 10, (4 + _S6) / 10, 1.0])
-_DENSE = np.linalg.inv(_NODES[:, np.newaxis] ** np.arange(1, 4))
+_AGREE = 0.1  # of the logarithm of a volume: where the ledger's differs by more, the stages' is taken
 
 
 @njit(cache=True, error_model="numpy")
@@ -181,14 +179,14 @@ def rates(
     if not np.isfinite(warmed):
         return False
     pace = place[3]
-    ledger[0], ledger[1] = 0.0, pace * (warmed - carried)
+    ledger[n] = pace * (warmed - carried)
     for i in range(n):
         out[i] = -pace * flux[i] / sub[i, 0]
         if sub[i, 7] > 0:  # a logarithm; past 1e-260 of the jet it comes to rest
             log = sub[i, 8] + y[i]
             out[i] /= max(volumes[i], 1e-300) * (1 + np.exp(min(-0.1 * (log + 600.0), 300.0)))
-        ledger[0] += pace * flux[i]
-        ledger[1] -= pace * flux[i] * sub[i, 2] * (kelvin - air[1])
+        ledger[i] = pace * flux[i]
+        ledger[n] -= pace * flux[i] * sub[i, 2] * (kelvin - air[1])
     out[n] = pace * (warmed - carried) / heat
     return True
 
@@ -229,7 +227,7 @@ def _jacobian(
     place: FloatArray,
 ) -> FloatArray:
     n = y.size
-    matrix, moved, ledger, at = np.zeros((n, n)), np.empty(n), np.empty(LEDGER), y.copy()
+    matrix, moved, ledger, at = np.zeros((n, n)), np.empty(n), np.empty(n), y.copy()
     for j in range(n):
         step = 1e-6 * max(abs(y[j]), 1e-3)
         at[j] = y[j] + step
@@ -255,13 +253,13 @@ def attempt_heat(
     stages: FloatArray,
     ticks: FloatArray,
 ) -> tuple[int, float]:
-    """One step of size h: stages (3, n + 1) as changes of y, and of the ledger (3, 2); iterations (0: none), size of
+    """One step of size h: stages (3, n + 1) as changes of y, and of the ledger (3, n + 1); iterations (0: none), size of
     the error.
 
     `places` at the start and at the three stages, (4, 4).
     """
     n = y.size
-    first, ledger = np.empty(n), np.empty(LEDGER)
+    first, ledger = np.empty(n), np.empty(n)
     if not rates(y, sub, tables, pairs, air, places[0], first, ledger):
         return 0, 0.0
     jacobian = _jacobian(y, first, sub, tables, pairs, air, places[0])
@@ -274,7 +272,7 @@ def attempt_heat(
         for i in range(n):
             inverse[k * n + i, k * n + i] += 1.0
     stages[:] = guess
-    slopes, counts, at = np.empty((3, n)), np.empty((3, LEDGER)), np.empty(n)
+    slopes, counts, at = np.empty((3, n)), np.empty((3, n)), np.empty(n)
     before, done = -1.0, 0
     for iteration in range(1, 11):
         for k in range(3):
@@ -314,11 +312,11 @@ def attempt_heat(
             at[i] = y[i] + stages[k, i]
         rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k])
     for k in range(3):
-        for c in range(LEDGER):
+        for c in range(n):
             ticks[k, c] = h * (STAGES[k, 0] * counts[0, c] + STAGES[k, 1] * counts[1, c] + STAGES[k, 2] * counts[2, c])
     error, real = np.empty(n), np.empty((n, n))
     for i in range(n):
-        error[i] = first[i] + (_ERROR[0] * stages[0, i] + _ERROR[1] * stages[1, i] + _ERROR[2] * stages[2, i]) / h
+        error[i] = first[i] + (ERROR[0] * stages[0, i] + ERROR[1] * stages[1, i] + ERROR[2] * stages[2, i]) / h
         for j in range(n):
             real[i, j] = -jacobian[i, j]
         real[i, i] += MU / h
@@ -330,14 +328,58 @@ def attempt_heat(
 
 
 @njit(cache=True, error_model="numpy")
-def dense(stages: FloatArray, theta: FloatArray, start: FloatArray, out: FloatArray) -> None:
-    """`start` and its change at fractions of a step, by the collocation polynomial: (theta, n) into `out`."""
+def _capacity(y: FloatArray, sub: FloatArray, air: FloatArray) -> float:
+    """Heat capacity by volume at the start, J/m3/K."""
+    total = air[3] * air[8]
+    for i in range(sub.shape[0]):
+        total += (np.exp(sub[i, 8] + y[i]) if sub[i, 7] > 0 else y[i]) * sub[i, 0] * sub[i, 2]
+    return float(total)
+
+
+@njit(cache=True, error_model="numpy")
+def settle(
+    y: FloatArray,
+    ledger: FloatArray,
+    stages: FloatArray,
+    ticks: FloatArray,
+    theta: FloatArray,
+    sub: FloatArray,
+    air: FloatArray,
+    out: FloatArray,
+    book: FloatArray,
+) -> float:
+    """States `out` and ledgers `book`, (theta, n + 1), at fractions of a step from `y` and `ledger`.
+
+    Both by the collocation polynomial; volumes and temperature are then those that the ledger leaves. Where a volume falls
+    so far within a step that the ledger's difference is all error, its logarithm goes as the stages say; returns the
+    largest volume that is so lost from the books, over the jet's at the start.
+    """
+    lost = 0.0
+    n = sub.shape[0]
+    enthalpy = _capacity(y, sub, air) * (y[n] - air[1])
     for k in range(theta.size):
         t = theta[k]
-        for i in range(start.size):
-            total = 0.0
+        for i in range(n + 1):
+            change, passed = 0.0, 0.0
             for p in range(2, -1, -1):
-                total = t * (
-                    total + _DENSE[p, 0] * stages[0, i] + _DENSE[p, 1] * stages[1, i] + _DENSE[p, 2] * stages[2, i]
+                change = t * (
+                    change + DENSE[p, 0] * stages[0, i] + DENSE[p, 1] * stages[1, i] + DENSE[p, 2] * stages[2, i]
                 )
-            out[k, i] = start[i] + total
+                passed = t * (
+                    passed + DENSE[p, 0] * ticks[0, i] + DENSE[p, 1] * ticks[1, i] + DENSE[p, 2] * ticks[2, i]
+                )
+            book[k, i] = ledger[i] + passed
+            if i == n:
+                out[k, n] = air[1] + (enthalpy + passed) / _capacity(out[k], sub, air)
+            elif sub[i, 7] > 0:
+                before = np.exp(sub[i, 8] + y[i])
+                kept = 1 - passed / (sub[i, 0] * before)
+                own = np.log(kept) if kept > 0 else -np.inf
+                if abs(own - change) < _AGREE:
+                    out[k, i] = y[i] + own
+                else:
+                    out[k, i] = y[i] + change
+                    lost = max(lost, abs(kept - np.exp(change)) * before)
+            else:
+                out[k, i] = y[i] - passed / sub[i, 0]
+    return float(lost)

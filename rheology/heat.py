@@ -17,8 +17,9 @@ mass. Liquid densities are held at their values at the nozzle; heats of mixing, 
 Uniform temperature: the internal Biot number ``Nu k_a/(2 k_liquid)`` is 0.01 to 0.05 on jets in still air, whatever
 their radius; in a strong blow (Nu of 5) it passes 0.3, and the surface is then colder than the mean.
 
-Numbers: Radau's method, order 5 (`_heat_kernels`), on logarithms of the volumes, errors two decades under `rtol`; a
-ledger beside it adds up the mass and the enthalpy that pass the surface. With Kase and Matsuo's or Yarin's transfer
+Numbers: Radau's method, order 5 (`_heat_kernels`), on logarithms of the volumes, errors a decade under `rtol`;
+the state after a step is what a ledger of the mass and the enthalpy that pass the surface leaves: both are conserved to
+rounding, whatever `rtol`. With Kase and Matsuo's or Yarin's transfer
 and no floor the jet's profile drops out by ``J = int Re^(1/3) dsigma``. A few milliseconds.
 
 References
@@ -36,8 +37,8 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology import thermal
-from spinline.rheology._drying_kernels import NODES
-from spinline.rheology._heat_kernels import LEDGER, activities, attempt_heat, dense, rates
+from spinline.rheology._drying_kernels import NODES, interpolate
+from spinline.rheology._heat_kernels import activities, attempt_heat, rates, settle
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.evaporant import GRID, REFERENCE, Evaporant
 from spinline.rheology.transfer import Transfer, law_index, transfer_number, transfer_range
@@ -47,6 +48,7 @@ __all__ = ["POLYMER_HEAT_CAPACITY", "HeatedJet", "dry_with_heat"]
 POLYMER_HEAT_CAPACITY = 1450.0  # J/kg/K, of most amorphous polymers within a fifth
 _MOST_STEPS = 50_000
 _AIR_MASS = 0.0289644
+_UNBOOKED = 1e-12  # of the liquid at the start, that a step may lose from the ledger
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,11 +297,13 @@ def _march(
 ) -> tuple[FloatArray, FloatArray]:
     """Steps with error control from `start` to the last mark; `places` stay as they are without a path."""
     n = y.size
-    values, ledgers = np.tile(y, (marks.size, 1)), np.zeros((marks.size, LEDGER))
+    values, ledgers = np.tile(y, (marks.size, 1)), np.zeros((marks.size, n))
     end = float(marks[-1])
     if not end > start:
         return values, ledgers
-    stages, ticks, total = np.zeros((3, n)), np.zeros((3, LEDGER)), np.zeros(LEDGER)
+    stages, ticks, total = np.zeros((3, n)), np.zeros((3, n)), np.zeros(n)
+    unbooked = _UNBOOKED * (1 - float(given.air[3]))
+    one, after, booked = np.ones(1), np.empty((1, n)), np.empty((1, n))
     tolerance = max(10 * np.finfo(float).eps / rtol, min(0.03, rtol**0.5))
     floor = np.append(np.full(n - 1, 1e-4 * rtol), 10 * rtol)
     x, taken, done_to = start, 0, int(np.searchsorted(marks, start, side="right"))
@@ -319,7 +323,7 @@ def _march(
                 )
             scale = floor + rtol * np.append(np.abs(y[:-1]), 0.0)
             if known:
-                dense(stages, 1 + NODES * step / old, -stages[2], guess)
+                guess = interpolate(stages, 1 + NODES * step / old) - stages[2]
             trial = np.empty_like(stages)
             iterations, size = attempt_heat(
                 y, step, guess, scale, tolerance, given.sub, given.tables, given.pairs, given.air, places, trial, ticks
@@ -328,13 +332,17 @@ def _march(
                 shrink = 0.25 if not iterations else max(0.2, 0.9 * size**-0.25)
                 h, known, guess = (0.5 if known and not iterations else shrink) * step, False, np.zeros_like(stages)
                 continue
+            if settle(y, total, trial, ticks, one, given.sub, given.air, after, booked) > unbooked:
+                h, known, guess = 0.5 * step, False, np.zeros_like(stages)
+                continue
             beyond = int(np.searchsorted(marks, stop if last else x + step, side="right"))
             if beyond > done_to:
                 share = np.minimum((marks[done_to:beyond] - x) / step, 1.0)
-                dense(trial, share, y, values[done_to:beyond])
-                dense(ticks, share, total, ledgers[done_to:beyond])
+                settle(
+                    y, total, trial, ticks, share, given.sub, given.air, values[done_to:beyond], ledgers[done_to:beyond]
+                )
                 done_to = beyond
-            y, total = y + trial[2], total + ticks[2]
+            y, total = after[0].copy(), booked[0].copy()
             x, stages, known, old = (stop if last else x + step), trial, True, step
             h = step * min(6.0, max(0.2, 0.9 * size**-0.25 if size > 0 else 6.0))
     return values, ledgers
@@ -344,7 +352,7 @@ def _first(x: float, stop: float, y: FloatArray, given: Inputs, path: ElementPat
     """A step over which nothing changes by more than a thousandth of its scale."""
     if path is not None:
         places = _places(path, np.array([x + 1e-9 * (stop - x)] * 4), given.air[7] == 2)
-    slope, ledger = np.empty(y.size), np.empty(LEDGER)
+    slope, ledger = np.empty(y.size), np.empty(y.size)
     if not rates(y, given.sub, given.tables, given.pairs, given.air, places[0], slope, ledger):
         raise _cannot(y, given, x, path)
     pace = float(np.max(np.abs(slope) / np.append(np.ones(y.size - 1), 100.0)))
@@ -360,8 +368,15 @@ def _cannot(y: FloatArray, given: Inputs, x: float, path: ElementPath | None) ->
             for t in given.tables
         ]
     )
-    if float(boils.max()) >= given.air[0]:
+    if float(boils.max()) >= given.air[0] and not y[:-1].any():  # still as it set out
         return InputError("temperature", "is above the boiling point of a solvent", value=kelvin, remedy="lower it")
+    if float(boils.max()) >= given.air[0]:
+        return InputError(
+            "jet",
+            f"is warmed past the boiling point of a solvent{where}",
+            value=kelvin,
+            remedy="lower the temperature of the air, or its humidity",
+        )
     return InputError(
         "jet",
         f"cannot be dried{where}: its temperature or composition changes too fast, or leaves 120 to 480 K",
@@ -411,8 +426,8 @@ def _result(
         reynolds=total,
         sherwood=np.array(numbers[:-1]),
         nusselt=numbers[-1],
-        mass_given_off=ledger[:, 0],
-        enthalpy_taken_up=ledger[:, 1],
+        mass_given_off=ledger[:, :-1].sum(axis=1),
+        enthalpy_taken_up=ledger[:, -1],
         activity=_activity(given, u, left),
         notes=(note,) if note else (),
     )

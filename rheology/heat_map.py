@@ -7,14 +7,11 @@ within the jet is that of the law given, at every temperature.
 Cost and error: those of `dry_radially`, one more row.
 """
 
-from typing import Any
-
 import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
 from spinline.rheology._drying_march import march, tabulated
-from spinline.rheology._heat_map_kernels import attempt_map
 from spinline.rheology.diffusion_laws import DiffusionLaw
 from spinline.rheology.drying import RadialDrying, check_cells, check_diffusion
 from spinline.rheology.element_path import ElementPath
@@ -108,27 +105,6 @@ def dry_radially_with_heat(
     def along(x: FloatArray) -> FloatArray:
         return np.column_stack((path.stretch(x), own(x), path.exposure(x) / amount, path.across(x)))
 
-    def attempt(*step: Any) -> tuple[int, float, float]:
-        y, h, guess, scale, tolerance, shares, table, air, places, stages, start, error = step
-        done: tuple[int, float, float] = attempt_map(
-            y,
-            h,
-            guess,
-            scale,
-            tolerance,
-            shares,
-            table,
-            air,
-            given.sub,
-            given.tables,
-            given.air,
-            places,
-            stages,
-            start,
-            error,
-        )
-        return done
-
     dry = 1 / glass - 1 if np.isfinite(glass) else -np.inf
     marched = march(
         path.start,
@@ -142,7 +118,7 @@ def dry_radially_with_heat(
         accuracy,
         np.append(np.full(count + 1, 1e-3 * accuracy * first), 1e-3 * accuracy * first),
         ((count - 1, dry), (0, dry)),
-        attempt,
+        (given.sub, given.tables, given.air),
     )
     values = marched.values.T
     u = values[:count]

@@ -34,6 +34,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.rheology.atoms import VAPOURS
 from spinline.rheology.names import known_as
 
 __all__ = [
@@ -199,12 +200,8 @@ def solvent_glass_transition(name: str, field: str = "solvent") -> float:
 
 
 def solvent_molar_mass(name: str, field: str = "solvent") -> float:
-    """Molar mass of a solvent in kg/mol, from its atoms (the keys of `vapour.VAPOURS`, which are those of
-    `SOLVENTS`).
-    """
+    """Molar mass of a solvent in kg/mol, from its atoms (`atoms.VAPOURS`, whose keys are those of `SOLVENTS`)."""
     from chemicals.elements import molecular_weight
-
-    from spinline.rheology.vapour import VAPOURS
 
     known = known_name(name, VAPOURS, field, "give molar_mass (kg/mol)")
     atoms = dict(zip(("C", "H", "O", "N", "Cl", "F", "S"), VAPOURS[known], strict=False))

@@ -9,7 +9,7 @@ HFIP
                       below 294 K, water below the triple point (supercooled, not ice), acids below their melting points
 heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 %; HFIP, DMAc, NMP and TFA from the slope
 of their
-                      vapour pressure, within 10 %
+                      vapour pressure, within 12 %
 heat capacity         of the liquid near 298 K, CRC Handbook (97th ed.), 2 %; HFIP and TFA estimates, within 20 %
 ... of the vapour     Poling, Prausnitz, O'Connell, 5th ed., 298 K; DMF, DMSO, DMAc, NMP, TFA and HFIP estimates by
 group

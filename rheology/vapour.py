@@ -14,14 +14,13 @@ Activities, of solvent i with volume fraction phi_i and molar volume v_i, the po
 needs the molar volume v_p of what counts as one polymer molecule, the repeat unit if drying is to end smoothly.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology._finite import finite_result
+from spinline.rheology.atoms import VAPOURS
 from spinline.rheology.solvents import SOLVENTS, known_name, solvent_molar_mass
 
 __all__ = [
@@ -42,24 +41,6 @@ __all__ = [
 
 GAS_CONSTANT = 8.31446261815324  # J/(mol K), exact
 
-# name: atoms (C, H, O, N, Cl, F, S) and rings
-VAPOURS: Mapping[str, tuple[int, int, int, int, int, int, int, int]] = {
-    "water": (0, 2, 1, 0, 0, 0, 0, 0),
-    "ethanol": (2, 6, 1, 0, 0, 0, 0, 0),
-    "acetone": (3, 6, 1, 0, 0, 0, 0, 0),
-    "DMF": (3, 7, 1, 1, 0, 0, 0, 0),
-    "DCM": (1, 2, 0, 0, 2, 0, 0, 0),
-    "chloroform": (1, 1, 0, 0, 3, 0, 0, 0),
-    "THF": (4, 8, 1, 0, 0, 0, 0, 1),
-    "formic acid": (1, 2, 2, 0, 0, 0, 0, 0),
-    "HFIP": (3, 2, 1, 0, 0, 6, 0, 0),
-    "DMSO": (2, 6, 1, 0, 0, 0, 1, 0),
-    "DMAc": (4, 9, 1, 1, 0, 0, 0, 0),
-    "acetic acid": (2, 4, 2, 0, 0, 0, 0, 0),
-    "TFA": (2, 1, 2, 0, 0, 3, 0, 0),
-    "NMP": (5, 9, 1, 1, 0, 0, 0, 1),
-    "toluene": (7, 8, 0, 0, 0, 0, 0, 1),
-}
 _DIFFUSION_VOLUMES = np.array([15.9, 2.31, 6.11, 4.54, 21.0, 14.7, 22.9, -18.3])
 # boils at 438.15 K (CRC Handbook); 46.5 kJ/mol is the mean of its heats of vaporisation at 298 K and there: 15 %
 _DMAC_SLOPE, _DMAC_RANGE = 46.5e3 / GAS_CONSTANT, (273.15, 438.15)

@@ -23,6 +23,7 @@ COMMANDS = {
     "run",
     "crossover",
     "check",
+    "cite",
     "plan",
     "trade",
     "scenes",
@@ -88,7 +89,7 @@ def test_commands_in_the_documents_exist():
         name for path in TEXTS for name in re.findall(r"^\$ spinline ([a-z-]+)", path.read_text("utf-8"), re.MULTILINE)
     }
     assert "run" in named
-    assert named <= COMMANDS
+    assert {word for word in named if not word.startswith("--")} <= COMMANDS
 
 
 def test_every_command_has_its_help_on_the_page():

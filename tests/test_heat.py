@@ -179,7 +179,9 @@ def test_pmma_in_acetone_dries_four_times_later() -> None:
 
 
 @pytest.mark.parametrize("names", [("acetone",), ("ethanol", "water"), ("DCM", "ethanol", "DMF", "water")])
-def test_mass_and_enthalpy_are_conserved_to_complete_dryness(names: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-10])
+def test_mass_and_enthalpy_are_conserved_to_complete_dryness(names: tuple[str, ...], rtol: float) -> None:
+    """Of every mixture to 1e-10, whatever the tolerance: the state is what the ledger leaves."""
     jet = PowerLaw(radius=20e-6, flow_rate=0.02e-6 / 3600, k=0.5, beta=0.47)
     e = [liquid(n, 293.15, ambient_pressure=humid(0.3) if n == "water" else 0.0) for n in names]
     share = np.full(len(e), 1 / len(e))
@@ -193,18 +195,18 @@ def test_mass_and_enthalpy_are_conserved_to_complete_dryness(names: tuple[str, .
         air_temperature=air,
         polymer_density=rho,
         polymer_heat_capacity=c,
-        rtol=1e-9,
+        rtol=rtol,
     )
     assert found.polymer_fraction[-1] > 0.8
     start = (1 - phi) * share
     density, heat = np.array([x.density for x in e]), np.array([x.heat_capacity for x in e])
     gone = density @ (start[:, np.newaxis] - found.solvent_volume)
-    np.testing.assert_allclose(found.mass_given_off, gone, rtol=1e-10, atol=1e-10 * gone.max())
+    np.testing.assert_allclose(found.mass_given_off, gone, rtol=1e-10, atol=1e-11 * gone.max())
     capacity = phi * rho * c + (density * heat) @ found.solvent_volume
     first = (phi * rho * c + (density * heat) @ start) * (293.15 - air)
     change = capacity * (found.temperature - air) - first
     scale = np.abs(found.enthalpy_taken_up).max()
-    np.testing.assert_allclose(found.enthalpy_taken_up, change, atol=1e-9 * scale)
+    np.testing.assert_allclose(found.enthalpy_taken_up, change, rtol=0, atol=1e-11 * scale)
     flux = np.pi * found.radius**2 * found.velocity * found.polymer_fraction
     np.testing.assert_allclose(flux, phi * jet.flow_rate, rtol=1e-12)
 
@@ -504,5 +506,6 @@ def test_a_sample_of_the_box_is_replayed() -> None:
     said = json.loads(file.with_suffix(".json").read_text())
     assert said["counts"].get("!", 0) == 0
     assert said["cases"] >= 1000
-    changed = [i for i in range(200) if box.case(i) != said["letters"][i]]
+    letters = "".join(said["letters"])
+    changed = [i for i in range(200) if box.case(i) != letters[i]]
     assert len(changed) <= 1, changed  # of a case that rounding decides

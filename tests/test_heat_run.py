@@ -1,6 +1,7 @@
 """Heat, humidity and solids in runs: what a scene file gets, against the physics below it, and what is refused."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -104,6 +105,40 @@ def test_peo_and_pcl_end_solid_with_a_finite_stretch(peo) -> None:
     assert float(peo["arrest_fraction"]) == pytest.approx(0.768, abs=0.02)
 
 
+def test_a_chill_is_too_short_for_crystals(peo, monkeypatch) -> None:
+    """Counted, it would make PCL solid within the first millimetres, and leaves PEO's fibre what it is."""
+    from spinline.setup.solid import Solid
+
+    own = Solid.crystal_margin
+
+    def chilled(self, here):
+        return own(replace(self, nozzle=0.0), here)
+
+    kept = run(PCL)
+    monkeypatch.setattr(Solid, "crystal_margin", chilled)
+    counted, soon = run(PEO), run(PCL)
+    assert float(counted["arrest_fraction"]) < float(peo["arrest_fraction"]) - 0.03
+    assert float(counted["fibre_diameter"]) == pytest.approx(float(peo["fibre_diameter"]), rel=0.01)
+    assert float(soon["arrest_position"]) < 0.1 * float(kept["arrest_position"])
+    assert float(soon["arrest_fraction"]) < 0.15
+
+
+def test_what_is_undercooled_from_the_start_is_solid_when_dry() -> None:
+    """PVDF in DMF: its dry melt would not be a glass, and its solution stands 126 K under its melting point."""
+    slow = merged(
+        PCL,
+        solution={"polymer": "PVDF", "solvent": "DMF", "molar_mass": "270 kDa", "mass_fraction": 0.15},
+        jet={"length": "70 cm"},
+        accuracy={"points": 401},
+    )
+    result = run(slow)
+    assert result.attrs["frozen_structure"].count("solid when dry") == 1
+    assert "a question of time" in result.attrs["frozen_structure"]
+    assert float(result["arrest_fraction"]) == pytest.approx(0.95, abs=2e-3)
+    place = float(result["arrest_position"])
+    assert np.ptp(result["strand_stretch"].values[result["z"].values > place]) == 0
+
+
 @pytest.mark.parametrize("heat", [False, True])
 def test_frozen_section_fibre_and_stretch_agree(heat: bool) -> None:
     with warnings.catch_warnings():
@@ -150,7 +185,13 @@ def test_composition_paths() -> None:
     porous = run(film)
     assert porous.attrs["composition_path"].startswith("porous: crosses the spinodal at")
     dry = run(merged(film, ambient={"relative_humidity": 0.0, "temperature": "25 degC"}))
-    assert dry.attrs["composition_path"].startswith("no water")
+    assert dry.attrs["composition_path"] == "no water in the jet or in its air: one phase (chi 0.48)"
+    alone = run(merged(PEO, rheology={"chi": 0.7}))
+    assert alone.attrs["composition_path"].startswith("water is the only liquid: porous: inside the spinodal from 0 m")
+    unknown = run(merged(film, solution={"polymer": "PVP", "solvent": "ethanol"}, ambient={"relative_humidity": 0.0}))
+    assert unknown.attrs["composition_path"].endswith(
+        "not judged, for want of rheology.chi (PVP with ethanol): give what is known of it"
+    )
     other = run(merged(film, solution={"polymer": "PVP", "solvent": "ethanol"}))
     assert "not judged" in other.attrs["composition_path"]
     assert "rheology.chi_water_solvent" in other.attrs["composition_path"]

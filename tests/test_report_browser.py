@@ -30,7 +30,7 @@ PROBE = """<script>addEventListener("load", () => {
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
 
 
-def opened(page, folder):
+def opened(page, folder, *more):
     """Console lines, and what the probe saw."""
     done = subprocess.run(
         [
@@ -45,6 +45,7 @@ def opened(page, folder):
             "--enable-logging=stderr",
             "--window-size=1200,900",
             "--virtual-time-budget=5000",
+            *more,
             "--dump-dom",
             page.as_uri(),
         ],

@@ -10,13 +10,13 @@ from spinline.base.errors import InputError
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun.dataset import to_dataset
+from spinline.jetprofile.spun.dumbbell import earnshaw_rate, two_bead
 from spinline.jetprofile.spun.exports import vtk_text, xyz_text
 from spinline.jetprofile.spun.jetspin_input import translate
 from spinline.jetprofile.spun.laws import JetLaw
 from spinline.jetprofile.spun.noise import impulses, normals
 from spinline.jetprofile.spun.run import SpunRun, moments
 from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads
-from spinline.jetprofile.spun.two_bead import earnshaw_rate, two_bead
 
 PVP_INPUT = """
  system 3

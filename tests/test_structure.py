@@ -1,6 +1,7 @@
 """The house: how many files and lines a room may have, and which functions are long for a reason."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,10 +19,15 @@ STAGES = "the stages of one march, in their order"
 STEPS = 45  # statements: a function of fewer is only tall, one argument a line as the formatter sets them
 LONG = {
     "_land": LOOP, "_solve": LOOP, "_uniform_part": LOOP, "advance": LOOP, "assemble": LOOP, "attempt": LOOP, "attempt_heat": LOOP,
-    "attempt_map": LOOP, "march": LOOP, "march_explicit": LOOP, "march_implicit": LOOP, "parse_rows": LOOP, "rates": LOOP,
+    "march": LOOP, "march_explicit": LOOP, "march_implicit": LOOP, "parse_rows": LOOP, "rates": LOOP,
     "row_curvature": LOOP, "step": LOOP, "deposit": LIST, "fit_frame": LIST, "fit_row_phase": LIST, "follow": STAGES,
     "stokes_permeability": STAGES,
 }  # fmt: skip
+
+
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text("utf-8"))
 
 
 def test_the_package_itself_holds_few_files():
@@ -47,7 +53,7 @@ def test_no_file_is_over_500_lines():
 def test_long_functions_are_long_for_a_reason():
     found = {}
     for file in FILES:
-        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        for node in ast.walk(parsed(file)):
             if isinstance(node, ast.FunctionDef):
                 words = len((ast.get_docstring(node, clean=False) or "").splitlines())
                 steps = sum(isinstance(part, ast.stmt) for part in ast.walk(node))
@@ -60,3 +66,34 @@ def test_long_functions_are_long_for_a_reason():
 def test_formatting_is_left_to_the_formatter():
     skipped = sum(text.count("# fmt: " + "skip") for text in (file.read_text("utf-8") for file in FILES))
     assert skipped < 30
+
+
+def imports(file: Path, name: str, names: set[str]) -> set[str]:
+    """Modules of this project that one imports, wherever in it."""
+    base = name.split(".") if file.name == "__init__.py" else name.split(".")[:-1]
+    found = set()
+    for node in ast.walk(parsed(file)):
+        if isinstance(node, ast.ImportFrom):
+            above = base[: len(base) - node.level + 1] if node.level else []
+            source = ".".join([*above, *([node.module] if node.module else [])])
+            found |= {f"{source}.{item.name}" if f"{source}.{item.name}" in names else source for item in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {item.name for item in node.names}
+    return (found & names) - {name}
+
+
+def test_no_modules_import_each_other_in_a_ring():
+    """Nor through others, nor within functions, nor for types alone: what no other imports is taken out until none is left."""
+    files = {}
+    for top in (*PHYSICS, "src/spinline"):
+        for file in (ROOT / top).rglob("*.py"):
+            steps = file.relative_to(ROOT if top in PHYSICS else ROOT / "src").with_suffix("").parts
+            steps = ("spinline", *steps) if top in PHYSICS else steps
+            files[".".join(steps[:-1] if steps[-1] == "__init__" else steps)] = file
+    graph = {name: imports(file, name, set(files)) for name, file in files.items()}
+    assert sum(map(len, graph.values())) > 1000
+    while free := [name for name, below in graph.items() if not below]:
+        for name in free:
+            del graph[name]
+        graph = {name: below - set(free) for name, below in graph.items()}
+    assert sorted(graph) == []

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from scipy.linalg import get_lapack_funcs
 
 from spinline.base.checks import BoolArray, FloatArray
-from spinline.jetprofile.ehd.equations import jacobian, residual, slopes
+from spinline.jetprofile.ehd.equations import jacobian, rates, residual
 
 __all__ = [
     "Discrete",
@@ -244,9 +244,5 @@ def interpolate(s: FloatArray, y: FloatArray, new: FloatArray) -> FloatArray:
 
 def spline(problem: Problem, found: Discrete) -> tuple[CubicHermiteSpline, FloatArray]:
     """Cubics through the unknowns with their computed slopes (order 4), and the slopes at the nodes."""
-    fields = problem.field(found.s)
-    rate: Any = np.empty_like(found.y)
-    polymer, charge, local, _ = problem.flags
-    for j in range(found.s.size):
-        slopes(found.y[j], fields[j], problem.parameters, polymer, charge, local, rate[j])
+    rate, _ = rates(found.y, problem.field(found.s), problem.parameters, problem.flags)
     return CubicHermiteSpline(found.s, found.y, rate, axis=0), rate

@@ -22,7 +22,7 @@ from spinline.jetprofile.ehd.boundary_value import (
     scales,
 )
 
-__all__ = ["Path", "follow"]
+__all__ = ["Path", "distance", "follow"]
 
 _SHORTEST = 1e-4
 _CLOSE = 0.05  # step in which a fold is located
@@ -101,12 +101,12 @@ def _follow(
     length, fold = first, np.nan
     recent = [(0.0, 0.0)]  # (length of the path, t)
     for step in range(most):
-        norm = float(np.hypot(_distance(dy, scales(y)), dt))
+        norm = float(np.hypot(distance(dy, scales(y)), dt))
         dy, dt = dy / norm, dt / norm
         if dt > 0 and t + dt * length >= 1:
             reach = (1 - t) / dt
             end = newton(problem_at(1.0), s, y + dy * reach, most=12)
-            if end.converged and _distance(end.y - y, scales(y)) < 2 * largest:
+            if end.converged and distance(end.y - y, scales(y)) < 2 * largest:
                 return Path(end, True, 1.0, fold, step)
             length = 0.4 * reach
         found = _correct(problem_at, s, y, t, dy, dt, length)
@@ -134,7 +134,8 @@ def _follow(
     return Path(Discrete(s, y), False, t, fold, most)
 
 
-def _distance(change: FloatArray, scale: FloatArray) -> float:
+def distance(change: FloatArray, scale: FloatArray) -> float:
+    """Root mean square of a change of the unknowns, each in its range."""
     return float(np.sqrt(np.mean((change / scale) ** 2)))
 
 

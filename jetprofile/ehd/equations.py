@@ -38,7 +38,7 @@ import numpy as np
 
 from spinline.base.kernels import njit
 
-__all__ = ["PARAMETERS", "jacobian", "residual", "slopes"]
+__all__ = ["PARAMETERS", "jacobian", "rates", "residual", "slopes"]
 
 # Order of the parameter vector; `share` = rs, `gain` = (1 - rs) / De, `extensibility` = 1 / L2 (0: Oldroyd-B),
 # `mobility` = the Giesekus a, `end_slope` = V' / V at the end
@@ -92,6 +92,15 @@ def slopes(y: Any, field: float, p: Any, polymer: bool, charge: bool, local: boo
     if charge:
         out[y.size - 1] = 2.0 / p[5] * ((1.0 - q) / (p[3] * v) - charge_density / current)
     return inside, q, tension
+
+
+@njit(cache=True, error_model="numpy")
+def rates(y: Any, fields: Any, p: Any, flags: Any) -> Any:
+    """Derivatives of the unknowns by s at many places, (n, unknowns), and E, q and T there, (n, 3)."""
+    out, told = np.empty_like(y), np.empty((y.shape[0], 3))
+    for j in range(y.shape[0]):
+        told[j, 0], told[j, 1], told[j, 2] = slopes(y[j], fields[j], p, flags[0], flags[1], flags[2], out[j])
+    return out, told
 
 
 @njit(cache=True, error_model="numpy")

@@ -209,6 +209,12 @@ class NeedleSettings:
             "slenderness": self.end_position / r,
         }
 
+    @property
+    def pull_against_capillarity(self) -> float:
+        """``4 A^(1/3) Ca`` with the field a radius from the tip: below 1/2 capillarity holds the drop."""
+        n, near = self.numbers, float(self.applied_field.axial(self.radius)) / self.field_scale
+        return float(4 * n["pull"] ** (1 / 3) * near ** (2 / 3) * n["capillary"])
+
     def problem(
         self, *, charge: bool, predicted: bool, pull: float = 1.0, slack: float = 1.0, work: Work | None = None
     ) -> Problem:

@@ -24,9 +24,11 @@ from spinline.jetprofile.ehd.boundary_value import (
     interpolate,
     newton,
     remesh,
+    scales,
+    spline,
 )
-from spinline.jetprofile.ehd.continuation import Path, follow
-from spinline.jetprofile.ehd.equations import slopes
+from spinline.jetprofile.ehd.continuation import Path, distance, follow
+from spinline.jetprofile.ehd.equations import rates
 from spinline.jetprofile.ehd.settings import NeedleSettings
 
 __all__ = ["Solved", "between", "raise_pull", "solve", "thins"]
@@ -38,7 +40,8 @@ _LEAST_PULL = 0.01
 _RELAXED = 1e-5  # share of the conducted current by which charge relaxation may be off before it is resolved
 _SLACK = 0.5  # Deborah number at which the pull is raised where a longer relaxation time folds the path
 _FLAT = 1e-7  # slope of ln V below which a thread that thickens does so by rounding
-_WORK = 1_000_000
+_WORK, _WORK_HELD = 1_000_000, 400_000
+_NEAR = 0.6  # change of a neighbour's solution, in its ranges, that is taken in one go
 _EMPTY = (np.zeros(0), np.zeros((0, 4)), False)
 
 
@@ -58,6 +61,8 @@ class Solved:
         Share of the pull that was reached.
     time_share : float
         Share of the relaxation time at which the branch folds under the full pull (NaN: not looked for, or no fold).
+    direct : bool
+        Reached in one go from the neighbour that was given.
     """
 
     problem: Problem
@@ -66,6 +71,7 @@ class Solved:
     why: str = ""
     pull: float = 1.0
     time_share: float = np.nan
+    direct: bool = False
 
 
 class _Search:
@@ -171,15 +177,15 @@ class _Search:
             rough, nodes = better, 2 * nodes
         return None
 
-    def with_relaxation(self, found: Discrete) -> tuple[Discrete | None, bool]:
+    def with_relaxation(self, found: Discrete, predicted: bool = True) -> tuple[Discrete | None, bool]:
         """The solution with charge relaxation resolved where it matters; None where Newton's method does not go there."""
-        quick = self.problem(charge=False, predicted=True)
+        quick = self.problem(charge=False, predicted=predicted)
         q = _conducted(quick, found)
         length = 0.5 * quick.parameters[5] * quick.parameters[3] * np.exp(found.y[:, 0])
         lag = float(np.max(np.abs(length * np.gradient(q, found.s))) / np.abs(q).max())
         if lag < _RELAXED:
             return found, False
-        full = self.problem(charge=True, predicted=True)
+        full = self.problem(charge=True, predicted=predicted)
         solved = newton(full, found.s, np.column_stack((found.y, _conducted(full, found))))
         return (solved if solved.converged else None), True
 
@@ -206,7 +212,7 @@ class _Search:
             coarse = newton(problem, s, interpolate(fine.s, fine.y, s))
             fine = newton(problem, halved(s), interpolate(s, coarse.y, halved(s))) if coarse.converged else coarse
             if fine.converged:
-                error = _errors(coarse, fine)
+                error = _errors(problem, coarse, fine)
                 worst = max(error["radius"], error["current"])
                 result = Solved(problem, fine, error, "mesh" if worst * 15 > 0.005 else "")
                 if worst <= tolerance:
@@ -220,17 +226,15 @@ class _Search:
 
 def thins(problem: Problem, found: Discrete) -> bool:
     """Whether a solution thins and is under tension everywhere, to rounding."""
-    rate, tension = np.empty(found.s.size), np.empty(found.s.size)
-    fields, out = problem.field(found.s), np.empty(problem.size)
-    polymer, charge, local, _ = problem.flags
-    for j in range(found.s.size):
-        _, _, tension[j] = slopes(found.y[j], fields[j], problem.parameters, polymer, charge, local, out)
-        rate[j] = out[0]
+    slope, told = rates(found.y, problem.field(found.s), problem.parameters, problem.flags)
+    rate, tension = slope[:, 0], told[:, 2]
     return bool(tension.min() > 0 and rate.min() > -_FLAT * max(1.0, float(rate.max())))
 
 
-def _errors(coarse: Discrete, fine: Discrete) -> dict[str, float]:
-    change = np.abs(fine.y[::2] - coarse.y) / 15  # order 4
+def _errors(problem: Problem, coarse: Discrete, fine: Discrete) -> dict[str, float]:
+    """Errors of the fine solution, between its nodes too, where they may be several times those at its nodes."""
+    at = halved(fine.s)
+    change = np.abs(spline(problem, fine)[0](at) - spline(problem, coarse)[0](at)) / 15  # order 4
     return {
         "radius": 0.5 * float(change[:, 0].max()),
         "current": float(change[0, 3]),
@@ -239,7 +243,7 @@ def _errors(coarse: Discrete, fine: Discrete) -> dict[str, float]:
 
 
 def solve(
-    settings: NeedleSettings, *, tolerance: float = 1e-6, near: Solved | None = None, work: int = _WORK
+    settings: NeedleSettings, *, tolerance: float = 1e-6, near: Solved | None = None, work: int | None = None
 ) -> Solved:
     """Steady jet of the settings, or why there is none.
 
@@ -251,18 +255,29 @@ def solve(
         Error of the radius (relative) and of the current to which the mesh is refined.
     near : Solved, optional
         Solution of a neighbouring setting: tried first (a sweep).
-    work : int
-        Nodes times linear systems allowed; 200,000 are about a second.
+    work : int, optional
+        Nodes times linear systems allowed; 200,000 are about a second. Default 1,000,000; 400,000 where capillarity holds
+        the drop anyway.
     """
+    if work is None:
+        work = _WORK_HELD if settings.pull_against_capillarity < 0.5 else _WORK
     search = _Search(settings, work)
+    found, charge, direct = None, True, False
     try:
-        found, charge = (None, True) if near is None else (_from_neighbour(settings, near), near.problem.charge)
+        if near is not None:
+            found, direct = _from_neighbour(settings, near, Work(work // 4))
+            charge = near.problem.charge
+            if found is not None and not charge:
+                found, charge = search.with_relaxation(found, predicted=False)
+    except OutOfWork:
+        pass
+    try:
         if found is None:
             found, charge = search.primary()
         if found is not None:
             # refinement has work of its own: the search may have used all
             search.work.left = max(search.work.left, work // 3)
-            return replace(search.refined(found, charge, tolerance), time_share=search.time_share)
+            return replace(search.refined(found, charge, tolerance), time_share=search.time_share, direct=direct)
     except OutOfWork:
         pass
     why = "fold" if search.folded else "lost"
@@ -330,15 +345,29 @@ def _charge(problem: Problem, s: FloatArray, u: FloatArray, given: float | None)
     return free + current * carried, float(np.log(current))
 
 
-def _from_neighbour(settings: NeedleSettings, near: Solved) -> Discrete | None:
-    """A coarse solution started from a neighbour's, if Newton's method goes straight there."""
-    problem = settings.problem(charge=near.problem.charge, predicted=False)
+def _from_neighbour(settings: NeedleSettings, near: Solved, work: Work) -> tuple[Discrete | None, bool]:
+    """A coarse solution from a neighbour's, and whether Newton's method went straight there.
+
+    Where it does not, or the solution changes so much that another branch may have been met, the path between the two
+    settings is followed in bounded steps.
+    """
+    problem = settings.problem(charge=near.problem.charge, predicted=False, work=work)
     if problem.size != near.discrete.y.shape[1] or not near.discrete.converged:
-        return None
+        return None, False
     s = near.discrete.s * (problem.end / near.problem.end)
     mesh = remesh(s, near.discrete.y, _COARSE)
-    found = newton(problem, mesh, interpolate(s, near.discrete.y, mesh), most=8)
-    return found if found.converged and found.sign == near.discrete.sign else None
+    start = interpolate(s, near.discrete.y, mesh)
+    found = newton(problem, mesh, start, most=8)
+    if found.converged and found.sign == near.discrete.sign and distance(found.y - start, scales(start)) < _NEAR:
+        return found, True
+    path = between(near.problem, problem)
+    if path is None:
+        return None, False
+    first = newton(path(0.0), mesh, start)
+    if not first.converged:
+        return None, False
+    followed = follow(path, first)
+    return (followed.solution if followed.arrived else None), False
 
 
 def _conducted(problem: Problem, found: Discrete) -> FloatArray:
@@ -353,11 +382,10 @@ def _conducted(problem: Problem, found: Discrete) -> FloatArray:
     return q
 
 
-def between(a: NeedleSettings, b: NeedleSettings, charge: bool) -> Callable[[float], Problem] | None:
-    """Path between two settings: parameters and fields in their logarithms; None where the laws differ."""
-    first, last = (x.problem(charge=charge, predicted=False) for x in (a, b))
+def between(first: Problem, last: Problem) -> Callable[[float], Problem] | None:
+    """Path between two problems: parameters and fields in their logarithms; None where laws or slenderness differ."""
     same = first.polymer == last.polymer and first.local == last.local and first.left.shape == last.left.shape
-    if not same or not np.array_equal(first.left[:, 0], last.left[:, 0]):
+    if not same or not np.array_equal(first.left[:, 0], last.left[:, 0]) or abs(first.end / last.end - 1) > 1e-9:
         return None
     p, q = first.parameters, last.parameters
     both = (p > 0) & (q > 0)
@@ -365,14 +393,11 @@ def between(a: NeedleSettings, b: NeedleSettings, charge: bool) -> Callable[[flo
     def at(t: float) -> Problem:
         mixed = np.where(both, 0.0, (1 - t) * p + t * q)
         mixed[both] = np.exp((1 - t) * np.log(p[both]) + t * np.log(q[both]))
-        mixed[6] = (1 - t) * p[6] + t * q[6]
-        end = float(np.exp(mixed[6]))
 
         def field(s: FloatArray) -> FloatArray:
-            x = np.asarray(s) / end
-            mean: FloatArray = first.field(x * first.end) ** (1 - t) * last.field(x * last.end) ** t
+            mean: FloatArray = first.field(s) ** (1 - t) * last.field(s) ** t
             return mean
 
-        return replace(last, parameters=mixed, field=field, end=end, left=(1 - t) * first.left + t * last.left)
+        return replace(last, parameters=mixed, field=field, left=(1 - t) * first.left + t * last.left)
 
     return at

@@ -13,7 +13,7 @@ from spinline.base.quadrature import gauss
 from spinline.jetprofile.ehd.bending import BendingOnset, bending_onset
 from spinline.jetprofile.ehd.boundary_value import spline
 from spinline.jetprofile.ehd.capillary import capillary_growth
-from spinline.jetprofile.ehd.equations import slopes
+from spinline.jetprofile.ehd.equations import rates
 from spinline.jetprofile.ehd.settings import NeedleSettings
 from spinline.jetprofile.ehd.solver import Solved, solve, thins
 from spinline.jetprofile.ehd.verdicts import Verdict, judge
@@ -286,11 +286,7 @@ class StraightEhdJet(StraightJet):
 def _evaluate(found: Solved, s: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """E, q and T of unknowns at places s."""
     p = found.problem
-    out, field = np.empty(p.size), p.field(s)
-    polymer, charge, local, _ = p.flags
-    values = np.empty((s.size, 3))
-    for j in range(s.size):
-        values[j] = slopes(y[j], field[j], p.parameters, polymer, charge, local, out)
+    _, values = rates(np.ascontiguousarray(y), p.field(s), p.parameters, p.flags)
     return values[:, 0], values[:, 1], values[:, 2]
 
 
@@ -347,9 +343,10 @@ def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
         text = f"no steady jet beyond a relaxation time of {time:.4g} s at these settings"
         return NoSteadyJet("fold", text, found.pull, 'law = "fene-p" has no such end; or another voltage')
     n = x.numbers
-    enhanced = n["pull"] ** (1 / 3) * (float(x.applied_field.axial(x.radius)) / x.field_scale) ** (2 / 3)
-    if 4 * enhanced * n["capillary"] < 0.5:
-        text = f"pull against capillarity is {4 * enhanced * n['capillary']:.3g} (4 A^(1/3) Ca): the drop is held, it drips"
+    if x.pull_against_capillarity < 0.5:
+        text = (
+            f"pull against capillarity is {x.pull_against_capillarity:.3g} (4 A^(1/3) Ca): the drop is held, it drips"
+        )
         return NoSteadyJet("held", text, found.pull, "a higher voltage, or a higher flow rate")
     if found.why == "fold":
         text = f"the branch of steady jets ends at {found.pull:.3g} of the pull"

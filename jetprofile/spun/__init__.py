@@ -3,7 +3,7 @@
 ===============  =================================================================================
 module           what it is
 ===============  =================================================================================
-`two_bead`       Eqs. (13)-(16): two beads; Earnshaw's rate, Eq. (10)
+`dumbbell`       Eqs. (13)-(16): two beads; Earnshaw's rate, Eq. (10)
 `steady`         rung 0: the steady straight jet, through its wave speed
 `settings`       what a spun jet is given
 `laws`           constitutive laws of an element
@@ -21,11 +21,11 @@ from spinline.base.lazy import lazily
 if TYPE_CHECKING:
     from spinline.jetprofile.spun.chain import Chain, start_cylinder
     from spinline.jetprofile.spun.dataset import landings, to_dataset
+    from spinline.jetprofile.spun.dumbbell import TwoBeadJet, earnshaw_rate, two_bead
     from spinline.jetprofile.spun.laws import JetLaw
     from spinline.jetprofile.spun.run import SpunRun
     from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads, SpunSettings
     from spinline.jetprofile.spun.steady import SteadyJet, steady_jet
-    from spinline.jetprofile.spun.two_bead import TwoBeadJet, earnshaw_rate, two_bead
 
 _NAMES = {
     "Air": "settings",
@@ -39,13 +39,13 @@ _NAMES = {
     "SpunRun": "run",
     "SpunSettings": "settings",
     "SteadyJet": "steady",
-    "TwoBeadJet": "two_bead",
-    "earnshaw_rate": "two_bead",
+    "TwoBeadJet": "dumbbell",
+    "earnshaw_rate": "dumbbell",
     "landings": "dataset",
     "start_cylinder": "chain",
     "steady_jet": "steady",
     "to_dataset": "dataset",
-    "two_bead": "two_bead",
+    "two_bead": "dumbbell",
 }
 
 __all__ = [

@@ -16,6 +16,7 @@ from spinline.base.errors import InputError
 
 __all__ = [
     "SCRATCH",
+    "clear_leavings",
     "keep_mode",
     "kind_of",
     "lock_folder",
@@ -39,7 +40,7 @@ def scratch_name(folder: Path, ending: str = "") -> Path:
 @contextmanager
 def scratch_folder(folder: Path) -> Iterator[Path]:
     """A folder for what is under way; what dead processes left beside it is removed."""
-    _sweep(folder)
+    clear_leavings(folder)
     with tempfile.TemporaryDirectory(prefix=f"{scratch_name(folder).name}-", dir=folder) as made:
         yield Path(made)
 
@@ -47,14 +48,19 @@ def scratch_folder(folder: Path) -> Iterator[Path]:
 @contextmanager
 def nameless(folder: Path) -> Iterator[tuple[IO[bytes], Callable[[Path, bool], None]]]:
     """A file without a name, and what gives it one; where the file system has none such, one in a scratch folder."""
-    _sweep(folder)
+    clear_leavings(folder)
     try:
         handle = os.open(folder, os.O_TMPFILE | os.O_RDWR, 0o666)
     except (AttributeError, OSError) as error:  # no such flag, or no such file system
         if getattr(error, "errno", None) in (errno.ENOSPC, errno.EROFS, errno.EDQUOT, errno.EACCES):
             raise
         with scratch_folder(folder) as scratch, (scratch / "part").open("wb+", buffering=0) as raw:
-            yield raw, lambda target, force: named(scratch / "part", target, force=force)
+
+            def close_and_name(target: Path, force: bool) -> None:
+                raw.close()  # Windows renames no open file
+                named(scratch / "part", target, force=force)
+
+            yield raw, close_and_name
         return
     with os.fdopen(handle, "wb+", buffering=0) as raw:
 
@@ -93,7 +99,7 @@ def named(part: Path, target: Path, *, force: bool) -> None:
 
 def keep_mode(handle: int, target: Path) -> None:
     """A file that is replaced keeps its permissions."""
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):  # a system without permissions of this kind
         os.fchmod(handle, stat.S_IMODE(os.stat(target).st_mode))
 
 
@@ -133,6 +139,8 @@ def lock_folder(folder: Path) -> None:
     InputError
         If another process has it.
     """
+    if os.name == "nt":  # folders are not opened there; the exclusive making of files still holds
+        return
     handle = os.open(folder, os.O_RDONLY)
     state = os.fstat(handle)
     if (state.st_dev, state.st_ino) in _locks:
@@ -176,7 +184,7 @@ def _machine() -> str:
     return f"{zlib.crc32(gethostname().encode()):08x}"
 
 
-def _sweep(folder: Path) -> None:
+def clear_leavings(folder: Path) -> None:
     """Remove what processes of this machine left in a folder when they were killed."""
     ours = f"{SCRATCH}{_machine()}-"
     with suppress(OSError), os.scandir(folder) as entries:
@@ -193,6 +201,8 @@ def _sweep(folder: Path) -> None:
 
 
 def _alive(process: int) -> bool:
+    if os.name == "nt":  # signal 0 would end it there
+        return True
     try:
         os.kill(process, 0)
     except ProcessLookupError:

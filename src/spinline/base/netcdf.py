@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.file_format import FORMAT, FORMAT_NAME, require_format
 from spinline.base.files import readable, write_bytes
 from spinline.base.seals import sealed, verified
 from spinline.base.words import clean
@@ -53,6 +54,7 @@ def open_dataset(path: str | Path) -> "xr.Dataset":
         reason = clean(str(error).splitlines()[0]) if str(error) else type(error).__name__
         raise InputError(str(path), f"cannot be read as netCDF-4 ({reason})", remedy="give a .nc file") from None
     loaded.attrs = _harmless(loaded.attrs)
+    require_format(str(path), loaded.attrs.pop(FORMAT_NAME, None))
     for variable in loaded.variables.values():
         variable.attrs = _harmless(variable.attrs)
     return loaded
@@ -163,7 +165,7 @@ def _packed(variables: Mapping[str, Variable], attributes: Mapping[str, Any], co
                 more["coordinates"] = " ".join(along)
             for key, value in {**described, **more}.items():
                 made.attrs[key] = _attribute(value)
-        for key, value in attributes.items():
+        for key, value in {**attributes, FORMAT_NAME: FORMAT}.items():
             file.attrs[key] = _attribute(value)
     return stream.getvalue()
 

@@ -20,6 +20,7 @@ import typer
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import command
 from spinline.base.progress import telling
+from spinline.cli.cite import register as register_cite
 from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
@@ -32,6 +33,7 @@ from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
 from spinline.cli.trade import trade as trade_command
+from spinline.cli.window import register as register_window
 
 if TYPE_CHECKING:
     from spinline.base.checks import FloatArray
@@ -42,7 +44,6 @@ __all__ = ["app", "main"]
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     help="The polymer network inside an electrospinning jet.",
@@ -180,7 +181,7 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
         from spinline.setup.spun import spun_remarks
 
         for remark in spun_remarks(loaded.jet, solution):
-            say(f"odd: {remark}")
+            say(f"remark: {remark}")
         say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
         return
     jet = build_jet(loaded, solution)
@@ -322,12 +323,14 @@ def import_jet(
 REGISTERED = (
     register_fibre,
     register_sweep,
+    register_window,
     register_fit,
     register_simulate,
     register_spin,
     register_images,
     register_deposit,
     register_jet,
+    register_cite,
 )
 for register in REGISTERED:
     register(app)
@@ -342,7 +345,7 @@ def main() -> None:
     code = 0
     try:
         with _stopping(), command(), telling():
-            code = int(app(standalone_mode=True) or 0)
+            code = int(app(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
     except SystemExit as ended:
         code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)

@@ -61,7 +61,7 @@ def deposit(
     if options is not None:
         attributes["mat"] = options_text(options)
     if file.suffix == ".toml" and run is None:
-        from spinline.scene.mat_sections import load_mat_scene
+        from spinline.scene.mat_file import load_mat_scene
 
         scene = load_mat_scene(source, set_ or [])
         rows = rows_of(scene)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
-from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.options import ForceOption, JsonOption, SetOption, bundled
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
 
@@ -23,7 +23,10 @@ def register(app: typer.Typer) -> None:
 
 def fibre(
     recipe: Annotated[
-        str | None, typer.Argument(metavar="RECIPE", help="Recipe file, or the name of a bundled one.")
+        str | None,
+        typer.Argument(
+            metavar="RECIPE", help="Recipe file, or the name of a bundled one.", autocompletion=bundled("recipes")
+        ),
     ] = None,
     table: Annotated[Path | None, typer.Option(help="CSV table of experiments instead, one row each.")] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Table with the predictions, CSV.")] = None,

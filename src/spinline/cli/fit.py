@@ -6,12 +6,10 @@ from typing import Annotated
 import typer
 
 from spinline.base.errors import InputError
+from spinline.cli.options import ForceOption, JsonOption, SceneArgument
 from spinline.cli.speech import say
 
 __all__ = ["register"]
-
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite files.")]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print names and SI values as JSON.")]
 
 
 def fit(
@@ -74,7 +72,7 @@ def fit(
 
 
 def compare_theory(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")],
+    scene: SceneArgument,
     reduced: Annotated[Path, typer.Argument(metavar="MAP", help="Reduced X-ray map, netCDF.")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Result, netCDF; .png goes beside it.")] = None,
     core_within: Annotated[float, typer.Option(help="Rings within this r/R make the core.")] = 0.4,

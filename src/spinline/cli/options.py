@@ -1,5 +1,7 @@
 """Arguments that several commands share, and how a scene is read from them."""
 
+from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -7,9 +9,25 @@ import typer
 if TYPE_CHECKING:
     from spinline.scene.file import Scene
 
-__all__ = ["ForceOption", "JsonOption", "ModelOption", "RtolOption", "SceneArgument", "SetOption", "load"]
+__all__ = ["ForceOption", "JsonOption", "ModelOption", "RtolOption", "SceneArgument", "SetOption", "bundled", "load"]
 
-SceneArgument = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")]
+
+def bundled(kind: str) -> Callable[[str], list[str]]:
+    """Completes the names of what is bundled: "scenes", "recipes", "images", "sweeps" or "fits"."""
+
+    def names(incomplete: str) -> list[str]:
+        folder = Path(__file__).parents[1] / "data" / kind
+        return sorted(file.stem for file in folder.glob("*.toml") if file.stem.startswith(incomplete))
+
+    return names
+
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="Scene file, or the name of a bundled scene.", autocompletion=bundled("scenes")
+    ),
+]
 ModelOption = Annotated[str | None, typer.Option("--model", help="Override network.model.")]
 RtolOption = Annotated[str | None, typer.Option("--rtol", help="Override accuracy.rtol.")]
 SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file.")]

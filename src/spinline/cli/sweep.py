@@ -1,11 +1,11 @@
-"""Commands on many scenes and many results: ``sweep``, ``window``, ``compare``."""
+"""Commands on many scenes and many results: ``sweep``, ``compare``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from spinline.base.errors import InputError
+from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SetOption
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
 
@@ -16,18 +16,12 @@ if TYPE_CHECKING:
 
 __all__ = ["register"]
 
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
-SetOption = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scene.")]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite; a sweep starts anew.")]
-ModelOption = Annotated[str | None, typer.Option("--model", help="Override network.model.")]
-RtolOption = Annotated[str | None, typer.Option("--rtol", help="Override accuracy.rtol.")]
 WorkersOption = Annotated[int | None, typer.Option(metavar="N", help="Processes. Default: as many as it pays for.")]
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the command line."""
     app.command()(sweep)
-    app.command()(window)
     app.command()(compare)
 
 
@@ -53,7 +47,7 @@ def sweep(
 
     import numpy as np
 
-    from spinline.study.rows import STATUS_NAMES
+    from spinline.study.rows import STATUS_NAMES, WAYS
     from spinline.study.sensitivity import OUTPUTS
     from spinline.study.sensitivity import sobol as sobol_
     from spinline.study.sweep import load_sweep, run_sweep
@@ -67,12 +61,13 @@ def sweep(
             say(f"stopped; what is done is in {target}: the same command goes on from there", err=True)
             raise typer.Exit(130) from None
     status, counts = np.unique(result["status"].values, return_counts=True)
+    ways, rows = np.unique(result["computed_by"].values, return_counts=True)
     tally = {STATUS_NAMES[int(s)]: int(n) for s, n in zip(status, counts, strict=True)}
     answer: dict[str, Any] = {
         "out": str(target),
         "scenes": int(counts.sum()),
         **tally,
-        "computed_by": result.attrs["computed_by"],
+        "computed_by": {WAYS[int(code)]: int(n) for code, n in zip(ways, rows, strict=True) if int(code) in WAYS},
     }
     found = sobol_(result, output or OUTPUTS) if result.attrs["design"] == "sensitivity" else None
     if json:
@@ -80,99 +75,13 @@ def sweep(
             answer["indices"] = _index_rows(found)
         say(json_.dumps(answer))
         return
-    say(f"{answer['scenes']} scenes, {', '.join(f'{n} {name}' for name, n in tally.items())}; {answer['computed_by']}")
+    states, done = (", ".join(f"{n} {name}" for name, n in told.items()) for told in (tally, answer["computed_by"]))
+    say(f"{answer['scenes']} scenes, {states}; {done}")
     for name, many in _reasons(result):
         say(f"  {many}: {name}")
     if found is not None:
         _index_table(found)
     say(f"wrote {target}")
-
-
-def window(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")],
-    voltage: Annotated[str, typer.Option(help='"15 kV", or "5 kV .. 25 kV".')],
-    gap: Annotated[str, typer.Option(help='"15 cm", or "10 cm .. 20 cm".')],
-    flow_rate: Annotated[str | None, typer.Option(help='"1 mL/hour .. 10 mL/hour". Default: the scene\'s.')] = None,
-    concentration: Annotated[str | None, typer.Option(help='"3 wt% .. 8 wt%". Default: the scene\'s.')] = None,
-    conductivity: Annotated[str | None, typer.Option(help='"0.01 S/m". Default: the scene\'s.')] = None,
-    humidity: Annotated[str | None, typer.Option(help='Relative, "40 %". Default: the scene\'s.')] = None,
-    k_factor: Annotated[str, typer.Option(help="Band of k over its estimate.")] = "0.5 .. 2",
-    steps: Annotated[int, typer.Option(help="Values in a range.")] = 41,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Map, netCDF. Default: SCENE's name with -window.nc.")
-    ] = None,
-    figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
-    no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
-    json: JsonOption = False,
-    force: ForceOption = False,
-    set_: SetOption = None,
-) -> None:
-    """Map crossover, orientation and dryness over voltage, gap, flow rate and concentration."""
-    import json as json_
-
-    import numpy as np
-
-    from spinline.base.files import writable
-    from spinline.base.units import parse
-    from spinline.scene.file import load_scene
-    from spinline.solve.results import save
-    from spinline.study.window import operating_window
-
-    loaded = load_scene(scene, set_ or [])
-    target = out or Path(f"{Path(scene).stem}-window.nc")
-    picture = None if no_figure else figure or target.with_suffix(".png")
-    for path in filter(None, (target, picture)):
-        writable(path, force=force)
-    if not 2 <= steps <= 2000:
-        raise InputError("--steps", "is out of range", value=steps, allowed="2 to 2000", remedy="take 41")
-    factors = _range(k_factor, "number", "--k-factor", 2)
-    u, g = _range(voltage, "potential", "--voltage", steps), _range(gap, "length", "--gap", steps)
-    q = None if flow_rate is None else _range(flow_rate, "flow rate", "--flow-rate", steps)
-    w = None if concentration is None else _range(concentration, "mass fraction", "--concentration", steps)
-    sigma = None if conductivity is None else parse(conductivity, "conductivity", "--conductivity").value
-    wet = None if humidity is None else parse(humidity, "fraction", "--humidity").value
-    band = (factors[0], factors[-1])
-    with progress_of("scenes") as progress:
-        found = operating_window(
-            loaded,
-            voltage=u,
-            gap=g,
-            flow_rate=q,
-            mass_fraction=w,
-            conductivity=sigma,
-            relative_humidity=wet,
-            k_factor=band,
-            progress=progress,
-        )
-    if picture is not None:
-        from spinline.report.window_figure import save_window_figure
-
-        save_window_figure(found, picture, force=force)
-    save(found, target, force=force)
-    reached = np.isfinite(found["crossover_position"].values).reshape(3, -1).mean(axis=1)
-    k = found["k"].sel(k_factor=1.0).values
-    answer = {
-        "points": int(k.size),
-        "k_low": float(k.min()),
-        "k_high": float(k.max()),
-        "reached_low": float(reached[0]),
-        "reached": float(reached[1]),
-        "reached_high": float(reached[2]),
-        "viscosity_law": found.attrs["viscosity_law"],
-        "air": found.attrs["air"],
-    }
-    if json:
-        say(json_.dumps(answer))
-        return
-    estimate = f"k = {k.min():.3g} to {k.max():.3g}, to a factor of {factors[0]:g} to {factors[-1]:g}"
-    if np.isnan(k).all():
-        estimate = "jets computed from their settings"
-    say(f"{estimate}; viscosity: {answer['viscosity_law']}; drying: {answer['air']}")
-    say(
-        f"crossover within the jet in {100 * reached[1]:.3g} % of the window "
-        f"({100 * reached[0]:.3g} to {100 * reached[2]:.3g} % for k within its factor)"
-    )
-    say("wrote " + ", ".join(str(path) for path in (target, picture) if path is not None))
 
 
 def compare(
@@ -240,43 +149,6 @@ def _overrides(model: str | None, rtol: str | None, overrides: list[str] | None)
     if rtol is not None:
         forced.append(f"accuracy.rtol={rtol}")
     return forced
-
-
-def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
-    """``"5 kV .. 25 kV"`` as so many values; one value alone."""
-    import numpy as np
-
-    from spinline.base.units import parse
-
-    ends = [end.strip() for end in text.split("..")]
-    if len(ends) > 2:
-        raise InputError(field, "is neither a value nor a range", value=text, remedy='write it as "5 kV .. 25 kV"')
-    if len(ends) == 2 and _bare(ends[0]):  # "5 .. 25 kV": the unit is that of the other end
-        ends[0] += " " + ends[1].lstrip("+-0123456789.eE ")
-    numbers = [parse(end, kind, field).value for end in ends]
-    if kind == "mass fraction" and max(numbers) > 1:
-        percent = text if "%" in text else f"{text} wt%"
-        raise InputError(
-            field,
-            "is more than polymer alone",
-            value=text,
-            allowed="0 to 1, or 0 wt% to 100 wt%",
-            remedy=f'percent by mass are written "{percent}"',
-        )
-    if len(numbers) == 1:
-        return numbers
-    if not numbers[0] < numbers[1]:
-        raise InputError(field, "does not rise", value=text, remedy="swap its ends")
-    return [float(x) for x in np.linspace(numbers[0], numbers[1], steps)]
-
-
-def _bare(text: str) -> bool:
-    """Whether a text is a number without a unit."""
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _reasons(result: "xr.Dataset", most: int = 5) -> list[tuple[str, int]]:

@@ -90,6 +90,9 @@ def _listed(made: "Plan") -> list[str]:
         number = "-" if effect.number != effect.number else f"{effect.number:.3g}"
         error = "not known" if effect.error != effect.error else f"{effect.error:.2g}"
         lines.append(f"{state:9s}{effect.name:22s}{number:>10s}  {effect.symbol:26s}{error:>14s}  {effect.words}")
+    for one in made.verdicts:
+        state, limit = "jet" if one.good else "jet  !", f"limit {one.limit:.3g}"
+        lines.append(f"{state:9s}{one.name:22s}{one.value:10.3g}  {limit:26s}{'':14s}  {one.text}")
     return lines
 
 

@@ -15,7 +15,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 
 if TYPE_CHECKING:
-    from spinline.fit.least_squares import Fit
+    from spinline.fit.fitted import Fit
 
 __all__ = [
     "Direction",

@@ -33,13 +33,12 @@ from spinline.base.errors import InputError
 from spinline.base.text import read_toml_text
 from spinline.base.units import QUANTITIES, Measured, parse
 from spinline.base.words import label
-from spinline.fit.model import PARAMETERS
+from spinline.fit.model import OF_NEEDLE, PARAMETERS
 from spinline.fit.observations import Observation, read_table
 from spinline.fit.observed_map import read_map
 from spinline.fit.problem import FitProblem, Prior
-from spinline.fit.scene_model import forward_model, typical_relaxation_time
+from spinline.fit.scene_model import forward_model, start_of
 from spinline.scene.file import LONGEST, Scene, given_file, load_scene
-from spinline.setup.context import Context
 
 __all__ = ["FitFile", "bundled_fits", "load_fit", "scene_priors"]
 
@@ -113,16 +112,18 @@ def load_fit(source: str | Path) -> FitFile:
 def scene_priors(scene: Scene) -> dict[str, Prior]:
     """Priors of a scene: its quantities that carry ``+/-``, by the name of the parameter they are of."""
     jet = scene.jet
-    wanted: dict[str, Measured | None] = {
+    wanted: dict[str, Any] = {
         "k": getattr(jet, "k", None),
         "beta": getattr(jet, "beta", None),
         "p": getattr(jet, "p", None),
         "initial_radius": getattr(jet, "radius", None),
         "flow_rate": getattr(jet, "flow_rate", None),
         "volume_fraction": scene.solution.volume_fraction,
-        "relaxation_time": None if scene.solution.relaxation_time == "estimate" else scene.solution.relaxation_time,
+        "relaxation_time": scene.solution.relaxation_time,
+        "viscosity": scene.solution.viscosity,
+        **{name: getattr(jet, key, None) for name, key in OF_NEEDLE.items()},
     }
-    found = {name: Prior(q.value, q.std) for name, q in wanted.items() if q is not None and q.std > 0}
+    found = {name: Prior(q.value, q.std) for name, q in wanted.items() if isinstance(q, Measured) and q.std > 0}
     mass = scene.solution.mass_fraction
     if mass is not None and mass.std > 0:
         found["volume_fraction"] = _from_mass(scene, mass)
@@ -161,10 +162,10 @@ def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFi
         effect: True if key in asked or key in priors else None
         for effect, key in (("relaxation", "relaxation_time"), ("evaporation", "evaporation"))
     }
-    if priors.get("coupling", Prior(1.0)) is None and scene.network.coupling is None:
-        fixed["coupling"] = Context(scene).coupling.required()  # a start
-    if priors.get("relaxation_time", Prior(1.0)) is None and scene.solution.relaxation_time is None:
-        fixed["relaxation_time"] = typical_relaxation_time(scene)  # a start
+    for name_, prior in priors.items():
+        start = start_of(scene, name_) if prior is None else None
+        if start is not None:
+            fixed[name_] = start
     model = forward_model(
         scene,
         relaxation=on["relaxation"],
@@ -173,7 +174,7 @@ def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFi
     )
     listed = {n for n in priors if n in asked}
     free = {
-        n: p if p is not None else Prior(model.values[n])
+        n: p if p is not None else Prior(model.values.get(n, PARAMETERS[n].low))
         for n, p in sorted(priors.items(), key=lambda item: list(PARAMETERS).index(item[0]))
         if n in model.names or n in listed
     }

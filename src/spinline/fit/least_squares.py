@@ -13,13 +13,15 @@ The sampler when a parameter is flagged as not Gaussian.
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.base.errors import SpinlineWarning
+from spinline.base.errors import InputError, SpinlineWarning
+from spinline.fit.diagnostics import examine_fit
+from spinline.fit.fitted import Fit
 from spinline.fit.model import PARAMETERS, ForwardModel
 from spinline.fit.observations import Observation
 from spinline.fit.problem import FitProblem
@@ -30,64 +32,6 @@ _STEP = 1e-4  # of the coordinates, in differences: central, so the error is of 
 _ROUNDS = 6  # looks around the best point: where the jet's onset passes a sample there are small minima
 _DOUBT = 0.003  # probability of the chi-squared below which another start is tried
 _Z68, _Z95 = 0.994457883209753, 1.959963984540054
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A fitted problem; arrays over the free parameters (p,), in their order.
-
-    Attributes
-    ----------
-    problem : FitProblem
-    coordinates, covariance : ndarray, (p,) and (p, p)
-        Best coordinates and their covariance (inf along directions that nothing determines).
-    values : dict
-        Best parameters, SI.
-    interval68, interval95 : dict
-        Parameter name to (low, high), SI.
-    jacobian : ndarray, (n, p)
-        Of the whitened data residuals.
-    residuals : ndarray, (n,)
-        Of the data, whitened.
-    chi_squared : float
-        Sum of their squares.
-    degrees_of_freedom : int
-        Values plus priors minus parameters.
-    evaluations : int
-        Of the model.
-    notes : tuple of str
-        Warnings, also given as such.
-    """
-
-    problem: FitProblem
-    coordinates: FloatArray
-    covariance: FloatArray
-    values: dict[str, float]
-    interval68: dict[str, tuple[float, float]]
-    interval95: dict[str, tuple[float, float]]
-    jacobian: FloatArray
-    residuals: FloatArray
-    chi_squared: float
-    degrees_of_freedom: int
-    evaluations: int
-    notes: tuple[str, ...] = ()
-
-    @property
-    def std(self) -> dict[str, float]:
-        """Standard deviation of each parameter, SI, to first order."""
-        spread = np.sqrt(np.diag(self.covariance)) * self.problem.scale
-        return {
-            name: float(s * (self.values[name] if PARAMETERS[name].log else 1.0))
-            for name, s in zip(self.problem.free, spread, strict=True)
-        }
-
-    @property
-    def correlation(self) -> FloatArray:
-        """Correlation of the coordinates, (p, p); NaN where a variance is infinite."""
-        sd = np.sqrt(np.diag(self.covariance))
-        with np.errstate(invalid="ignore"):
-            value: FloatArray = self.covariance / np.outer(sd, sd)
-        return value
 
 
 def fit(problem: FitProblem, starts: Sequence[Mapping[str, float]] = ()) -> Fit:
@@ -108,8 +52,6 @@ def fit(problem: FitProblem, starts: Sequence[Mapping[str, float]] = ()) -> Fit:
     SpinlineWarning
         For what the data do not determine, a bad fit, values at the end of their range, intervals that are not Gaussian.
     """
-    from spinline.fit.diagnostics import examine_fit
-
     calls = 0
 
     def residuals(u: FloatArray) -> FloatArray:
@@ -203,7 +145,8 @@ def _best(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], st
         n in problem.free and not np.isfinite(problem.free[n].std) for n in ("relaxation_time", "evaporation")
     )
     if open_rate or chi2.sf(2 * float(best.cost), max(problem.size - len(problem.free), 1)) < _DOUBT:
-        best = min([best, *(_solve(problem, residuals, u) for u in starts[1:])], key=lambda end: float(end.cost))
+        others = [u for u in starts[1:] if np.isfinite(problem.log_posterior(u))]
+        best = min([best, *(_solve(problem, residuals, u) for u in others)], key=lambda end: float(end.cost))
     return best
 
 
@@ -253,12 +196,19 @@ def _solve(problem: FitProblem, residuals: Callable[[FloatArray], FloatArray], s
 
     bounds = problem.bounds
     loss: Any = "linear" if problem.loss == "gauss" else problem.rho
+    rows = residuals(start).size  # a start that the model refuses is refused
+
+    def tried(u: FloatArray) -> FloatArray:
+        try:
+            return residuals(u)
+        except InputError:  # such a step is made shorter
+            return np.full(rows, np.inf)
 
     def slopes(u: FloatArray) -> FloatArray:
         return _jacobian(residuals, u, bounds, central=False)
 
     return least_squares(
-        residuals,
+        tried,
         start,
         jac=slopes,
         bounds=bounds,
@@ -285,11 +235,19 @@ def _jacobian(
         step[i] = _STEP if central else 1e-2 * _STEP
         room = u[i] + step[i] <= bounds[1][i], u[i] - step[i] >= bounds[0][i]
         if central and all(room):
-            columns.append((residuals(u + step) - residuals(u - step)) / (2 * step[i]))
-            continue
+            try:
+                columns.append((residuals(u + step) - residuals(u - step)) / (2 * step[i]))
+                continue
+            except InputError:  # no jet on one side
+                pass
         here = residuals(u) if here is None else here
         side = 1.0 if room[0] else -1.0
-        columns.append(side * (residuals(u + side * step) - here) / step[i])
+        try:
+            columns.append(side * (residuals(u + side * step) - here) / step[i])
+        except InputError:
+            if not all(room):
+                raise
+            columns.append((here - residuals(u - side * step)) / (side * step[i]))
     return np.stack(columns, axis=1)
 
 

@@ -13,13 +13,13 @@ What is measured is `length_scale` times the radius and ``fraction_scale x fract
 (z < 0) the jet is as at the nozzle; beyond the scene's length a law goes on, and a network that slips stays as at its end.
 
 Cost per evaluation of 200 places: that of a run without its words, 0.5 ms affine, 3 ms with relaxation, 6 ms with evaporation
-too, 10 to 60 ms for a network that slips.
+too, 10 to 60 ms for a network that slips; 25 ms more for the jet of a needle, which is solved for every trial.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,18 +31,33 @@ from spinline.network.crossover import crossover_velocity_ratio
 from spinline.network.mesh import SolventQuality
 from spinline.network_models.registry import cheapest, rung_of, simplest
 from spinline.network_models.variables import network_variables
+from spinline.rheology.solution import Solution
 from spinline.scene.file import JET_SECTIONS, Scene, scene_from_dict
+from spinline.scene.needle import NeedleJet
 from spinline.setup.context import Context
 from spinline.setup.effects import Effects
 from spinline.setup.jet import build_jet
+from spinline.setup.needle import NeedleSeries
 from spinline.solve.stages import solve_stages
 
 if TYPE_CHECKING:
+    from spinline.jetprofile.ehd import StraightEhdJet
+    from spinline.jetprofile.lagrangian import LagrangianJet
+    from spinline.jetprofile.straight import StraightJet
     from spinline.setup.air import Air
 
-__all__ = ["PARAMETERS", "ForwardModel", "Parameter", "Prediction"]
+__all__ = ["OF_NEEDLE", "PARAMETERS", "ForwardModel", "Parameter", "Prediction"]
 
 _OF_JET = {"k": "k", "beta": "beta", "p": "p", "initial_radius": "radius", "flow_rate": "flow_rate"}  # keys of [jet]
+OF_NEEDLE = {  # parameters of a needle's jet alone, and their keys of [jet]
+    name: name
+    for name in ("voltage", "conductivity", "surface_tension", "current", "solvent_share", "extensibility", "mobility")
+}
+_OF_LAWS = {  # which of them only some laws have
+    "solvent_share": ("fene-p", "oldroyd-b", "giesekus"),
+    "extensibility": ("fene-p",),
+    "mobility": ("giesekus",),
+}
 _CALIBRATION = ("fraction_scale", "fraction_offset", "length_scale", "origin")
 
 
@@ -82,6 +97,16 @@ PARAMETERS: dict[str, Parameter] = {
     "relaxation_time": Parameter("time", 1e-9, 1e6, True, 1.0, "theta_0 of the strands at the nozzle"),
     "coupling": Parameter("number", 1e-3, 1e20, True, 1.0, "alpha_v of Eq. (33), of a network that slips"),
     "evaporation": Parameter("number", 1e-6, 1e6, True, 1.0, "evaporation rate over that of Eq. (44)"),
+    "viscosity": Parameter(
+        "viscosity", 1e-6, 1e6, True, 1.0, "zero-shear viscosity, which the jet of a needle follows"
+    ),
+    "conductivity": Parameter("conductivity", 1e-15, 1e7, True, 1.0, "conductivity of the solution"),
+    "surface_tension": Parameter("surface tension", 1e-8, 10.0, True, 1.0, "surface tension of the solution"),
+    "voltage": Parameter("potential", 1e-2, 1e6, True, 1.0, "voltage of the needle"),
+    "current": Parameter("current", 1e-17, 1e2, True, 1.0, "current of the jet"),
+    "solvent_share": Parameter("fraction", 0.005, 0.999, True, 1.0, "share of the viscosity that is the solvent's"),
+    "extensibility": Parameter("number", 3.01, 1e9, True, 1.0, "L2 of FENE-P"),
+    "mobility": Parameter("number", 1e-9, 1.0, True, 1.0, "a of Giesekus"),
     "fraction_scale": Parameter("number", 1e-2, 1e2, True, 1.0, "measured over true polymer fraction"),
     "fraction_offset": Parameter("number", -10.0, 10.0, False, 0.1, "measured fraction where there is no polymer"),
     "length_scale": Parameter("number", 1e-2, 1e2, True, 1.0, "measured over true length"),
@@ -160,9 +185,13 @@ class ForwardModel:
     def names(self) -> tuple[str, ...]:
         """Parameters that change something in this model."""
         section, slips = self.base.scene.jet, rung_of(self.model).slips
-        shape = tuple(n for n in ("k", "beta", "p") if n in type(section).model_fields)
+        shape: tuple[str, ...] = tuple(n for n in ("k", "beta", "p") if n in type(section).model_fields)
         extra = ("flow_rate",) if self.relaxation or self.drying or slips else ()
         time = ("relaxation_time",) if self.relaxation else ()
+        if isinstance(section, NeedleJet):
+            laws = {name: _OF_LAWS.get(name, (section.law,)) for name in ("viscosity", *OF_NEEDLE)}
+            shape = tuple(name for name, held in laws.items() if name in self.values and section.law in held)
+            extra, time = ("flow_rate",), time if section.law == "newtonian" else ("relaxation_time",)
         drag = ("coupling",) if slips else ()
         loss = ("evaporation",) if self.drying else ()
         return (*shape, "initial_radius", *extra, "volume_fraction", *time, *drag, *loss, *_CALIBRATION)
@@ -184,18 +213,49 @@ class ForwardModel:
         moved = {
             key: Measured(p[name]) for name, key in _OF_JET.items() if name in p and key in type(section).model_fields
         }
+        if isinstance(section, NeedleJet):
+            moved |= {key: Measured(p[name]) for name, key in OF_NEEDLE.items() if name in p}
+            moved["length"] = Measured(self.length)
         changes: dict[str, Any] = {"jet": section.model_copy(update=moved)}
         if "coupling" in p:
             changes["network"] = base.scene.network.model_copy(update={"coupling": Measured(p["coupling"])})
         scene = base.scene.model_copy(update=changes)
         theta = p.get("relaxation_time", base.solution.relaxation_time)
-        solution = replace(base.solution, volume_fraction=p["volume_fraction"], relaxation_time=theta)
+        solution = replace(
+            base.solution,
+            volume_fraction=p["volume_fraction"],
+            relaxation_time=theta,
+            viscosity=p.get("viscosity", base.solution.viscosity),
+        )
         kept: dict[str, Any] = {}
         if self.drying is not None:
             rate = p.get("evaporation", 1.0)
             faster = tuple(replace(v, saturation=v.saturation * rate) for v in self.drying.volatiles)
             kept["air"] = self.drying if rate == 1 else replace(self.drying, volatiles=faster)
-        return Context(scene, solution, build_jet(scene, solution), effects=base.effects, kept=kept)
+        return Context(scene, solution, self._jet(scene, solution), effects=base.effects, kept=kept)
+
+    def _jet(self, scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet":
+        """The jet; that of a needle over its whole reach, from a near one: a trial may look beyond the scene's length."""
+        if not isinstance(scene.jet, NeedleJet):
+            return build_jet(scene, solution)
+        return self._needle.jet(scene.jet, scene, solution)
+
+    @cached_property
+    def _needle(self) -> NeedleSeries:
+        """Of a needle: the jets of the trials."""
+        return NeedleSeries(cast("StraightEhdJet", self.base.jet), self.reach)
+
+    @property
+    def solved_jet(self) -> bool:
+        """Whether every trial solves for its jet, and some have none."""
+        return isinstance(self.base.scene.jet, NeedleJet)
+
+    @property
+    def reach(self) -> float:
+        """How far the jet is known, m."""
+        if not self.solved_jet:
+            return np.inf
+        return cast("StraightEhdJet", self.base.jet).settings.end_position
 
     def predict(self, z: ArrayLike, values: Mapping[str, float] | None = None) -> Prediction:
         """Radius and fractions at true distances from the nozzle.

@@ -15,7 +15,7 @@ from spinline.solve.results import plain
 
 if TYPE_CHECKING:
     from spinline.fit.fit_file import FitFile
-    from spinline.fit.least_squares import Fit
+    from spinline.fit.fitted import Fit
     from spinline.fit.posterior import Posterior
 
 __all__ = ["fit_dataset", "fit_json", "fit_words", "handy"]
@@ -163,6 +163,16 @@ def _end(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "beyond the end"
 
 
+_HANDY = {
+    "flow rate": ("mL/h", 3.6e9),
+    "viscosity": ("Pa s", 1.0),
+    "conductivity": ("S/m", 1.0),
+    "surface tension": ("mN/m", 1e3),
+    "potential": ("kV", 1e-3),
+    "current": ("nA", 1e9),
+}
+
+
 def handy(name: str, value: float) -> tuple[str, float]:
     """Unit and factor that print well."""
     kind = PARAMETERS[name].kind
@@ -170,7 +180,7 @@ def handy(name: str, value: float) -> tuple[str, float]:
         return ("um", 1e6)
     if kind == "time":
         return ("ms", 1e3) if value < 1 else ("s", 1.0)
-    return ("mL/h", 3.6e9) if kind == "flow rate" else ("", 1.0)
+    return _HANDY.get(kind, ("", 1.0))
 
 
 def _number(value: float | None) -> str:

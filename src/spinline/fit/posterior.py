@@ -24,7 +24,7 @@ from spinline.network_models.registry import rung_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from spinline.fit.least_squares import Fit
+    from spinline.fit.fitted import Fit
     from spinline.fit.model import Prediction
 
 __all__ = ["LEVELS", "Posterior", "bands", "gaussian_draws", "predictive", "sample", "stored_draws"]
@@ -229,7 +229,7 @@ def bands(fit: "Fit", draws: FloatArray, z: FloatArray | None = None, points: in
     if z is None:
         r0 = model.values["initial_radius"]
         z = r0 * np.expm1(np.linspace(0.0, np.log1p(model.length / r0), points))
-    taken = _taken(fit, draws)
+    taken = _possible(fit, _taken(fit, draws))
     rows: dict[str, list[Any]] = {name: [] for name in (*_BANDS, *_CROSSOVER)}
     for u in (fit.coordinates, *taken):
         p = problem.to_values(u)
@@ -287,7 +287,7 @@ def predictive(fit: "Fit", draws: FloatArray) -> tuple[FloatArray, FloatArray]:
     from scipy.special import ndtri
 
     problem = fit.problem
-    taken = _taken(fit, draws)
+    taken = _possible(fit, _taken(fit, draws))
     shown = np.array([np.concatenate(problem.model.measured(problem.data, problem.to_values(u))) for u in taken])
     std = np.concatenate([part.std for part in problem.data])
     noise = ndtri((np.arange(_NOISES) + 0.5) / _NOISES)
@@ -335,8 +335,20 @@ def stored_draws(found: "xr.Dataset", count: int = 128, seed: int = 0) -> list[d
 
 def _taken(fit: "Fit", draws: FloatArray) -> FloatArray:
     """Draws that the model is run for, evenly: fewer of a rung that takes tens of milliseconds."""
-    most = _FEW_DRAWS if rung_of(fit.problem.model.model).slips else _DRAWS
+    model = fit.problem.model
+    most = _FEW_DRAWS if model.solved_jet or rung_of(model.model).slips else _DRAWS
     return draws[:: max(1, len(draws) // most)]
+
+
+def _possible(fit: "Fit", draws: FloatArray) -> FloatArray:
+    """Draws that the model does not refuse (no steady jet there); the best parameters where it refuses all.
+
+    Told by the posterior, whose density is zero there, for the jets that may be refused.
+    """
+    if not fit.problem.model.solved_jet:
+        return draws
+    kept = draws[[np.isfinite(fit.problem.log_posterior(u)) for u in draws]]
+    return kept if len(kept) else fit.coordinates[np.newaxis]
 
 
 def _crossing(z: FloatArray, seen: "Prediction", target: float) -> tuple[float, float]:

@@ -215,6 +215,7 @@ def _within_jet(data: Observation, model: ForwardModel, free: Mapping[str, Prior
     slack = 3 * (shift.std if np.isfinite(shift.std) else model.values["initial_radius"] * 10)
     slack += 3 * (stretch.std / stretch.value if np.isfinite(stretch.std) else 1.0) * model.length
     low, high = centre - slack, centre + stretch.value * model.length * (1 + 1e-9) + slack
+    high = min(high, centre + stretch.value * model.reach)
     bad = (data.z < low) | (data.z > high)
     if bad.any():
         row = int(np.flatnonzero(bad)[0])

@@ -7,7 +7,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.network_models.rung import Network, Setting
+from spinline.network_models.rung import Network, Setting, simplest
 from spinline.network_models.slipping import SlippingRung, force_law_of
 
 if TYPE_CHECKING:
@@ -189,8 +189,6 @@ class TransientChain(SlippingRung):
         r0 = jet.initial_radius
         spacing = rest.size * context.solution.kuhn_length / r0
         if spacing > 1:
-            from spinline.network_models.registry import simplest
-
             raise InputError(
                 "network.model",
                 f"has no chain: a mesh of {spacing * r0:.3g} m is wider than the jet's radius",

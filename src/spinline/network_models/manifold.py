@@ -1,9 +1,10 @@
 """Rung ``manifold``: the steady network at its finite coupling, by one stiff equation marched the stable way."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spinline.base.checks import FloatArray
 from spinline.network_models.rung import Setting
 from spinline.network_models.slipping import SlippingRung, force_law_of
 from spinline.network_models.steady import Networks, course_of
@@ -11,6 +12,7 @@ from spinline.network_models.steady import Networks, course_of
 if TYPE_CHECKING:
     from spinline.network.manifold import Manifold
     from spinline.network.two_fluid import TwoFluid
+    from spinline.setup.batch import Batch
     from spinline.setup.context import Context
 
 __all__ = ["RUNG", "SteadyNetwork"]
@@ -25,6 +27,7 @@ class SteadyNetwork(SlippingRung):
     words = "steady network that slips at finite alpha_v: one stiff equation"
     needs = ("alpha_v",)
     automatic = True
+    many = True
     branch = "elastic"
     cost = "10 to 60 ms"
 
@@ -33,6 +36,30 @@ class SteadyNetwork(SlippingRung):
         if context.straight:
             return _steady(context)
         return Networks([_along_beads(frame) for frame in context.frames])
+
+    def rows(self, batch: "Batch", places: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """Linear springs without inertia: compiled, the very march of a single run."""
+        n, coupling = batch.scene.network, batch.coupling
+        if n.force_law != "linear" or n.inertia.value or coupling is None:
+            return None
+        from spinline.network.manifold import steady_rows
+
+        def every(values: Any) -> FloatArray:
+            return np.broadcast_to(np.asarray(values, dtype=np.float64), (batch.rows,))
+
+        jets = batch.jets
+        length = every(batch.length)
+        reduced = every(batch.length / jets.initial_radius)
+        return steady_rows(
+            np.stack([every(part) for part in jets.formula()], axis=1),
+            reduced,
+            every(jets.onset),
+            every(batch.of("network.spring") / coupling),
+            end=n.end,
+            rtol=np.minimum(1e-8, 1e-3 * batch.all("accuracy.rtol")),
+            targets=target,
+            places=np.clip(places * (reduced / length)[:, None], 0.0, reduced[:, None]),
+        )
 
     def settings(self, context: "Context", quick: bool) -> list[Setting]:
         """By the scene's force law."""

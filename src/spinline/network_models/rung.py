@@ -4,6 +4,7 @@ A rung is one file that ends in ``RUNG = MyRung()`` and one line in `spinline.ne
 report, the command line and the docs read its traits. How to add one: CONTRIBUTING.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,10 +14,11 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 
 if TYPE_CHECKING:
+    from spinline.setup.batch import Batch
     from spinline.setup.context import Context
     from spinline.setup.history import History
 
-__all__ = ["Network", "Relaxed", "Rung", "Setting"]
+__all__ = ["RUNGS", "Network", "Relaxed", "Rung", "Setting", "cheapest", "rung_of", "simplest"]
 
 
 class Network(Protocol):
@@ -98,6 +100,8 @@ class Rung:
         Too slow, or too noisy, to be repeated for every uncertain input.
     lean : bool
         Its numbers do not depend on how many places are written.
+    many : bool
+        `rows` may serve it.
     automatic : bool
         `network.model = "auto"` may take it.
     branch : str
@@ -114,6 +118,7 @@ class Rung:
     relaxes: bool = False
     sampled: bool = False
     lean: bool = True
+    many: bool = False
     automatic: bool = False
     branch: str = ""
     cost: str = ""
@@ -127,8 +132,6 @@ class Rung:
         """
         n = context.scene.network
         if "straight jet" in self.needs and not context.straight:
-            from spinline.network_models.registry import simplest
-
             raise InputError(
                 "network.model",
                 "needs a straight jet",
@@ -136,8 +139,6 @@ class Rung:
                 remedy=f'take "{simplest().name}" for a bead jet',
             )
         if not self.slips and n.force_law != "lattice":
-            from spinline.network_models.registry import RUNGS
-
             others = " or ".join(f'"{rung.name}"' for rung in RUNGS.values() if rung.slips)
             raise InputError(
                 "network.force_law",
@@ -196,6 +197,27 @@ class Rung:
         """
         return None
 
+    def rows(self, batch: "Batch", places: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """Networks along many straight jets at once; None where a rung has no such way.
+
+        Parameters
+        ----------
+        batch : Batch
+            Usable rows, this rung named in its scene.
+        places : ndarray, (rows, m)
+            Where the stretch is wanted, m; NaN for nowhere.
+        target : ndarray, (rows, k)
+            A stretch.
+
+        Returns
+        -------
+        stretch : ndarray, (rows, m)
+            NaN throughout a row that has to be run by itself.
+        passages : ndarray, (rows,)
+            Where the stretch first passes the target, initial radii; NaN where never.
+        """
+        return None
+
     def relax(self, context: "Context", history: "History") -> Relaxed:
         """Strands along a material element; of a rung that relaxes."""
         raise NotImplementedError(self.name)
@@ -225,3 +247,22 @@ class Rung:
     def finest(self, context: "Context") -> Setting | None:
         """How it serves as the reference of its branch; None where it does not."""
         return None
+
+
+RUNGS: dict[str, Rung] = {}  # cheapest first; `spinline.network_models.registry` fills it
+
+
+def rung_of(name: str) -> Rung:
+    """The rung of a name that the scene file allows."""
+    return RUNGS[name]
+
+
+def simplest() -> Rung:
+    """The rung that holds nothing: what every other is measured against."""
+    return next(rung for rung in RUNGS.values() if rung.automatic and not rung.holds)
+
+
+def cheapest(effects: Iterable[str]) -> Rung | None:
+    """The first rung, of those that "auto" may take, that holds all of these effects; None where none does."""
+    asked = set(effects)
+    return next((rung for rung in RUNGS.values() if rung.automatic and asked <= set(rung.holds)), None)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.base.checks import FloatArray
+from spinline.jetprofile.straight import StraightJet
 from spinline.network_models.rung import Network
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def course_of(context: "Context") -> Course:
         r0, length = jet.initial_radius, context.length - jet.start
         places = context.grid(min(context.scene.accuracy.points, 401))
         return Course(
-            lambda s: jet.velocity_ratio(np.minimum(jet.start + s * r0, jet.end)),
+            _profile_of(jet),
             length / r0,
             (jet.end - jet.start) / r0,
             np.clip((places - jet.start) / r0, 0.0, length / r0),
@@ -128,6 +129,16 @@ def course_of(context: "Context") -> Course:
         context.coupling.required(),
         context.feed.initial_velocity / r0,
     )
+
+
+def _profile_of(jet: StraightJet) -> Callable[[FloatArray], FloatArray]:
+    """V(s) of a straight jet, in initial radii from its start."""
+    formula, r0 = jet.formula(), jet.initial_radius
+    if formula is None:
+        return lambda s: jet.velocity_ratio(np.minimum(jet.start + s * r0, jet.end))
+    from spinline.network.manifold import AlgebraicFlow
+
+    return AlgebraicFlow(*formula)
 
 
 def velocity_of(network: Network, s: FloatArray) -> FloatArray:

@@ -25,9 +25,10 @@ from spinline.scene.file import Scene
 from spinline.setup.context import Context
 
 if TYPE_CHECKING:
+    from spinline.jetprofile.ehd import Verdict
     from spinline.jetprofile.jet import Jet
 
-__all__ = ["MARGIN", "Plan", "plan_of", "plan_scene", "resolved"]
+__all__ = ["MARGIN", "Plan", "plan_of", "plan_scene", "resolved", "with_rung"]
 
 _MOVING = tuple(effect.name for effect in EFFECTS if effect.moves)
 
@@ -53,6 +54,8 @@ class Plan:
         A sentence.
     remarks : tuple of str
         What the choice loses, or cannot hold.
+    verdicts : tuple
+        The numbers that decide about the jet of a needle (`spinline.jetprofile.ehd.Verdict`); empty for other jets.
     """
 
     model: str
@@ -64,6 +67,7 @@ class Plan:
     numbers: EffectNumbers
     reason: str
     remarks: tuple[str, ...]
+    verdicts: "tuple[Verdict, ...]" = ()
 
     def effect(self, name: str) -> Estimate:
         """One effect by name."""
@@ -88,6 +92,7 @@ class Plan:
             "effects_used": listed(self.used),
             "effects_left_out": listed(self.left_out),
             "remarks": list(self.remarks),
+            **({"jet_verdicts": [asdict(one) for one in self.verdicts]} if self.verdicts else {}),
         }
 
     def json(self) -> str:
@@ -146,15 +151,21 @@ def plan_of(context: Context, numbers: EffectNumbers | None = None) -> Plan:
         known,
         reason,
         remarks,
+        getattr(context.jet, "verdicts", ()),
     )
 
 
 def resolved(scene: Scene, plan: Plan) -> Scene:
     """The scene with the rung of its plan in place of "auto"."""
-    if scene.network.model == plan.model:
+    return with_rung(scene, RUNGS[plan.model])
+
+
+def with_rung(scene: Scene, rung: Rung) -> Scene:
+    """The scene with a rung in place of "auto"."""
+    if scene.network.model == rung.name:
         return scene
-    changes: dict[str, Any] = {"model": plan.model}
-    if RUNGS[plan.model].slips and not _names_a_law(scene):
+    changes: dict[str, Any] = {"model": rung.name}
+    if rung.slips and not _names_a_law(scene):
         changes["force_law"] = "linear"
     return scene.model_copy(update={"network": scene.network.model_copy(update=changes)})
 

@@ -6,6 +6,7 @@ from spinline.jetprofile.power_law import PowerLaw
 from spinline.network.concentration import compaction_velocity_ratio
 from spinline.network_models.registry import rung_in
 from spinline.plan.choice import Plan, plan_of, resolved
+from spinline.plan.plausible import implausible
 from spinline.plan.switches import choose_effects
 from spinline.rheology.solution import Solution
 from spinline.scene.file import PowerLawJet, Scene
@@ -49,7 +50,7 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     rung = rung_in(n)
     rung.check(context)
     phi = solution.volume_fraction
-    remarks = rung.remarks(context)
+    remarks = [*implausible(context), *rung.remarks(context)]
     strands = solution.strands_per_chain(rest.segments)
     if strands < 2:
         remarks.append(
@@ -73,11 +74,14 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
         if "slip" in plan.numbers.missing and context.straight:
             remarks.append(f"elastic slip is not estimated: {context.coupling.words}")
         remarks += plan.remarks
-    if context.straight and effects.evaporation and context.length > BENDS:
-        remarks.append(
-            f"the jet is straight for {1e3 * context.length:.3g} mm: electrospun jets bend after 10 to 50 mm, and the stretch "
-            "that makes fibres of less than a micrometre is the bending jet's"
-        )
+    if context.straight:
+        remarks += context.line.remarks()
+        if context.length > BENDS and not hasattr(jet, "bending"):
+            remarks.append(
+                f"the jet is straight for {1e3 * context.length:.3g} mm: electrospun jets bend after 10 to 50 mm (where, "
+                'jet.profile = "needle" computes from voltage and charge), and the stretch that makes fibres of less than a '
+                "micrometre is the bending jet's"
+            )
     for key, unit in (("viscosity", "Pa s"), ("relaxation_time", "s")):
         if getattr(scene.solution, key) == "estimate":
             about = estimate_of(solution, key)

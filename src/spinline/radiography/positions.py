@@ -23,8 +23,9 @@ from spinline.base.errors import InputError
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum
 from spinline.radiography.detector import blocks_of_frame, shared_detector
-from spinline.radiography.experiment import Experiment, bent, first_look, fit_blocks, judged, sees_jointly
+from spinline.radiography.experiment import Experiment, bent, fit_blocks
 from spinline.radiography.methods import map_frame_fit, map_shifts
+from spinline.radiography.prepare import first_look, judged, sees_jointly
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, FrameFit
 from spinline.xray.frame.lean import axis_lean

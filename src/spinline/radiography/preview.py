@@ -11,7 +11,8 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.images.sums import sample_frames
-from spinline.radiography.experiment import Experiment, expected_errors, prepare
+from spinline.radiography.experiment import Experiment, expected_errors
+from spinline.radiography.prepare import prepare
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame
 from spinline.xray.frame.track import Track

@@ -21,22 +21,27 @@ import pickle
 import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from functools import lru_cache
+from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spinline.base.checkpoint import Checkpoint, fingerprint
 from spinline.base.errors import InputError
+from spinline.base.workers import start_worker
 from spinline.images.flat_and_dark import open_counts
 from spinline.images.formats.base import split_source
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sum_frames
-from spinline.radiography.experiment import Experiment, prepare, require_signal
+from spinline.radiography.experiment import Experiment, require_signal
 from spinline.radiography.looks import FRINGES, fringes_in
 from spinline.radiography.methods import Kept, require_method
+from spinline.radiography.prepare import prepare
 from spinline.scene.images_file import Images, Position
 from spinline.xray.frame.blocks import FrameFit, blocks_of
 from spinline.xray.frame.track import track_jet
@@ -221,7 +226,7 @@ def map_keep(job: Checkpoint) -> Callable[[MapState], None]:
 
 
 def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Progress) -> list[FrameFit]:
-    """Every frame on its own: here, or in processes that dask looks after."""
+    """Every frame on its own: here, or in processes."""
     count = experiment.stack.frames
     with tempfile.TemporaryDirectory(prefix="spinline-") as scratch:
         store = job or Checkpoint(Path(scratch) / "job", "each")
@@ -251,19 +256,24 @@ def _each(experiment: Experiment, job: Checkpoint | None, workers: int, said: Pr
 
 
 def _in_processes(setup: Path, folder: Path, todo: list[int], workers: int, said: Callable[[int], None]) -> None:
-    import dask
-    from dask.callbacks import Callback
-
-    done = 0
-
-    def one_more(*_: Any) -> None:
-        nonlocal done
-        done += 1
-        said(min(done, len(todo)))
-
-    tasks = [dask.delayed(_task, pure=False)(str(setup), str(folder), i) for i in todo]
-    with Callback(posttask=one_more), _OneThreadEach():
-        dask.compute(*tasks, scheduler="processes", num_workers=min(workers, len(todo)))
+    count = min(workers, len(todo))
+    pool = ProcessPoolExecutor(count, get_context("spawn"), initializer=start_worker, initargs=(os.getpid(),))
+    with _OneThreadEach(), pool:
+        running = [pool.submit(_task, str(setup), str(folder), i) for i in todo]
+        try:
+            for done, one in enumerate(as_completed(running)):
+                one.result()
+                said(done + 1)
+        except BrokenProcessPool:
+            raise InputError(
+                "--workers",
+                'died (out of memory, or started from a script without if __name__ == "__main__")',
+                value=workers,
+                remedy="take fewer; what is done is kept with a checkpoint",
+            ) from None
+        except BaseException:  # Ctrl-C, a full disk: the frames under way are not waited for
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 class _OneThreadEach:

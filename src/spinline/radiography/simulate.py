@@ -278,7 +278,7 @@ def images_text(camera: Camera, result: "xr.Dataset", names: dict[str, Path]) ->
 def _data(result: "xr.Dataset") -> dict[str, Any]:
     """The scene of a result as dictionaries, with what ``--set`` changed in it."""
     from spinline.base.text import parsed_toml
-    from spinline.scene.file import _override
+    from spinline.scene.file import apply_override
 
     text = str(result.attrs.get("scene", ""))
     if not text:
@@ -286,7 +286,7 @@ def _data(result: "xr.Dataset") -> dict[str, Any]:
     data = parsed_toml(text, "result", "scene")
     for line in text.splitlines():
         if line.startswith("# --set "):
-            _override(data, line.removeprefix("# --set "))
+            apply_override(data, line.removeprefix("# --set "))
     return data
 
 

@@ -4,8 +4,6 @@ They stand in a scene beside its jet, or alone in a file (`MatScene`) whose fibr
 """
 
 import re
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -16,13 +14,11 @@ from spinline.scene.air_and_rheology import refusal
 from spinline.scene.quantities import (
     Density,
     Fraction,
-    Label,
     Length,
     Lifetime,
     NumberOrZero,
     Proper,
     Section,
-    Sheet,
     Velocity,
 )
 
@@ -30,10 +26,8 @@ __all__ = [
     "CollectorSection",
     "JetsSection",
     "LaydownSection",
-    "MatScene",
     "MatSection",
     "angular_velocity",
-    "load_mat_scene",
 ]
 
 _TURN = re.compile(r"\s*([-+]?\d+\.?\d*(?:[eE][-+]?\d+)?)\s*(rpm|rad/s|1/min|1/s|Hz)\s*$")
@@ -104,21 +98,3 @@ class MatSection(Section):
     polymer_density: Density = Measured(1200.0, 0.0, "1200 kg/m3")
     face_velocity: Velocity = Measured(0.05, 0.0, "5 cm/s")
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
-
-
-class MatScene(Sheet):
-    """A file of laydown and mat alone."""
-
-    title: Label = ""
-    laydown: LaydownSection
-    collector: CollectorSection
-    jets: JetsSection = JetsSection()
-    mat: MatSection = MatSection()
-
-
-def load_mat_scene(source: str | Path, overrides: Sequence[str] = ()) -> MatScene:
-    """Read a file of ``[laydown]``, ``[collector]``, ``[jets]`` and ``[mat]``."""
-    from spinline.scene.file import checked, read_toml
-
-    data, text, path = read_toml(source, {}, overrides)
-    return checked(MatScene, data, text, path.resolve().parent, path.stem)

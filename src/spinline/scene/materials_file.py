@@ -22,8 +22,9 @@ from typing import Annotated
 from pydantic import Field, ValidationError
 
 from spinline.base.errors import InputError
-from spinline.scene.file import PolymerData, Scene, SolventData, explain
+from spinline.scene.problems import explain
 from spinline.scene.quantities import Section
+from spinline.scene.sections import PolymerData, Scene, SolventData
 
 __all__ = ["MaterialsFile", "own_materials", "read_materials"]
 

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from spinline.rheology.transfer import Transfer
     from spinline.rheology.volatile import Volatile
 
-__all__ = ["Air", "build_air", "interaction_with", "library_name"]
+__all__ = ["ATMOSPHERE", "Air", "build_air", "humidity_of", "interaction_with", "library_name", "unit_volume"]
 
-_ATMOSPHERE = 101325.0
+ATMOSPHERE = 101325.0  # Pa
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ def build_air(scene: Scene, solution: Solution) -> Air:
 
     ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
     air_temperature = given(ambient.temperature, solution.temperature)
-    pressure = given(ambient.pressure, _ATMOSPHERE)
+    pressure = given(ambient.pressure, ATMOSPHERE)
     names = [library_name(name) for name in solution.solvent]
     if len(names) > 1 and (ambient.vapour_diffusivity is not None or ambient.saturation is not None):
         key = "saturation" if ambient.saturation is not None else "vapour_diffusivity"
@@ -137,11 +137,6 @@ def build_air(scene: Scene, solution: Solution) -> Air:
         names, masses = [*names, "water"], np.append(masses, 0.0)
     volatiles = tuple(_volatile(scene, solution, name, air_temperature, pressure) for name in names)
     densities = np.array([_density(scene, solution, name) for name in names])
-    molar_volume = solution.polymer.repeat_unit_molar_mass / solution.polymer.density
-    if laws.activity == "raoult" and not molar_volume > 0:
-        raise InputError(
-            "solution.polymer.repeat_unit_molar_mass", "is missing: Raoult's law needs it", remedy="give it"
-        )
     if laws.activity == "unit" and len(names) > 1:
         raise InputError("rheology.activity", "cannot be 1 in a mixture", value="unit", remedy='take "flory-huggins"')
     return Air(
@@ -150,11 +145,34 @@ def build_air(scene: Scene, solution: Solution) -> Air:
         viscosity=given(ambient.air_viscosity, None) or air_kinematic_viscosity(air_temperature, pressure),
         velocity=given(ambient.air_velocity, 0.0),
         activity=laws.activity,
-        polymer_molar_volume=molar_volume if molar_volume > 0 else None,
+        polymer_molar_volume=unit_volume(solution, laws),
         floor=laws.sherwood_floor.value,
         convention=laws.convention,
         transfer=laws.transfer,
     )
+
+
+def humidity_of(ambient: AmbientSection) -> float:
+    """Relative humidity, where water is one of the solvents: without it nobody knows how fast it evaporates."""
+    if ambient.relative_humidity is None:
+        raise InputError(
+            "ambient.relative_humidity",
+            "is missing: how fast water evaporates depends on it",
+            remedy='give it, for example "40 %"',
+        )
+    return float(ambient.relative_humidity.value)
+
+
+def unit_volume(solution: Solution, laws: RheologySection) -> float | None:
+    """Molar volume of the polymer's repeat unit, m3/mol, where the activity is Raoult's; None elsewhere."""
+    if laws.activity != "raoult":
+        return None
+    volume = solution.polymer.repeat_unit_molar_mass / solution.polymer.density
+    if not volume > 0:
+        raise InputError(
+            "solution.polymer.repeat_unit_molar_mass", "is missing: Raoult's law needs it", remedy="give it"
+        )
+    return float(volume)
 
 
 def library_name(name: str) -> str:
@@ -198,13 +216,7 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
     chi = interaction_with(scene, solution, name)
     humidity = 0.0
     if name == "water":
-        if ambient.relative_humidity is None:
-            raise InputError(
-                "ambient.relative_humidity",
-                "is missing: how fast water evaporates depends on it",
-                remedy='give it, for example "40 %"',
-            )
-        humidity = ambient.relative_humidity.value
+        humidity = humidity_of(ambient)
         if air_temperature != solution.temperature:
             humidity *= vapour.vapour_pressure(name, air_temperature) / vapour.vapour_pressure(
                 name, solution.temperature
@@ -213,7 +225,7 @@ def _volatile(scene: Scene, solution: Solution, name: str, air_temperature: floa
             raise InputError(
                 "ambient.relative_humidity",
                 "lets water condense on the jet: nothing evaporates",
-                value=ambient.relative_humidity.value,
+                value=humidity_of(ambient),
                 allowed="below saturation at the jet's temperature",
                 remedy="lower it, or set effects.evaporation = false",
             )

@@ -68,6 +68,15 @@ class Batch:
         self.volume_fraction: FloatArray = np.where(self.usable, phi, 0.5)
         self.end_stretch: FloatArray = np.where(self.usable, np.broadcast_to(stretch, (rows,)), 1.0)
 
+    def taking(self, rows: Any, scene: Scene | None = None) -> "Batch":
+        """Some of the rows; of a scene with another rung."""
+        values = {key: column[rows] for key, column in self.values.items()}
+        return Batch(scene or self.scene, self.solution, values, int(np.arange(self.rows)[rows].size))
+
+    def all(self, key: str) -> FloatArray:
+        """Values of a key in every row, (rows,)."""
+        return np.broadcast_to(np.asarray(self.of(key), dtype=np.float64), (self.rows,))
+
     def of(self, key: str) -> Any:
         """Values of a key: the column where it varies, the scene's own elsewhere, None where it has none."""
         if key in self.values:
@@ -77,6 +86,11 @@ class Batch:
         section, _, name = key.partition(".")
         measured = getattr(getattr(self.scene, section), name)
         return None if measured is None else np.asarray(getattr(measured, "value", measured))
+
+    @cached_property
+    def full_stretch(self) -> FloatArray:
+        """V_S, the stretch at which a strand is its contour, (rows,)."""
+        return network_at_rest(self.volume_fraction, self.scene.network.solvent_quality).full_stretch
 
     @cached_property
     def coupling(self) -> FloatArray | None:
@@ -120,7 +134,7 @@ class Batch:
                 viscosity=self.of("solution.viscosity"),
                 electric_field=self.of("jet.electric_field"),
             )
-        onset = k ** (-1 / beta)
+        onset = _powers(np.asarray(k), np.asarray(-1 / beta))
         return StraightJets(power_law, (onset, beta), radius, flow_rate, onset, (k > 1e-9) & (k < 1e9))
 
     def _fraction(self) -> FloatArray:
@@ -137,3 +151,18 @@ class Batch:
         known = np.isfinite(solvent)
         phi = fraction_by_volume(self.of("solution.mass_fraction"), polymer, np.where(known, solvent, 1.0))
         return np.where(known, phi, np.nan)
+
+
+def _powers(base: FloatArray, exponent: FloatArray) -> FloatArray:
+    """Powers by the very function that a single jet uses: numpy's own for arrays may differ in the last digit."""
+    both = np.broadcast_arrays(base, exponent)
+    flat = (one.ravel().tolist() for one in both)
+    found: FloatArray = np.reshape([_power(x, y) for x, y in zip(*flat, strict=True)], both[0].shape)
+    return found
+
+
+def _power(x: float, y: float) -> float:
+    try:
+        return x**y if x > 0 else float("nan")
+    except OverflowError:
+        return float("nan")

@@ -12,7 +12,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.jetprofile.jet import complete
+from spinline.jetprofile.given_jet import complete
 from spinline.jetprofile.straight import StraightJet
 from spinline.network.mesh import network_at_rest
 from spinline.rheology.solution import Solution

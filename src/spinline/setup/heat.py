@@ -16,7 +16,7 @@ from spinline.base.errors import InputError
 from spinline.rheology.solution import Solution
 from spinline.scene.air_and_rheology import AmbientSection, RheologySection
 from spinline.scene.file import Scene, SolventData
-from spinline.setup.air import interaction_with, library_name
+from spinline.setup.air import ATMOSPHERE, humidity_of, interaction_with, library_name, unit_volume
 from spinline.setup.values import given
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HeatedAir", "build_heated_air", "heat_refusal"]
 
-_ATMOSPHERE = 101325.0
 _GAS = 8.31446261815324
 
 
@@ -188,7 +187,7 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
         raise InputError("effects.heat", f"cannot be: {why}", value=True, remedy="set effects.heat = false")
     ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
     warm = given(ambient.temperature, solution.temperature)
-    pressure = given(ambient.pressure, _ATMOSPHERE)
+    pressure = given(ambient.pressure, ATMOSPHERE)
     names = [library_name(name) for name in solution.solvent]
     far = _vapour_in_air(scene, names, warm)
     liquids = [_evaporant(scene, solution, name, warm, pressure, far) for name in names]
@@ -198,11 +197,6 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
     if far > 0 and "water" not in names:
         liquids.append(_water(scene, solution, warm, pressure, far))
         shares = np.append(shares, 0.0)
-    molar = solution.polymer.repeat_unit_molar_mass / solution.polymer.density
-    if laws.activity == "raoult" and not molar > 0:
-        raise InputError(
-            "solution.polymer.repeat_unit_molar_mass", "is missing: Raoult's law needs it", remedy="give it"
-        )
     from spinline.rheology.heat import POLYMER_HEAT_CAPACITY
 
     heat = solution.polymer.heat_capacity
@@ -217,7 +211,7 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
         transfer=laws.transfer,
         polymer_density=solution.polymer.density,
         polymer_heat_capacity=heat if heat > 0 else POLYMER_HEAT_CAPACITY,
-        polymer_molar_volume=molar if laws.activity == "raoult" else None,
+        polymer_molar_volume=unit_volume(solution, laws),
         pairs=_pairs(laws, liquids),
     )
 
@@ -225,17 +219,11 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
 def _vapour_in_air(scene: Scene, names: list[str], warm: float) -> float:
     """Partial pressure of water in the air, Pa."""
     ambient = scene.ambient or AmbientSection()
-    if ambient.relative_humidity is None:
-        if "water" in names:
-            raise InputError(
-                "ambient.relative_humidity",
-                "is missing: how fast water evaporates depends on it",
-                remedy='give it, for example "40 %"',
-            )
+    if ambient.relative_humidity is None and "water" not in names:
         return 0.0
     from spinline.rheology.thermal import saturation_pressure
 
-    return ambient.relative_humidity.value * float(saturation_pressure("water", warm))
+    return humidity_of(ambient) * float(saturation_pressure("water", warm))
 
 
 def _evaporant(scene: Scene, solution: Solution, name: str, warm: float, pressure: float, far: float) -> "Evaporant":

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spinline.base.errors import InputError
-from spinline.jetprofile.jet import complete
+from spinline.jetprofile.given_jet import complete
 from spinline.rheology.solution import Solution
 from spinline.scene.file import (
     HyperbolicJet,

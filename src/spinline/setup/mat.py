@@ -15,7 +15,8 @@ from spinline.deposit.landing import LandingRecord, laid_by
 from spinline.deposit.mat import MatOptions
 from spinline.deposit.segments import Segments
 from spinline.deposit.surrogate import Laydown, surrogate_fibre
-from spinline.scene.mat_sections import CollectorSection, LaydownSection, MatScene, MatSection
+from spinline.scene.mat_file import MatScene
+from spinline.scene.mat_sections import CollectorSection, LaydownSection, MatSection
 
 if TYPE_CHECKING:
     import xarray as xr

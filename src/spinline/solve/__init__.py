@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from spinline.solve.spine import Crossover, Solved, build_jet, build_solution, crossover, evaluate, examine, run
+    from spinline.solve.solved import Solved
+    from spinline.solve.spine import Crossover, build_jet, build_solution, crossover, evaluate, examine, run
 
 _NAMES = {
     "Crossover": "spine",
-    "Solved": "spine",
+    "Solved": "solved",
     "build_jet": "spine",
     "build_solution": "spine",
     "crossover": "spine",

@@ -22,7 +22,7 @@ from spinline.scene.file import Scene
 from spinline.solve.uncertainty import moved, uncertain_inputs
 
 if TYPE_CHECKING:
-    from spinline.solve.spine import Solved
+    from spinline.solve.solved import Solved
 
 __all__ = ["BANDED", "LEVELS", "RATIOS", "banded", "draw_scenes", "quantiles"]
 

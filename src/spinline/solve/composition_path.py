@@ -1,8 +1,8 @@
 """Does the jet stay one phase as it dries in humid air: what can be said of it, in a sentence.
 
 Needs one solvent, water (in the jet or from the air), and three interaction parameters: given in ``[rheology]`` (chi,
-chi_water, chi_water_solvent) or known to the library. Where one is not known, that is said, and nothing is guessed.
-Inside the spinodal before it is solid the jet separates at once: porous.
+chi_water, chi_water_solvent) or known to the library; of a single liquid one. Where one is not known, that is said, and
+nothing is guessed. Inside the spinodal before it is solid the jet separates at once: porous.
 """
 
 import numpy as np
@@ -22,10 +22,12 @@ _TRACE = 1e-6  # volume fraction of water under which there is none
 
 def composition_path(context: Context, position: FloatArray, here: Liquids, names: list[str], arrest: float) -> str:
     """The attribute ``composition_path``."""
-    if "water" not in names or float(here.liquid[names.index("water")].max()) < _TRACE:
-        return "no water in the jet or in its air: one phase"
-    if names == ["water"]:
-        return "water is the only liquid: one phase above overlap, see rheology.chi"
+    dry = "water" not in names or float(here.liquid[names.index("water")].max()) < _TRACE
+    if names == ["water"] or (dry and len(names) - ("water" in names) == 1):
+        said = "no water in the jet or in its air" if dry else "water is the only liquid"
+        return f"{said}: {_alone(context, position, here, names, arrest)}"
+    if dry:
+        return "no water in the jet or in its air: not judged among several solvents"
     if len(names) > 2:
         return "not judged: more than one solvent beside water"
     water, solvent = names.index("water"), 1 - names.index("water")
@@ -66,3 +68,20 @@ def composition_path(context: Context, position: FloatArray, here: Liquids, name
     if verdict.binodal >= 0:
         return f"one phase if nothing nucleates: crosses the binodal at {at(verdict.binodal)}, no spinodal ({said})"
     return f"one phase up to {position[before][some][-1]:.4g} m ({said})"
+
+
+def _alone(context: Context, position: FloatArray, here: Liquids, names: list[str], arrest: float) -> str:
+    """Of one liquid: Flory and Huggins' binary spinodal, ``1/(1 - phi) + v/(V phi) = 2 chi``."""
+    name = next((n for n in names if n != "water"), "water")
+    polymer, laws = context.solution.polymer, context.scene.rheology or RheologySection()
+    library = interaction(polymer.name, name)
+    chi = laws.chi if laws.chi is not None or library is None else library[0]
+    if chi is None:
+        return f"not judged, for want of rheology.chi ({polymer.name} with {name}): give what is known of it"
+    chain = (context.solution.molar_mass or _CHAIN) / polymer.density
+    phi = here.polymer[np.isnan(arrest) | (position <= arrest)]
+    inside = 1 / np.maximum(1 - phi, 1e-300) + here.molar_volume[names.index(name)] / (chain * phi) < 2 * chi
+    if not inside.any():
+        return f"one phase (chi {chi:.3g})"
+    k = int(np.argmax(inside))
+    return f"porous: inside the spinodal from {position[k]:.4g} m, {polymer.name} {phi[k]:.3g} (chi {chi:.3g})"

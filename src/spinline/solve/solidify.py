@@ -16,7 +16,7 @@ from spinline.drying.along_jet import FARTHEST, Dried, dry, dry_cooling, element
 from spinline.rheology import solvents
 from spinline.setup.context import Context
 from spinline.setup.history import History
-from spinline.setup.solid import GEL, Liquids, Solid, build_solid
+from spinline.setup.solid import DRY, GEL, Liquids, Solid, build_solid
 
 __all__ = ["Arrest", "find_arrest", "liquids_along", "solid_of", "stiffening"]
 
@@ -133,15 +133,28 @@ def find_arrest(
         never = never if np.isnan(level) else ""
     fraction, kelvin = level, _NAN
     if not np.isnan(place):
-        at = float(np.interp(place, dried.position, here.polymer))
+        at = _value(place, dried.position, here.polymer)
         fraction = level if not by_crystals and not _follows(context, dried) else at
-        kelvin = float(np.interp(place, dried.position, here.temperature))
+        kelvin = _value(place, dried.position, here.temperature)
+    elif by_crystals and solid.when_dry:
+        fraction = DRY
     elif by_crystals and solid.crystals is not None:
         fraction = solid.crystals.crystallisation_fraction(
             context.solution.temperature + solid.supercooling, float(here.mean_volume[0]), float(here.mean_chi[0])
         )
     skin, core = _layers(context, dried, solid, level)
     return Arrest(place, following, fraction, kelvin, why, never, skin, core, crystallinity)
+
+
+def _value(place: float, position: FloatArray, samples: FloatArray) -> float:
+    """Between samples as `first_passage` has found the place: by a monotone cubic."""
+    from scipy.interpolate import PchipInterpolator
+
+    i = int(np.searchsorted(position, place))
+    lo, hi = max(i - 2, 0), min(i + 2, position.size)
+    if hi - lo < 2:
+        return float(samples[lo])
+    return float(PchipInterpolator(position[lo:hi], samples[lo:hi])(place))
 
 
 def _first(a: float, b: float) -> bool:

@@ -6,11 +6,10 @@ names everything as the design does.
 
 import logging
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.named_arrays import NamedArrays
 from spinline.network_models.registry import cheapest, rung_in, simplest
@@ -25,6 +24,7 @@ from spinline.setup.jet import build_jet
 from spinline.solve.attributes import attributes_of, elsewhere
 from spinline.solve.crossovers import Crossover, crossover, odd_places
 from spinline.solve.missing import explain
+from spinline.solve.solved import Solved
 from spinline.solve.stages import solve_stages
 
 if TYPE_CHECKING:
@@ -122,32 +122,6 @@ def _solved(scene: Scene) -> tuple[NamedArrays, Scene]:
     found = evaluate(scene)
     result = results.assemble(found.fields, found.scalars, found.attributes, found.jet)
     return results.with_numbers(result, structure_summary(result)), found.scene
-
-
-class Solved(NamedTuple):
-    """What `run` puts into a Dataset, as plain arrays.
-
-    Attributes
-    ----------
-    fields : dict of str to ndarray
-        Variables along the jet.
-    scalars : dict of str to float
-        Numbers (arrays along time for a bead jet of many times).
-    attributes : dict
-        Models, reasons, inputs.
-    remarks : list of str
-        What is odd about the scene.
-    jet : Jet
-    scene : Scene
-        With the rung and the effects that were taken.
-    """
-
-    fields: dict[str, FloatArray]
-    scalars: dict[str, Any]
-    attributes: dict[str, Any]
-    remarks: list[str]
-    jet: Any
-    scene: Scene
 
 
 def evaluate(scene: Scene, jet: "Jet | None" = None, *, attributes: bool = True) -> Solved:

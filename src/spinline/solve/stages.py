@@ -113,7 +113,6 @@ def solve_stages(
     scalars: dict[str, Any] = {"volume_fraction": context.solution.volume_fraction}
     if context.straight and not bare:
         scalars |= context.line.numbers()
-        remarks += context.line.remarks()
     if moments is not None:
         fields |= moments.across(fields["radial_contraction"])
         scalars |= moments.scalars

@@ -34,14 +34,36 @@ from spinline.setup.build import build_solution
 from spinline.setup.jet import build_jet, built_from_numbers
 from spinline.solve.many import AT_END
 from spinline.solve.results import VARIABLES
-from spinline.solve.spine import Solved, evaluate
+from spinline.solve.solved import Solved
+from spinline.solve.spine import evaluate
 from spinline.solve.summary import FIBRE, SUMMARISED, summarised
 from spinline.solve.uncertainty import shares
 from spinline.study.design import Column
 
-__all__ = ["FAILED", "INCOMPLETE", "OK", "PENDING", "REFUSED", "SCALARS", "Block", "Task", "evaluate_rows", "numbers"]
+__all__ = [
+    "CLOSED_FORMS",
+    "COMPILED",
+    "FAILED",
+    "INCOMPLETE",
+    "OK",
+    "PENDING",
+    "REFUSED",
+    "SCALARS",
+    "SINGLE",
+    "WAYS",
+    "Block",
+    "Task",
+    "evaluate_rows",
+    "numbers",
+]
 
 OK, INCOMPLETE, REFUSED, FAILED, PENDING = 0, 1, 2, 3, 255
+CLOSED_FORMS, COMPILED, SINGLE = 0, 1, 2
+WAYS = {
+    CLOSED_FORMS: "by closed forms on arrays",
+    COMPILED: "by the compiled march of slipping networks",
+    SINGLE: "run by themselves",
+}
 STATUS_NAMES = {OK: "ok", INCOMPLETE: "incomplete", REFUSED: "refused", FAILED: "failed", PENDING: "pending"}
 
 # along the jet; the flags and what only some models have are left to `spinline run`
@@ -87,6 +109,7 @@ BEYOND = {  # reasons of status 1
     "crossover_extension_position": "the extension of the criterion is not reached within the jet",
 }
 BOTH = "; ".join(BEYOND.values())
+_NONE_IS_NEWS = "bending_onset"  # NaN says that the whole jet is straight, not that a number is missing
 _LONGEST = 400  # characters of a reason
 
 
@@ -139,6 +162,8 @@ class Block:
     numbers : dict of str to ndarray, (rows,)
     profiles : dict of str to ndarray, (rows, points)
     status : ndarray of uint8, (rows,)
+    way : ndarray of uint8, (rows,)
+        How the row was computed: see `WAYS`.
     reason : ndarray of str, (rows,)
         Empty where the status is 0.
     """
@@ -146,6 +171,7 @@ class Block:
     numbers: dict[str, FloatArray]
     profiles: dict[str, FloatArray]
     status: NDArray[np.uint8]
+    way: NDArray[np.uint8]
     reason: NDArray[np.object_]
 
     @classmethod
@@ -154,6 +180,7 @@ class Block:
         return cls(
             {name: np.full(rows, np.nan) for name in task.numbers},
             {name: np.full((rows, task.points), np.nan) for name in task.profiles},
+            np.full(rows, PENDING, dtype=np.uint8),
             np.full(rows, PENDING, dtype=np.uint8),
             np.full(rows, "", dtype=object),
         )
@@ -183,6 +210,7 @@ def evaluate_rows(
     block = Block.empty(task, size) if into is None else into
     lists = {key: values.tolist() for key, values in columns.items()}
     for i in range(size) if rows is None else rows:
+        block.way[i] = SINGLE
         try:
             scene = task.scene({key: values[i] for key, values in lists.items()})
             solved = solve_row(scene, task)
@@ -299,7 +327,7 @@ def _missing(block: Block, i: int) -> str:
     absent = [
         name
         for name, values in block.numbers.items()
-        if np.isnan(values[i]) and name != STD_FLAG and not name.endswith("_std")
+        if np.isnan(values[i]) and name != STD_FLAG and not name.endswith("_std") and not name.startswith(_NONE_IS_NEWS)
     ]
     words = [text for name, text in BEYOND.items() if name in absent]
     others = [name for name in absent if not (name.startswith("crossover") and words)]

@@ -22,12 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.base.file_format import FORMAT, require_format
 from spinline.base.files import discard, new_folder
-from spinline.base.naming import lock_folder, unlock_folder
+from spinline.base.naming import clear_leavings, lock_folder, unlock_folder
 from spinline.scene.keys import unit_of
 from spinline.solve.results import VARIABLES
 from spinline.study.design import Column
-from spinline.study.rows import PENDING, SCALARS, STD_FLAG, Block, Task
+from spinline.study.rows import PENDING, SCALARS, STD_FLAG, WAYS, Block, Task
 from spinline.study.sweep_file import Sweep
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ __all__ = ["Memory", "Store", "as_grid", "open_sweep"]
 _MARK = "spinline_sweep"
 _OWN = re.compile(r"(?:[^/]+/)?zarr\.json|[^/]+/c(?:/\d+)+|(?:[^/]+/)*[^/]*\.partial")
 _STATUS = "0 ok, 1 incomplete, 2 refused, 3 failed, 255 not computed"
+_WAY = "how a row was computed: " + ", ".join(f"{code} {words}" for code, words in WAYS.items())
+_BYTES = ("status", "computed_by")
 _REASON = "why a row has no numbers, or not all"
 
 
@@ -115,6 +118,7 @@ class Store:
                 remedy="choose another name, or --force to start anew",
             )
         lock_folder(path)
+        clear_leavings(path.parent)  # killed between the store's move to its place and the end of what it was made in
         for left in path.rglob("*.partial"):  # of a process that was killed
             left.unlink(missing_ok=True)
         self._group: Any = zarr.open_group(str(path), mode="r+")
@@ -131,8 +135,8 @@ class Store:
             group = zarr.open_group(str(place), mode="w", zarr_format=3)
             for name, (dims, described) in _layout(self.sweep, self.task).items():
                 text = name == "reason" or (name in example and example[name].dtype == object)
-                kind: Any = str if text else np.uint8 if name == "status" else np.float64
-                fill: Any = "" if text else PENDING if name == "status" else float("nan")
+                kind: Any = str if text else np.uint8 if name in _BYTES else np.float64
+                fill: Any = "" if text else PENDING if name in _BYTES else float("nan")
                 wide = () if len(dims) == 1 else (self.task.points,)
                 group.create_array(
                     name,
@@ -144,7 +148,7 @@ class Store:
                     attributes=described,
                     compressors=[ZstdCodec(level=0), Crc32cCodec()],
                 )
-            told = {_MARK: 1, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
+            told = {_MARK: FORMAT, **attributes, "chunk": chunk, "variables": " ".join(_layout(self.sweep, self.task))}
             group.attrs.update(told | {"checksum": _checksum(place, told)})
 
     def pending(self) -> list[int]:
@@ -275,6 +279,9 @@ def peek(path: Path) -> Mapping[str, Any] | None:
         told = {key: value for key, value in attributes.items() if key != "checksum"}
         if attributes["checksum"] != _checksum(path, told):
             raise broken
+        require_format(str(path), attributes[_MARK])
+    except InputError:
+        raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise broken from None
     return attributes
@@ -350,6 +357,7 @@ def _layout(sweep: Sweep, task: Task) -> dict[str, tuple[tuple[str, ...], dict[s
     for name in task.profiles:
         layout[f"profile_{name}"] = (("scene", "point"), {"long_name": VARIABLES[name][1], **_unit(VARIABLES[name][0])})
     layout["reason"] = (("scene",), {"long_name": _REASON})
+    layout["computed_by"] = (("scene",), {"long_name": _WAY})
     layout["status"] = (("scene",), {"long_name": _STATUS})
     return layout
 
@@ -366,4 +374,6 @@ def _piece(name: str, columns: Mapping[str, Column], block: Block) -> NDArray[An
         return block.status
     if name == "reason":
         return block.reason
+    if name == "computed_by":
+        return block.way
     return block.numbers[name] if name in block.numbers else block.profiles[name.removeprefix("profile_")]

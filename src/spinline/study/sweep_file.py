@@ -28,7 +28,7 @@ from typing import Any
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.words import label
-from spinline.scene.file import LONGEST, Scene, _override, bundled_scenes, given_file, scene_from_dict
+from spinline.scene.file import LONGEST, Scene, apply_override, bundled_scenes, given_file, scene_from_dict
 from spinline.scene.keys import full_key, is_section, placed, read_value
 from spinline.study.axes import axes_of, column, not_both
 from spinline.study.design import KINDS, Axis, Design
@@ -38,6 +38,7 @@ __all__ = ["Sweep", "bundled_sweeps", "load_sweep", "scene_tables", "sweep_from_
 
 _TOP = ("title", "scene", "set", "profiles", "points", "chunk", "design", "vary")
 _DESIGN = ("kind", "samples", "seed", "path")
+_LAYOUT = 2  # of stores: one of another is another sweep
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +88,7 @@ class Sweep:
 
         parts = [
             __version__,
+            _LAYOUT,
             self.base,
             self.design.digest(),
             self.profiles,
@@ -101,7 +103,7 @@ def scene_tables(text: str) -> dict[str, Any]:
     data = parsed_toml(text, "scene", "scene")
     for line in text.splitlines():
         if line.startswith("# --set "):
-            _override(data, line.removeprefix("# --set "))
+            apply_override(data, line.removeprefix("# --set "))
     return data
 
 
@@ -153,7 +155,7 @@ def sweep_from_dict(
     base, at = _base(data.get("scene"), home)
     _set(base, _table(data, "set"))
     for override in overrides:
-        _override(base, override)
+        apply_override(base, override)
     design = _table(data, "design")
     _known(design, _DESIGN, "design.")
     kind = design.get("kind", "grid")

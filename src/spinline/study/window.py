@@ -28,8 +28,10 @@ from spinline.scene.file import PowerLawJet, Scene
 from spinline.scene.needle import NeedleJet
 from spinline.setup.build import build_solution
 from spinline.setup.context import Context
+from spinline.setup.grid import jet_length
 from spinline.setup.jet import build_jet
 from spinline.setup.material import build_material
+from spinline.setup.needle import NeedleSeries
 from spinline.study.design import Axis, Design
 from spinline.study.sweep import Progress, run_sweep
 from spinline.study.sweep_file import Sweep, scene_tables
@@ -139,13 +141,11 @@ def operating_window(
     q, mu = columns["jet.flow_rate"], columns["solution.viscosity"]
     rows = _rows(scene, columns, workers, progress)
     phi = np.reshape(rows["volume_fraction"].values, k.shape)
+    context = Context(_in_air(scene, relative_humidity))
     if isinstance(jet, NeedleJet):
-        dry, air = (
-            np.full(k.shape, np.nan),
-            "dryness is not estimated for the jet of a needle: `spinline run` follows it",
-        )
+        dry, air = _dryness_of_needle(context, columns, phi)
     else:
-        dry, air = _dryness(scene, k, q, phi, relative_humidity)
+        dry, air = _dryness(context, k, q, phi)
     found = {"k": k, "viscosity": mu, "dryness": dry, "strands_per_chain": _strands(scene, solution, phi)}
     attributes = {
         "title": scene.title or scene.name,
@@ -252,20 +252,48 @@ def _rows(
     return run_sweep(sweep, workers=workers, progress=progress)
 
 
-def _dryness(
-    scene: Scene, k: FloatArray, q: FloatArray, phi: FloatArray, humidity: float | None
-) -> tuple[FloatArray, str]:
+def _in_air(scene: Scene, humidity: float | None) -> Scene:
+    """The scene at another humidity."""
+    if humidity is None:
+        return scene
+    wet = Measured(float(real("relative_humidity", humidity, least=0.0, below=1.0)))
+    ambient = (scene.ambient or AmbientSection()).model_copy(update={"relative_humidity": wet})
+    return scene.model_copy(update={"ambient": ambient})
+
+
+def _dryness_of_needle(context: Context, columns: Mapping[str, FloatArray], phi: FloatArray) -> tuple[FloatArray, str]:
+    """`_dryness` of jets that are computed from their settings, one by one; NaN where there is none."""
+    share = np.full(phi.shape, np.nan)
+    try:
+        air = context.air
+    except InputError as error:
+        return share, f"dryness is not estimated: {error}"
+    section, series = context.scene.jet, NeedleSeries()
+    assert isinstance(section, NeedleJet)
+    for at in np.ndindex(phi.shape):
+        if not np.isfinite(phi[at]):
+            continue
+        own = {key: float(values[at]) for key, values in columns.items()}
+        moved = {name: Measured(own[f"jet.{name}"]) for name in ("voltage", "gap", "flow_rate", "conductivity")}
+        here = section.model_copy(update=moved)
+        solution = replace(context.solution, volume_fraction=float(phi[at]), viscosity=own["solution.viscosity"])
+        scene = context.scene.model_copy(update={"jet": here})
+        try:
+            jet = series.jet(here, scene, solution)
+            lost = dry(element_path(jet, np.array([jet_length(scene, jet)])), solution, air).lost[-1]
+        except InputError:
+            continue
+        share[at] = float(lost) / (1 - phi[at])
+    return share, str(air)
+
+
+def _dryness(context: Context, k: FloatArray, q: FloatArray, phi: FloatArray) -> tuple[FloatArray, str]:
     """Share of the solvent lost at the end of the jet, and the air in words; NaN where it is not known.
 
     By the drying stage of a run. It is smooth in k: of more than `_NODES` values of it, all else equal, the others lie on a
     monotone cubic through that many.
     """
     share = np.full(k.shape, np.nan)
-    if humidity is not None:
-        wet = Measured(float(real("relative_humidity", humidity, least=0.0, below=1.0)))
-        ambient = (scene.ambient or AmbientSection()).model_copy(update={"relative_humidity": wet})
-        scene = scene.model_copy(update={"ambient": ambient})
-    context = Context(scene)
     try:
         air = context.air
     except InputError as error:
