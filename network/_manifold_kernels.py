@@ -431,7 +431,7 @@ def march_rows(
         Trials of panels.
     stretch : ndarray, (rows, m)
         Filled; NaN throughout for a row that cannot be resolved.
-    passes : ndarray, (rows,)
+    passes : ndarray, (rows, k)
         Filled.
     """
     law = (LINEAR, math.inf, 0.0)
@@ -469,7 +469,7 @@ def march_rows(
                 break
         for m in range(places.shape[1]):
             stretch[i, m] = math.nan
-        passes[i] = math.nan
+        passes[i, :] = math.nan
         if failed >= 0:
             continue
         for m in range(targets.shape[1]):

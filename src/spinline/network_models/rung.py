@@ -207,13 +207,13 @@ class Rung:
         places : ndarray, (rows, m)
             Where the stretch is wanted, m; NaN for nowhere.
         target : ndarray, (rows, k)
-            A stretch.
+            Stretches.
 
         Returns
         -------
         stretch : ndarray, (rows, m)
             NaN throughout a row that has to be run by itself.
-        passages : ndarray, (rows,)
+        passages : ndarray, (rows, k)
             Where the stretch first passes the target, initial radii; NaN where never.
         """
         return None

@@ -58,8 +58,8 @@ def _slipping_numbers(batch: Batch, rung: Rung) -> dict[str, FloatArray]:
     """Of networks of their own velocity: both criteria are asked of their strands."""
     jets, length = batch.jets, np.broadcast_to(batch.length, (batch.rows,))
     wanted = np.stack([np.broadcast_to(v, (batch.rows,)) for v in batch_targets(batch)], axis=1)
-    solved = rung.rows(batch, length[:, None], wanted)
-    stretch, passed = (np.full((batch.rows, k), np.nan) for k in (1, 2)) if solved is None else solved
+    solved = rung.rows(batch, np.stack((np.zeros(batch.rows), length), axis=1), wanted)
+    stretch, passed = (np.full((batch.rows, 2), np.nan) for _ in range(2)) if solved is None else solved
     found: dict[str, FloatArray] = {"volume_fraction": batch.volume_fraction}
     late = np.isnan(passed)
     for i, name in enumerate(("crossover", "crossover_extension")):
@@ -74,11 +74,12 @@ def _slipping_numbers(batch: Batch, rung: Rung) -> dict[str, FloatArray]:
         }
     reached = ~late[:, 0]
     there = np.where(reached, jets.velocity_ratio(np.where(reached, found["crossover_position"], 0.0)), 1.0)
-    usable = stretch[:, 0] > 0
+    usable = stretch[:, 1] > 0
     middle = np.where(
-        usable & reached, wanted[:, 0], 1.0
-    )  # strands without a contour: they are stretched by the target
-    at_end = _network(batch, batch.end_stretch, np.where(usable, stretch[:, 0], 1.0))
+        passed[:, 0] > 0, wanted[:, 0], stretch[:, 0]
+    )  # no contour: stretched by the target, or more at the nozzle
+    middle = np.where(usable & reached, middle, 1.0)
+    at_end = _network(batch, batch.end_stretch, np.where(usable, stretch[:, 1], 1.0))
     found = _summary(batch, found, reached, _network(batch, there, middle), at_end)
     return {name: np.where(usable, column, np.nan) for name, column in found.items()}
 
