@@ -104,6 +104,8 @@ BOUNDS = {
     "network_radius": (0, 1),
     "network_velocity_ratio": (0, np.inf),
     "polymer_fraction": (0, 1 + 1e-9),
+    "temperature": (120, 480),
+    "evaporated_fraction": (-np.inf, 1),
 }
 EXPLAINED = ("strand_force", "residence_time", "weissenberg", "strain_rate")  # NaN has a meaning of its own there
 

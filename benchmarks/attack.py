@@ -2,7 +2,8 @@
 
     python benchmarks/attack.py damage 2000 | kills 200 | scenes 5000  [--seed S]
 
-Each part writes its own entry of ``benchmarks/attack.json``. Tests run a sample of the same (``tests/test_attack.py``).
+Each part writes its own entry of ``benchmarks/attack.json``; the scenes go on where their ``--log`` ends.
+Tests run a sample of the same (``tests/test_attack.py``).
 """
 
 import argparse
@@ -274,46 +275,64 @@ def judged(tables: dict[str, Any]) -> str:
     return "solved"
 
 
-def scenes(count: int, seed: int, longest: float = np.inf) -> dict[str, Any]:
-    """Random scenes, each in its time; fewer where `longest` seconds have passed."""
+def scenes(count: int, seed: int, log: Path, longest: float = np.inf) -> dict[str, Any]:
+    """Random scenes, each in its time; fewer where `longest` seconds have passed.
+
+    Every verdict is a line of `log`: another start goes on with the scenes that have none.
+    """
     until = time.monotonic() + longest
-    tally: Counter[str] = Counter()
+    with log.open("a+", encoding="utf-8") as lines:
+        lines.seek(0)
+        done = {int(line["scene"]): line for line in map(json.loads, lines)}
+        for i in range(seed, seed + count):
+            if time.monotonic() > until:
+                break
+            if i in done:
+                continue
+            verdict, used = judged_in_time(i)
+            done[i] = {"scene": i, "seconds": round(used, 4), "verdict": verdict}
+            lines.write(json.dumps(done[i]) + "\n")
+            lines.flush()
+            if used > PATIENCE or verdict.partition(" ")[0] not in ("refused", "solved"):
+                print(f"{i}: {used:.1f} s {verdict} {scene(i)}"[:1500], flush=True)
+    return summary([done[i] for i in sorted(done) if seed <= i < seed + count], seed)
+
+
+def judged_in_time(i: int) -> tuple[str, float]:
+    """What becomes of a scene, and its processor time, s: other work on the machine does not count."""
+    start = time.process_time()
+    signal.signal(signal.SIGPROF, _late)
+    signal.setitimer(signal.ITIMER_PROF, LONGEST)
+    try:
+        verdict = judged(scene(i))
+    except Late:
+        verdict = "late"
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    return verdict, time.process_time() - start
+
+
+def summary(lines: list[dict[str, Any]], seed: int) -> dict[str, Any]:
+    """Counts of the verdicts, times, and every scene that is neither solved nor refused."""
     reasons: Counter[str] = Counter()
-    bad, seconds = [], []
-    for i in range(seed, seed + count):
-        start = time.process_time()  # of the processor: other work on the machine does not count
-        signal.signal(signal.SIGPROF, _late)
-        signal.setitimer(signal.ITIMER_PROF, LONGEST)
-        try:
-            verdict = judged(scene(i))
-        except Late:
-            verdict = "late"
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0.0)
-        seconds.append(time.process_time() - start)
-        if time.monotonic() > until:
-            break
-        if seconds[-1] > PATIENCE:
-            print(f"{i}: {seconds[-1]:.1f} s {verdict} {scene(i)}"[:1500], flush=True)
-        word, _, reason = verdict.partition(" ")
-        tally[word] += 1
+    for line in lines:
+        word, _, reason = line["verdict"].partition(" ")
         if word == "refused":
             reasons[reason.partition(" (")[0][:100]] += 1
-        elif word != "solved":
-            bad.append(f"{i}: {verdict}")
-            print(bad[-1], flush=True)
-    ordered = sorted(seconds)
-    count = len(seconds)
-    share = sum(s <= PATIENCE for s in seconds) / count
+    ordered = sorted(line["seconds"] for line in lines)
     return {
         "seed": seed,
-        "scenes": count,
-        "verdicts": dict(tally),
-        "within_5_s": share,
-        "median_s": round(ordered[count // 2], 4),
+        "scenes": len(lines),
+        "verdicts": dict(Counter(line["verdict"].partition(" ")[0] for line in lines)),
+        "within_5_s": sum(s <= PATIENCE for s in ordered) / len(ordered),
+        "median_s": ordered[len(ordered) // 2],
         "longest_s": round(ordered[-1], 2),
         "commonest_refusals": dict(reasons.most_common(25)),
-        "bad": bad,
+        "bad": [
+            f"{line['scene']}: {line['verdict']}"
+            for line in lines
+            if line["verdict"].partition(" ")[0] not in ("refused", "solved")
+        ],
     }
 
 
@@ -330,6 +349,7 @@ def main() -> None:
     arguments.add_argument("part", choices=("damage", "kills", "scenes"))
     arguments.add_argument("count", type=int)
     arguments.add_argument("--seed", type=int, default=0)
+    arguments.add_argument("--log", type=Path, default=Path("attack-scenes.jsonl"), help="Verdicts, gone on with.")
     arguments.add_argument("--longest", type=float, default=np.inf, help="Seconds after which scenes stop.")
     arguments.add_argument("--commands", nargs="*", help="Of the kills: run, sweep, reduce, chain, fit.")
     arguments.add_argument("--json", type=Path, default=HERE / "attack.json")
@@ -339,7 +359,7 @@ def main() -> None:
     elif asked.part == "kills":
         found = kills(asked.count, asked.seed, asked.commands)
     else:
-        found = scenes(asked.count, asked.seed, asked.longest)
+        found = scenes(asked.count, asked.seed, asked.log, asked.longest)
     kept = json.loads(asked.json.read_text(encoding="utf-8")) if asked.json.exists() else {}
     kept[asked.part] = {**kept.get(asked.part, {}), **found} if asked.part == "kills" else found
     asked.json.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")

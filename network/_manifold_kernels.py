@@ -222,7 +222,7 @@ def new_step(error: float) -> float:
         return float(max(0.15, min(0.7, (0.1 / error) ** (1 / 12))))
     # in stages of 19 %: the last coefficients are near rounding, and steps should not follow it
     stages = math.floor(math.log2(0.1 / max(error, 1e-12)) / 3)
-    return 2.0 ** (0.25 * min(max(stages, 0), 8))
+    return float(2.0 ** (0.25 * min(max(stages, 0), 8)))
 
 
 @njit(cache=True, error_model="numpy")

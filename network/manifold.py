@@ -49,6 +49,7 @@ _MOST_TRIALS = (
     1000  # panels tried in all; jets smooth between their breaks take 240 at most, alpha_v to 1e15, rtol to 1e-13
 )
 _PER_BREAK = 100  # more of them for every break
+_ODD_STRETCH = 1e9
 _LOCKED = 0.95  # extension from which the network counts as locked
 
 Profile = Callable[[FloatArray], FloatArray]
@@ -472,9 +473,9 @@ class _March:
         return float(kernels.new_step(size / self.rtol))
 
     def _unresolved(self, place: float) -> InputError:
-        return InputError(
-            "rtol",
-            f"the steady network cannot be resolved at s = {place:.9g}",
-            value=self.rtol,
-            remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
-        )
+        v = float(self.profile(np.array([place]))[0])
+        remedy = "is the jet smooth between its breaks? name its kinks, or loosen rtol"
+        if v > _ODD_STRETCH:
+            remedy = f"the jet is stretched {v:.2g}-fold there: lower its k, its field or its length"
+        problem = f"the steady network cannot be resolved at s = {place:.9g}"
+        return InputError("rtol", problem, value=self.rtol, remedy=remedy)

@@ -47,6 +47,7 @@ __all__ = ["POLYMER_HEAT_CAPACITY", "HeatedJet", "dry_with_heat"]
 
 POLYMER_HEAT_CAPACITY = 1450.0  # J/kg/K, of most amorphous polymers within a fifth
 _MOST_STEPS = 50_000
+_SHORTEST = 1e-30  # step over the way
 _AIR_MASS = 0.0289644
 _UNBOOKED = 1e-12  # of the liquid at the start, that a step may lose from the ledger
 
@@ -313,7 +314,7 @@ def _march(
         h = _first(x, stop, y, given, path, places) if h == 0 else min(h, stop - x)
         while x < stop:
             taken += 1
-            if taken > _MOST_STEPS or h < 1e-14 * (end - start):
+            if taken > _MOST_STEPS or h < max(16 * np.spacing(abs(x)), _SHORTEST * (end - start)):
                 raise _cannot(y, given, x, path)
             last = x + h >= stop or stop - x - h < 0.05 * h
             step = stop - x if last else h
@@ -362,15 +363,17 @@ def _first(x: float, stop: float, y: FloatArray, given: Inputs, path: ElementPat
 def _cannot(y: FloatArray, given: Inputs, x: float, path: ElementPath | None) -> InputError:
     where = f" beyond {x:.4g} m" if path is not None else ""
     kelvin = float(y[-1])
-    boils = np.array(
-        [
-            np.exp(np.polyval(t[0, :, min(int((kelvin - GRID[0]) / 3), GRID.size - 2)], (kelvin - GRID[0]) % 3))
-            for t in given.tables
-        ]
-    )
-    if float(boils.max()) >= given.air[0] and not y[:-1].any():  # still as it set out
-        return InputError("temperature", "is above the boiling point of a solvent", value=kelvin, remedy="lower it")
-    if float(boils.max()) >= given.air[0]:
+    inside = given.sub[:, 7] > 0
+    volumes = np.where(inside, np.exp(np.where(inside, given.sub[:, 8] + y[:-1], 0.0)), y[:-1])
+    activity, at, rest = np.empty(volumes.size), min(int((kelvin - GRID[0]) / 3), GRID.size - 2), (kelvin - GRID[0]) % 3
+    activities(volumes, float(given.air[3]), given.sub, given.pairs, float(given.air[9]), activity)
+    pure = np.array([np.exp(np.polyval(t[0, :, at], rest)) for t in given.tables])
+    # a poor solvent's activity passes 1: the solution boils below its liquids
+    boils = max(float(pure.max()), float(pure @ activity))
+    if boils >= given.air[0] and not y[:-1].any():  # still as it set out
+        what = "a solvent" if float(pure.max()) >= given.air[0] else "the solution: its chi is that of a poor solvent"
+        return InputError("temperature", f"is above the boiling point of {what}", value=kelvin, remedy="lower it")
+    if boils >= given.air[0]:
         return InputError(
             "jet",
             f"is warmed past the boiling point of a solvent{where}",

@@ -34,6 +34,8 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.rheology._liquid_rows import MELTING, row_of
+from spinline.rheology._water import HIGHEST, water_density, water_viscosity
 from spinline.rheology.atoms import VAPOURS
 from spinline.rheology.names import known_as
 
@@ -115,13 +117,14 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
         at_room, fall = _LINES[known]
         return at_room - fall * (kelvin - 298.15)
     if known == "water":
+        if kelvin <= HIGHEST:
+            return water_density(kelvin)
         from chemicals.iapws import iapws95_rhol_sat
 
         return float(iapws95_rhol_sat(kelvin))
     from chemicals.dippr import EQ105
-    from chemicals.volume import rho_data_Perry_8E_105_l
 
-    row = rho_data_Perry_8E_105_l.loc[cas]
+    row = row_of("rho_data_Perry_8E_105_l", cas)
     molar = float(EQ105(kelvin, row["C1"], row["C2"], row["C3"], row["C4"]))  # mol/m3
     return molar * solvent_molar_mass(known)
 
@@ -137,6 +140,8 @@ def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> 
         _within(f"range of the viscosity of {known}", temperature, 293.15, 303.15, "give solvent_viscosity (Pa s)")
         return _ONE_VISCOSITY[known]
     if known == "water":
+        if temperature <= HIGHEST:
+            return water_viscosity(temperature)
         from chemicals.viscosity import mu_IAPWS
 
         return float(mu_IAPWS(temperature, density))
@@ -153,9 +158,8 @@ def solvent_viscosity(name: str, temperature: float, field: str = "solvent") -> 
         )
         return float(Viswanath_Natarajan_3(kelvin, row["A"], row["B"], row["C"]))
     from chemicals.dippr import EQ101
-    from chemicals.viscosity import mu_data_Perrys_8E_2_313
 
-    row = mu_data_Perrys_8E_2_313.loc[SOLVENTS[known][0]]
+    row = row_of("mu_data_Perrys_8E_2_313", SOLVENTS[known][0])
     return float(EQ101(temperature, row["C1"], row["C2"], row["C3"], row["C4"], row["C5"]))
 
 
@@ -194,9 +198,7 @@ def solvent_glass_transition(name: str, field: str = "solvent") -> float:
     known = known_name(name, SOLVENTS, field, "give solvent_glass_transition (K)")
     if known in _GLASS:
         return _GLASS[known]
-    from chemicals.phase_change import Tm
-
-    return 2 / 3 * float(Tm(SOLVENTS[known][0]))
+    return 2 / 3 * MELTING[SOLVENTS[known][0]]
 
 
 def solvent_molar_mass(name: str, field: str = "solvent") -> float:

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, real
 from spinline.rheology import vapour
+from spinline.rheology._liquid_rows import has_row, row_of
 from spinline.rheology.solvents import SOLVENTS, known_name
 
 __all__ = [
@@ -126,14 +127,12 @@ def vaporisation_heat(name: str, temperature: ArrayLike) -> FloatArray:
     """
     known = _name(name)
     kelvin = _kelvin(temperature)
-    from chemicals.phase_change import phase_change_data_Perrys2_150
-
     cas = SOLVENTS[known][0]
     mass = vapour.molar_mass(known)
-    if cas in phase_change_data_Perrys2_150.index:
+    if has_row("phase_change_data_Perrys2_150", cas):
         from chemicals.dippr import EQ106
 
-        row = phase_change_data_Perrys2_150.loc[cas]
+        row = row_of("phase_change_data_Perrys2_150", cas)
         low = max(float(row["Tmin"]), 0.5 * COLDEST)
         top = min(float(row["Tmax"]), HOTTEST)
         terms = [float(row[key]) for key in ("Tc", "C1", "C2", "C3", "C4")]
@@ -204,10 +203,8 @@ def air_viscosity(temperature: ArrayLike) -> FloatArray:
 def _range(name: str) -> tuple[float, float]:
     if name in _KNOWN:
         return _KNOWN[name]
-    from chemicals.vapor_pressure import Psat_data_Perrys2_8
-
-    row = Psat_data_Perrys2_8.loc[SOLVENTS[name][0]]
-    return float(row["Tmin"]), float(row["Tmax"])
+    row = row_of("Psat_data_Perrys2_8", SOLVENTS[name][0])
+    return row["Tmin"], row["Tmax"]
 
 
 def _name(name: str) -> str:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology._finite import finite_result
+from spinline.rheology._liquid_rows import row_of
 from spinline.rheology.atoms import VAPOURS
 from spinline.rheology.solvents import SOLVENTS, known_name, solvent_molar_mass
 
@@ -86,9 +87,8 @@ def vapour_pressure(name: str, temperature: float) -> float:
         _within(name, kelvin, float(row["Tmin"]), float(row["Tmax"]))
         return float(Antoine(kelvin, row["A"], row["B"], row["C"], base=np.e))
     from chemicals.dippr import EQ101
-    from chemicals.vapor_pressure import Psat_data_Perrys2_8
 
-    row = Psat_data_Perrys2_8.loc[cas]
+    row = row_of("Psat_data_Perrys2_8", cas)
     _within(name, kelvin, float(row["Tmin"]), float(row["Tmax"]))
     return float(EQ101(kelvin, row["C1"], row["C2"], row["C3"], row["C4"], row["C5"]))
 

@@ -195,6 +195,11 @@ def test_composition_paths() -> None:
     other = run(merged(film, solution={"polymer": "PVP", "solvent": "ethanol"}))
     assert "not judged" in other.attrs["composition_path"]
     assert "rheology.chi_water_solvent" in other.attrs["composition_path"]
+    said = (
+        "chi of PVP is not known, and taken to be 0.5 with ethanol (rheology.chi), 0.5 with water (rheology.chi_water)"
+    )
+    assert said in other.attrs["warnings"]
+    assert "is not known, and taken" not in dry.attrs["warnings"]
     mixes = merged(
         film,
         solution={"polymer": "PVP", "solvent": "ethanol"},
@@ -279,6 +284,10 @@ def test_materials_of_ones_own(tmp_path) -> None:
         warnings.simplefilter("ignore", SpinlineWarning)
         result = sl.run(scene)
     assert float(result["temperature"][-1]) < 293.15
+    meant = scene_file.read_text().replace('"PEOX"', '"PEOXX"')
+    scene_file.write_text(meant)
+    with pytest.raises(InputError, match=r"neither in the file of materials nor built in.*did you mean 'PEOX'\?"):
+        sl.load_scene(scene_file)
     file.write_text('[polymers.PEOX]\ndensty = "1 g/cm3"\n')
     with pytest.raises(InputError, match="densty"):
         read_materials(file)

@@ -133,7 +133,9 @@ def test_gain_is_found_from_the_flats(frames_of) -> None:
     )
     said, std = found.attrs["gain_source"].split(" photons")[0].split(" +/- ")
     assert abs(float(said) - 2.5) < 4 * float(std)
-    assert float(std) < 0.03
+    assert (
+        float(std) < 0.04
+    )  # eleven differences of twelve flats, of which neighbours share a frame: seven independent ones
     assert found["mean_polymer_fraction_std"].values == pytest.approx(
         known["mean_polymer_fraction_std"].values, rel=0.02
     )

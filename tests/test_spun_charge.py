@@ -10,9 +10,8 @@ from spun_cases import FIELD, PER_CM3, material, orders, pvp, radii, rotating, s
 
 from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun._chain_kernels import _forces, explicit_rates, geometry
-from spinline.jetprofile.spun._charge_kernels import potential_matrix
-from spinline.jetprofile.spun._coulomb_kernels import feed_field
-from spinline.jetprofile.spun._line_kernels import segment_pair, segment_self
+from spinline.jetprofile.spun._line_kernels import feed_field, segment_pair, segment_self
+from spinline.jetprofile.spun._potential_kernels import potential_matrix
 from spinline.jetprofile.spun._tree_kernels import pair_sum, tree_sum
 from spinline.jetprofile.spun.chain import parameters, start_cylinder
 from spinline.jetprofile.spun.laws import JetLaw

@@ -63,7 +63,7 @@ def _chain(n, *, leaky=True, potential=False):
     y[:n, c.AZZ], y[:n, c.ARR], y[:n, c.VOLUME], y[:n, c.LABEL] = inside["azz"], inside["arr"], step, step
     y[:n, c.CHARGE] = inside["lam"] * -np.diff(nodes)
     y[:, c.TEMP] = 293.15
-    clock = np.zeros(8)
+    clock = np.zeros(c.CLOCK)
     clock[0], clock[2] = step, 0.5 * step / needle.Q
     return Chain(settings, 0.0, n, y, rest.held, rest.marks, clock, rest.landed, 1e-6)
 

@@ -326,7 +326,7 @@ def test_drying_jet_loses_solvent_alone():
     assert y[:n, c.LABEL].sum() == pytest.approx(AREA * 8e-4 + s.inlet.flow_rate * 10e-3, rel=1e-12)
 
 
-def test_moving_charge_of_a_whole_jet_is_refused():
+def test_moving_charge_without_a_known_end_is_refused():
     s = pvp(2e-4, repulsion="hybrid")
-    with pytest.raises(InputError, match="cut at an end"):
+    with pytest.raises(InputError, match="free charged front"):
         replace(s, conductivity=0.01)

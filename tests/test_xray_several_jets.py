@@ -1,5 +1,6 @@
 """Several jets in one scan: synthetic sections found again, and real water jets at 8 keV."""
 
+import re
 from importlib.resources import files
 from pathlib import Path
 
@@ -110,3 +111,52 @@ def test_refusals(change, words) -> None:
     arguments = {"position": x, "view": theta, "extinction": extinction, **change}
     with pytest.raises(InputError, match=words):
         xray.fit_sections(**arguments)
+
+
+def scans(jets, liquids, *, blur=0.0, seed=0, parts=200):
+    """Round jets of liquids of their own, their paths sampled in a beam of a step's width, blurred in light; no chord of the package."""
+    x, theta = (np.arange(41) - 20) * 0.2e-3, np.radians(np.arange(18) * 10.0)
+    fine = x[:, None] + ((np.arange(parts) + 0.5) / parts - 0.5) * 0.2e-3
+    out = []
+    for turn in theta:
+        depth = np.zeros_like(fine)
+        for (at, aside, radius), mu in zip(jets, liquids, strict=True):
+            off = fine - at * np.cos(turn) - aside * np.sin(turn)
+            depth += 2 * mu * np.sqrt(np.maximum(radius**2 - off**2, 0.0))
+        light = np.exp(-depth).mean(axis=1)
+        if blur:
+            kernel = np.exp(-0.5 * ((np.arange(-8, 9) * 0.2e-3) / blur) ** 2)
+            light = 1.0 + np.convolve(light - 1.0, kernel / kernel.sum(), "same")
+        out.append(-np.log(light))
+    return x, theta, np.array(out) + np.random.default_rng(seed).normal(0, 0.002, (18, 41))
+
+
+APART = [(-1.5e-3, 0.0, 0.5e-3), (1.5e-3, 0.0, 0.5e-3)]
+
+
+def test_equal_jets_have_their_attenuation_within_its_error() -> None:
+    """Edges are square roots: a beam of a step's width takes more than a few nodes to be averaged over."""
+    fits = [xray.fit_sections(*scans(APART, (1003.0, 1003.0), seed=seed)) for seed in range(6)]
+    z = np.array([(fit.attenuation - 1003.0) / fit.attenuation_std for fit in fits])
+    assert abs(z.mean()) < 1.2
+    assert np.sqrt(np.mean(z**2)) < 1.8
+    assert sum(bool(fit.warnings) for fit in fits) == 0
+
+
+@pytest.mark.parametrize(
+    ("jets", "liquids", "blur", "words"),
+    [
+        (APART, (1003.0, 800.0), 0.0, "neighbours|under 0|limit"),
+        (APART, (1003.0, 1003.0), 0.1e-3, "check width|under 0|limit"),
+        ([*APART, (0.0, 0.8e-3, 0.5e-3)], (1003.0, 1003.0, 1003.0), 0.0, "another jet|told apart"),
+        ([(-0.4e-3, 0.0, 0.5e-3), (0.4e-3, 0.0, 0.5e-3)], (1003.0, 1003.0), 0.0, "told apart"),
+        ([(0.0, 0.0, 0.6e-3)], (1003.0,), 0.0, "told apart"),
+    ],
+)
+def test_scans_that_are_not_two_jets_of_one_liquid_are_refused_or_said(jets, liquids, blur, words) -> None:
+    try:
+        fit = xray.fit_sections(*scans(jets, liquids, blur=blur))
+    except InputError as error:
+        assert re.search(words, str(error))  # noqa: PT017 - it may also be said
+    else:
+        assert re.search(words, " ".join(fit.warnings))

@@ -137,21 +137,57 @@ class SpindbTable(Generated):
 
     def run(self):
         found = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb.json").read_text(encoding="utf-8"))
+
+        def row(words, r):
+            inside = f"{100 * r['coverage_68']:.0f} / {100 * r['coverage_95']:.0f} %" if "coverage_68" in r else ""
+            return words, f"{r['factor']:.2f}", f"{r['mean']:.2f}" if "mean" in r else "", inside
+
+        rows = [row(f"rung `{name}`", r) for name, r in found["rungs"].items()]
+        rows += [row(name, r) for name, r in found["plain statistics"].items()]
+        one = found["one known"]["rows"]
+        known = {"factor": one["chain"], "coverage_68": one["coverage_68"], "coverage_95": one["coverage_95"]}
+        rows.append(row("one fibre of the paper measured, rung `race`", known))
+        rows.append(row("one fibre of the paper measured, the others said equal", {"factor": one["equal"]}))
+        low = found["floor"]["factor of the best prediction from these columns"]
+        rows.append(row("floor by pairs of papers with nearly equal recipes, mostly PVDF", {"factor": low}))
+        return self.parse(
+            _table(
+                ("prediction, the paper left out", "factor, median paper", "mean paper", "68 / 95 % intervals hold"),
+                rows,
+            )
+        )
+
+
+class SpindbText(Generated):
+    """Elasticities, failures, shares and floor of `benchmarks/spindb.py`, in words."""
+
+    def run(self):
+        found = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb.json").read_text(encoding="utf-8"))
         rows = [
             (
-                f"rung `{name}`, constants chosen on these papers",
-                f"{r['factor']:.2f}",
-                f"{100 * r['coverage_68']:.0f} / {100 * r['coverage_95']:.0f} %",
+                name,
+                f"{e['predicted']:.2f}",
+                f"{e['measured'][1]:.2f} ({e['measured'][0]:.2f} to {e['measured'][2]:.2f})",
+                f"{e['papers']}",
             )
-            for name, r in found["rungs"].items()
+            for name, e in found["elasticities"].items()
         ]
-        one = found["one measured"]
-        inside = f"{100 * one['coverage_68']:.0f} / {100 * one['coverage_95']:.0f} %"
-        rows.append(("rung `race`, one fibre of the paper measured", f"{one['factor']:.2f}", inside))
-        rows += [
-            (f"{name}, leaving one paper out", f"{f:.2f}", "") for name, f in found["leaving one paper out"].items()
-        ]
-        return self.parse(_table(("prediction", "factor", "68 / 95 % intervals hold"), rows))
+        table = self.parse(
+            _table(("d ln d/d ln of", "predicted, median", "measured, median (quartiles)", "papers"), rows)
+        )
+        low, bad = found["floor"], found["failures"]
+        shares = sorted(found["variance shares"].items(), key=lambda item: -item[1])[:5]
+        words = (
+            f"{low['pairs of papers']} pairs of papers with nearly equal recipes differ by a median factor of "
+            f"{low['factor between them']:.2f}; mats of one setting by a standard deviation of {low['repeat_sd']:.2f} of ln d "
+            f"(median of {low['papers with repeats']} papers). Of the {bad['failed']} experiments that gave no fibres, "
+            f"a failure is said to be likelier to fail than a fibre in {100 * bad['area']:.0f} % of pairs (50 is chance; "
+            f"{100 * bad['area_68'][0]:.0f} to {100 * bad['area_68'][1]:.0f}), within the papers that have both in "
+            f"{100 * bad['area within papers that have both']:.0f} %. The intervals are made of: "
+            + ", ".join(f"{name.replace('_', ' ')} {100 * share:.0f} %" for name, share in shares)
+            + "."
+        )
+        return [*table, *self.parse([words])]
 
 
 class CommandHelp(SphinxDirective):
@@ -337,6 +373,7 @@ def setup(app):
     """Register the directives."""
     app.add_directive("scene-keys", SceneKeys)
     app.add_directive("spindb-table", SpindbTable)
+    app.add_directive("spindb-text", SpindbText)
     app.add_directive("command-help", CommandHelp)
     app.add_directive("result-variables", Variables)
     app.add_directive("reduction-variables", ReductionVariables)

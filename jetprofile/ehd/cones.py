@@ -19,7 +19,6 @@ from math import acos, pi
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1
 
 from spinline.base.checks import FloatArray, positive, real
@@ -125,6 +124,8 @@ def dielectric_cone(permittivity: float) -> DielectricCone:
             remedy="the drop keeps a rounded end",
         )
     real("permittivity", eps, most=1e15)
+
+    from scipy.optimize import brentq
 
     def excess(angle: float) -> float:  # well-behaved at both ends, unlike eps(angle)
         c = np.cos(angle)

@@ -16,16 +16,18 @@ Each has ``axial(z)``, E_z on the axis in V/m, z from the tip towards the plate;
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.special import ellipe, ellipkm1
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
 from spinline.base.quadrature import gauss
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 __all__ = ["AppliedField", "HyperboloidField", "NeedleField", "TableField", "UniformField"]
 
@@ -189,10 +191,12 @@ class NeedleField:
         return height.ravel(), radius.ravel(), charge.ravel()
 
     @cached_property
-    def _spline(self) -> CubicSpline:
+    def _spline(self) -> "CubicSpline":
         reach = np.log1p(self.gap / self.radius * 4)
         z = self.radius / 4 * np.expm1(np.linspace(0, reach, 400))
         z[0], z[-1] = 0.0, self.gap
+        from scipy.interpolate import CubicSpline
+
         return CubicSpline(np.log1p(4 * z / self.radius), np.log(self._axial(z)))
 
     def _axial(self, z: FloatArray) -> FloatArray:
@@ -259,6 +263,8 @@ class TableField:
         if at[0] > 0:
             raise InputError("z", "must start at the tip", value=float(at[0]), allowed="0 m")
         self.gap = float(at[-1])
+        from scipy.interpolate import PchipInterpolator
+
         self._curve = PchipInterpolator(at, np.log(e))
 
     @classmethod

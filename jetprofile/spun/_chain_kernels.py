@@ -24,6 +24,7 @@ from spinline.jetprofile.spun._codes import (
     CHARGE_DENSITY,
     COLUMNS,
     COMPLIANCE,
+    CONE,
     COULOMB,
     COUPLING,
     DRYING,
@@ -42,6 +43,7 @@ from spinline.jetprofile.spun._codes import (
     LOCAL,
     LOG_LENGTH,
     MX,
+    NEEDLE_AT,
     NO_BENDING,
     POLYMER,
     PRESSURE,
@@ -49,6 +51,7 @@ from spinline.jetprofile.spun._codes import (
     RATE,
     REPULSION,
     RHO,
+    SHARE,
     SOLVENT_HERE,
     SURFACE,
     TEMP,
@@ -93,6 +96,9 @@ def geometry(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray) -
             (y[i, VX] - y[i + 1, VX]) * dx + (y[i, VY] - y[i + 1, VY]) * dy + (y[i, VZ] - y[i + 1, VZ]) * dz
         ) / length
         w[RATE, i] = along / length
+        w[SHARE, i] = 1.0
+        if p[CONE] > 0.0:
+            w[SHARE, i], _ = smooth(0.5 * (y[i, X] + y[i + 1, X]) - p[NEEDLE_AT], p[CONE])
         material(i, y, p, k, w)
         ratio = stress_ratio(k[LAW], y[i, AZZ], y[i, ARR], p)
         if not abs(ratio) < 1e30:
@@ -109,9 +115,10 @@ def local_tension(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArr
         pull = w[POLYMER, i] + p[SURFACE] * math.pi * radius
         if k[EXPLICIT_SOLVENT] == 1:
             pull += 3.0 * w[SOLVENT_HERE, i] * w[RATE, i] * w[AREA, i]
-        if k[REPULSION] == LOCAL:
+        near = 1.0 if k[REPULSION] == LOCAL else 1.0 - w[SHARE, i] ** 2
+        if near > 0.0:
             charge = y[i, CHARGE] / w[LENGTH, i]
-            pull -= p[COUPLING] * charge * charge * (math.log(p[LOG_LENGTH] / radius) - 0.5 * k[PRESSURE])
+            pull -= p[COUPLING] * near * charge * charge * (math.log(p[LOG_LENGTH] / radius) - 0.5 * k[PRESSURE])
         w[TENSION, i] = pull
 
 

@@ -19,41 +19,37 @@ from spinline.jetprofile.spun._codes import (
     CONDUCTIVITY,
     COUPLING,
     CURRENT,
-    EXACT,
-    FEED_CHARGE,
-    FEED_LENGTH,
     GIVEN_CURRENT,
     LENGTH,
     LOCAL,
     LOG_LENGTH,
-    NEAR,
     NO_REPULSION,
     POTENTIAL_IN,
     RADIUS,
     REPULSION,
-    TX,
     VX,
     IntArray,
     X,
+    Y,
+    Z,
 )
-from spinline.jetprofile.spun._coulomb_kernels import beads, feed_field
-from spinline.jetprofile.spun._field_kernels import applied_field
-from spinline.jetprofile.spun._line_kernels import far_rest, point_pair, segment_pair, segment_self
+from spinline.jetprofile.spun._current_kernels import currents
+from spinline.jetprofile.spun._field_kernels import drop
 
-__all__ = ["balance", "potential_matrix"]
+__all__ = ["balance"]
 
 
 @njit(cache=True, error_model="numpy")
-def _electromotive(
-    j: int, t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray, w: FloatArray
-) -> float:
-    """Applied field along the thread from the middle of element j to that of element j - 1, V."""
-    ex, ey, ez = applied_field(t, y[j, X], y[j, X + 1], y[j, X + 2], p, k, tables)
+def _electromotive(j: int, t: float, n: int, y: FloatArray, p: FloatArray, k: IntArray, tables: FloatArray) -> float:
+    """Fall of the applied potential along the thread from the middle of element j to that of element j - 1, V."""
     total = 0.0
-    if j > 0:
-        total += 0.5 * w[LENGTH, j - 1] * (ex * w[TX, j - 1] + ey * w[TX + 1, j - 1] + ez * w[TX + 2, j - 1])
-    if j < n:
-        total += 0.5 * w[LENGTH, j] * (ex * w[TX, j] + ey * w[TX + 1, j] + ez * w[TX + 2, j])
+    for i in (j - 1, j):  # the halves of the two elements beside node j
+        if 0 <= i < n:
+            mx, my, mz = 0.5 * (y[i, X] + y[i + 1, X]), 0.5 * (y[i, Y] + y[i + 1, Y]), 0.5 * (y[i, Z] + y[i + 1, Z])
+            if i < j:
+                total += drop(t, y[j, X], y[j, Y], y[j, Z], mx, my, mz, p, k, tables)
+            else:
+                total += drop(t, mx, my, mz, y[j, X], y[j, Y], y[j, Z], p, k, tables)
     return total
 
 
@@ -63,6 +59,7 @@ def balance(
     n: int,
     gh: float,
     front: float,
+    earthed: bool,
     y: FloatArray,
     p: FloatArray,
     k: IntArray,
@@ -72,18 +69,23 @@ def balance(
 ) -> float:
     """Move the charge over a stage of weight `gh`; writes dq/dt to `rate`, the charges to `y`, returns the current in.
 
-    `front` is the current that leaves at the front (0 for a free end).
+    `front` is the current that leaves at the front (0 for a free end); `earthed`: the front lies on the plate, whose
+    potential is 0, and what leaves there comes out.
     """
     known = np.empty(n)
     for i in range(n):
         known[i] = y[i, CHARGE]
     resist, drive = np.empty(n + 1), np.empty(n + 1)
-    for j in range(1, n + 1):
-        d = 0.5 * w[LENGTH, j - 1] / w[AREA, j - 1]
+    for j in range(n + 1):
+        d = 0.5 * w[LENGTH, j - 1] / w[AREA, j - 1] if j > 0 else 0.0
         if j < n:
             d += 0.5 * w[LENGTH, j] / w[AREA, j]
         resist[j] = d / p[CONDUCTIVITY]
-        drive[j] = _electromotive(j, t, n, y, p, k, tables, w)
+        drive[j] = _electromotive(j, t, n, y, p, k, tables)
+    if (
+        n > 1
+    ):  # what lands is a short heap that conducts well: half an element more, so that its charge stays determined
+        resist[0] += 0.5 * w[LENGTH, 1] / w[AREA, 1] / p[CONDUCTIVITY]
     given = k[BALANCE] == GIVEN_CURRENT
     if not given:
         carried = p[POTENTIAL_IN] * _line_capacity(p, k) * y[n, VX]
@@ -91,7 +93,7 @@ def balance(
     if k[REPULSION] == LOCAL or k[REPULSION] == NO_REPULSION:
         current = _tridiagonal(n, gh, front, given, known, resist, drive, p, k, w)
     else:
-        current = _dense(n, gh, front, given, known, resist, drive, y, p, k, w)
+        current = currents(n, gh, front, earthed, given, known, resist, drive, y, p, k, w)
     for i in range(n):
         rate[i] = current[i + 1] - current[i]
         y[i, CHARGE] = known[i] + gh * rate[i]
@@ -151,121 +153,3 @@ def _tridiagonal(
     for j in range(last, 0, -1):
         current[j] = right[j] - (upper[j] * current[j + 1] if j < last else 0.0)
     return current
-
-
-@njit(cache=True, error_model="numpy")
-def _dense(
-    n: int,
-    gh: float,
-    front: float,
-    given: bool,
-    known: FloatArray,
-    resist: FloatArray,
-    drive: FloatArray,
-    y: FloatArray,
-    p: FloatArray,
-    k: IntArray,
-    w: FloatArray,
-) -> FloatArray:
-    """Currents with every charge seeing every other: Cholesky of ``R + g h B P B^T``."""
-    matrix, outer = np.zeros((n, n)), np.zeros(n)
-    potential_matrix(n, y, p, k, w, matrix, outer)
-    last = n - 1 if given else n
-    start = known.copy()
-    start[0] -= gh * front
-    if given:
-        start[n - 1] += gh * p[CURRENT]
-    psi = np.dot(matrix, start) + outer
-    system, right = np.empty((last, last)), np.empty(last)
-    for j in range(1, last + 1):
-        right[j - 1] = drive[j] - psi[j - 1] + (psi[j] if j < n else 0.0)
-        for m in range(1, last + 1):
-            value = matrix[j - 1, m - 1]
-            if j < n:
-                value -= matrix[j, m - 1]
-            if m < n:
-                value -= matrix[j - 1, m]
-                if j < n:
-                    value += matrix[j, m]
-            system[j - 1, m - 1] = gh * value
-        system[j - 1, j - 1] += resist[j]
-    current = np.empty(n + 1)
-    current[0] = front
-    if given:
-        current[n] = p[CURRENT]
-    current[1 : last + 1] = np.linalg.solve(system, right)
-    return current
-
-
-@njit(cache=True, error_model="numpy")
-def potential_matrix(
-    n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, matrix: FloatArray, outer: FloatArray
-) -> None:
-    """P of the energy ``q P q/2`` of the elements' charges, V/C, and the potential of the feed line."""
-    exact = k[REPULSION] == EXACT
-    reach = n if exact else k[NEAR]
-    length, e = p[FEED_LENGTH], p[FEED_CHARGE]
-    foot = p[RADIUS] ** 2
-    m = n + 1
-    x, charge, a2 = np.empty((m, 3)), np.empty(m), np.empty(m)
-    beads(n, y, w, x, charge, a2)
-    for i in range(n):
-        li, ai = w[LENGTH, i], w[AREA, i] / math.pi
-        u, _, _ = segment_self(1.0, li, ai)
-        if not exact:
-            less, _, _ = point_pair(0.25, li, 0.5 * (a2[i] + a2[i + 1]))
-            front, _ = far_rest(li, reach, i, ai)
-            back, _ = far_rest(li, reach, n - 1 - i, ai)
-            u += front + back - less
-        matrix[i, i] += 2.0 * p[COUPLING] * u
-        gap = 0.0
-        for j in range(i + 1, min(n, i + reach + 1)):
-            lj, aj = w[LENGTH, j], w[AREA, j] / math.pi
-            u, _, _, _, _ = segment_pair(1.0, 1.0, li, lj, gap, 0.5 * (ai + aj))
-            if not exact:
-                for a in range(2):
-                    for b in range(2):
-                        if i + 1 - a != j + b:
-                            apart = gap + a * li + b * lj
-                            less, _, _ = point_pair(0.25, apart, 0.5 * (a2[i + 1 - a] + a2[j + b]))
-                            u -= less
-            matrix[i, j] += p[COUPLING] * u
-            matrix[j, i] += p[COUPLING] * u
-            gap += lj
-    if not exact:
-        _bead_matrix(n, x, a2, p, matrix)
-    if e == 0.0 or length == 0.0:
-        return
-    gap = 0.0
-    for i in range(n - 1, -1, -1):
-        li = w[LENGTH, i]
-        near = exact or n - 1 - i < reach
-        u = 0.0
-        if near:
-            u, _, _, _, _ = segment_pair(1.0, e * length, li, length, gap, 0.5 * (w[AREA, i] / math.pi + foot))
-        if not exact:
-            for j in range(i, i + 2):
-                soft = 0.5 * (a2[j] + foot)
-                _, _, _, level, _, _ = feed_field(
-                    y[j, X], y[j, X + 1] - y[n, X + 1], y[j, X + 2] - y[n, X + 2], soft, length, 0.0
-                )
-                if near:
-                    _, _, _, flat, _, _ = feed_field(gap + (i + 1 - j) * li, 0.0, 0.0, soft, length, 0.0)
-                    level -= flat
-                u += 0.5 * e * level
-        outer[i] = p[COUPLING] * u
-        gap += li
-
-
-@njit(cache=True, error_model="numpy")
-def _bead_matrix(n: int, x: FloatArray, a2: FloatArray, p: FloatArray, matrix: FloatArray) -> None:
-    """Adds the lumped charges' part: half of each element's charge at each of its ends."""
-    for a in range(n + 1):
-        for b in range(a):
-            dx, dy, dz = x[a, 0] - x[b, 0], x[a, 1] - x[b, 1], x[a, 2] - x[b, 2]
-            one = 0.25 * p[COUPLING] / math.sqrt(dx * dx + dy * dy + dz * dz + 0.5 * (a2[a] + a2[b]))
-            for i in (a - 1, a):
-                for j in (b - 1, b):
-                    if 0 <= i < n and 0 <= j < n:
-                        matrix[i, j] += one
-                        matrix[j, i] += one

@@ -37,8 +37,8 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
     CONDUCTIVITY,
     CHARGE_DENSITY,
     POTENTIAL_IN,
-    FEED_LENGTH,
-    FEED_CHARGE,
+    FEED_COUNT,  # straight lines of charge upstream, all ending at the nozzle
+    CONE,  # length from the needle over which the local logarithm gives way to the long reach of the charge
     AMPLITUDE,
     OMEGA,
     PHASE,
@@ -81,8 +81,11 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
     LOAD_RAMP,
     LONGEST,  # length beyond which an element is split in two; 0: never
     COUPLING,  # 1/(4 pi eps0) times the ramp of the loads; set by the kernels
-) = range(70)
-PARAMETERS = 70
+    NEEDLE_AT,  # x of the needle's tip: 0, or upstream of where the chain starts
+) = range(71)
+FEED_FIRST = 71  # their lengths and line charges in turn
+FEEDS = 12
+PARAMETERS = FEED_FIRST + 2 * FEEDS
 
 # switches
 (
@@ -118,8 +121,8 @@ NO_COLLECTOR, PLATE, BELT, DRUM = range(4)
 FREE_END, TRACTION, CLAMPED = range(3)
 
 # rows of the elements' work array
-LENGTH, TX, TY, TZ, AREA, RATE, TENSION, POLYMER, G_HERE, THETA_HERE, SOLVENT_HERE = range(11)
-WORK = 11
+LENGTH, TX, TY, TZ, AREA, RATE, TENSION, POLYMER, G_HERE, THETA_HERE, SOLVENT_HERE, SHARE = range(12)
+WORK = 12  # SHARE: part of the charge that reaches far
 
 COULOMB = 8.9875517873681764e9
 """1/(4 pi eps0), N m2/C2."""
@@ -145,5 +148,6 @@ COULOMB = 8.9875517873681764e9
 ) = range(16)
 DEPOSITS = 16
 
+CLOCK = 13
 # what an integration stopped for
 DONE, FULL, BROKEN, STALLED, EMPTY = range(5)

@@ -17,27 +17,25 @@ from spinline.jetprofile.spun._codes import (
     CHARGE,
     COUPLING,
     EXACT,
-    FEED_CHARGE,
-    FEED_LENGTH,
-    GAP,
+    FEED_COUNT,
+    FEED_FIRST,
     HYBRID,
-    IMAGE,
     LENGTH,
     NEAR,
     PRESSURE,
     RADIUS,
     REPULSION,
+    SHARE,
     TENSION,
     TREE,
     IntArray,
     X,
 )
-from spinline.jetprofile.spun._line_kernels import far_rest, point_pair, segment_pair, segment_self
-from spinline.jetprofile.spun._tree_kernels import direct_sum, pair_sum, tree_sum
+from spinline.jetprofile.spun._line_kernels import far_rest, feed_field, point_pair, segment_pair, segment_self
+from spinline.jetprofile.spun._mirror_kernels import OPENING, mirror_forces
+from spinline.jetprofile.spun._tree_kernels import pair_sum, tree_sum
 
-__all__ = ["beads", "feed_field", "near_pairs", "repulsion"]
-
-OPENING = 0.3
+__all__ = ["beads", "near_pairs", "repulsion"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -54,6 +52,7 @@ def repulsion(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, 
     _feed_pairs(n, reach, lumped, a2, radial, y, p, k, w)
     if lumped:
         _bead_forces(n, x, charge, a2, radial, p, k, f)
+        mirror_forces(n, y, p, k, w, f)
     if k[PRESSURE] == 1:
         # a_i^2 is the mean of the two elements beside a node (an end node has one)
         for i in range(n):
@@ -79,7 +78,7 @@ def near_pairs(
     """
     gaps = np.zeros(n + 1)
     for i in range(n):
-        qi, li, ai = y[i, CHARGE], w[LENGTH, i], w[AREA, i] / math.pi
+        qi, li, ai = y[i, CHARGE] * w[SHARE, i], w[LENGTH, i], w[AREA, i] / math.pi
         _, by_l, by_a = segment_self(qi, li, ai)
         own = by_l - (by_a * ai / li if k[PRESSURE] == 1 else 0.0)
         if lumped:
@@ -91,7 +90,7 @@ def near_pairs(
             radial[i + 1] -= 0.5 * soft
         gap = 0.0
         for j in range(i + 1, min(n, i + reach + 1)):
-            qj, lj, aj = y[j, CHARGE], w[LENGTH, j], w[AREA, j] / math.pi
+            qj, lj, aj = y[j, CHARGE] * w[SHARE, j], w[LENGTH, j], w[AREA, j] / math.pi
             _, by_i, by_j, by_g, by_a = segment_pair(qi, qj, li, lj, gap, 0.5 * (ai + aj))
             if k[PRESSURE] == 1:
                 by_i -= 0.5 * by_a * ai / li
@@ -146,27 +145,28 @@ def _feed_pairs(
     w: FloatArray,
 ) -> None:
     """Tensions of the segments with the feed line, exact along the arc, less the lumped where wanted."""
-    length, e = p[FEED_LENGTH], p[FEED_CHARGE]
-    if e == 0.0 or length == 0.0:
-        return
     foot = p[RADIUS] * p[RADIUS]
-    gap = 0.0
-    for i in range(n - 1, max(-1, n - 1 - reach), -1):
-        li, ai = w[LENGTH, i], w[AREA, i] / math.pi
-        _, by_i, _, by_g, by_a = segment_pair(y[i, CHARGE], e * length, li, length, gap, 0.5 * (ai + foot))
-        if k[PRESSURE] == 1:
-            by_i -= 0.5 * by_a * ai / li
-        if lumped:
-            half = 0.5 * y[i, CHARGE] * e
-            for b in range(2):
-                u = gap + b * li
-                ex, _, _, _, soft, _ = feed_field(u, 0.0, 0.0, 0.5 * (a2[i + 1 - b] + foot), length, 0.0)
-                by_g += half * ex
-                by_i += b * half * ex
-                radial[i + 1 - b] -= 0.5 * half * soft
-        w[TENSION, i] += p[COUPLING] * by_i
-        gap += li
-        _spread(i, n, p[COUPLING] * by_g, w)
+    for line in range(int(p[FEED_COUNT])):
+        length, e = p[FEED_FIRST + 2 * line], p[FEED_FIRST + 2 * line + 1]
+        gap = 0.0
+        for i in range(n - 1, max(-1, n - 1 - reach), -1):
+            li, ai = w[LENGTH, i], w[AREA, i] / math.pi
+            _, by_i, _, by_g, by_a = segment_pair(
+                y[i, CHARGE] * w[SHARE, i], e * length, li, length, gap, 0.5 * (ai + foot)
+            )
+            if k[PRESSURE] == 1:
+                by_i -= 0.5 * by_a * ai / li
+            if lumped:
+                half = 0.5 * y[i, CHARGE] * w[SHARE, i] * e
+                for b in range(2):
+                    u = gap + b * li
+                    ex, _, _, _, soft, _ = feed_field(u, 0.0, 0.0, 0.5 * (a2[i + 1 - b] + foot), length, 0.0)
+                    by_g += half * ex
+                    by_i += b * half * ex
+                    radial[i + 1 - b] -= 0.5 * half * soft
+            w[TENSION, i] += p[COUPLING] * by_i
+            gap += li
+            _spread(i, n, p[COUPLING] * by_g, w)
 
 
 @njit(cache=True, error_model="numpy")
@@ -182,26 +182,10 @@ def beads(n: int, y: FloatArray, w: FloatArray, x: FloatArray, charge: FloatArra
     for i in range(n + 1):
         x[i, 0], x[i, 1], x[i, 2] = y[i, X], y[i, X + 1], y[i, X + 2]
         low, high = max(i - 1, 0), min(i, n - 1)
-        charge[i] = 0.5 * ((y[i, CHARGE] if i < n else 0.0) + (y[i - 1, CHARGE] if i > 0 else 0.0))
+        charge[i] = 0.5 * (
+            (y[i, CHARGE] * w[SHARE, i] if i < n else 0.0) + (y[i - 1, CHARGE] * w[SHARE, i - 1] if i > 0 else 0.0)
+        )
         a2[i] = 0.5 * (w[AREA, low] + w[AREA, high]) / math.pi
-
-
-@njit(cache=True, error_model="numpy")
-def feed_field(
-    x: float, y: float, z: float, a2: float, length: float, start: float
-) -> tuple[float, float, float, float, float, float]:
-    """Field, potential and its derivative with a^2 of a uniform line from `start - length` to `start` on the axis."""
-    u = x - start
-    rho2 = y * y + z * z + a2
-    near, far = math.sqrt(u * u + rho2), math.sqrt((u + length) ** 2 + rho2)
-    ex = 1.0 / near - 1.0 / far
-    # (u + L)/far - u/near over rho^2, without the difference where both are near 1
-    if u > 0.0:
-        across = ex * (1.0 / ((u + length) / far + u / near)) * (1.0 / near + 1.0 / far)
-    else:
-        across = ((u + length) / far - u / near) / rho2
-    level = math.asinh((u + length) / math.sqrt(rho2)) - math.asinh(u / math.sqrt(rho2))
-    return ex, across * y, across * z, level, -0.5 * across, across
 
 
 @njit(cache=True, error_model="numpy")
@@ -215,49 +199,24 @@ def _bead_forces(
     k: IntArray,
     f: FloatArray,
 ) -> None:
-    """Forces of all pairs of lumped charges, of the feed line and of the images; radii's share to `radial`."""
+    """Forces of all pairs of lumped charges, and of the feed lines; radii's share to `radial`."""
     m = n + 1
     field, inverse, potential = np.zeros((m, 3)), np.zeros(m), np.zeros(m)
     if m > k[TREE]:
         tree_sum(x, a2, x, charge, a2, OPENING, field, inverse, potential)
     else:
         pair_sum(x, charge, a2, field, inverse, potential)
-    length, e = p[FEED_LENGTH], p[FEED_CHARGE]
     for i in range(m):
         radial[i] -= 0.25 * charge[i] * inverse[i]  # each pair's a^2 is the mean of its two
-        if e != 0.0 and length > 0.0:
+    for line in range(int(p[FEED_COUNT])):
+        length, e = p[FEED_FIRST + 2 * line], p[FEED_FIRST + 2 * line + 1]
+        for i in range(m):
             soft = 0.5 * (a2[i] + p[RADIUS] * p[RADIUS])
             ex, ey, ez, _, by_a, _ = feed_field(x[i, 0], x[i, 1] - x[n, 1], x[i, 2] - x[n, 2], soft, length, 0.0)
             field[i, 0] += e * ex
             field[i, 1] += e * ey
             field[i, 2] += e * ez
             radial[i] += 0.5 * charge[i] * e * by_a
-    if k[IMAGE] == 1:
-        _images(x, charge, a2, p, k, field)
     for i in range(m):
         for c in range(3):
             f[i, c] += p[COUPLING] * charge[i] * field[i, c]
-
-
-@njit(cache=True, error_model="numpy")
-def _images(x: FloatArray, charge: FloatArray, a2: FloatArray, p: FloatArray, k: IntArray, field: FloatArray) -> None:
-    """Field of the mirror charges behind an earthed plate at x = gap, and of the feed line's."""
-    m = charge.size
-    mirrored, opposite = np.empty((m, 3)), np.empty(m)
-    for i in range(m):
-        mirrored[i, 0], mirrored[i, 1], mirrored[i, 2] = 2.0 * p[GAP] - x[i, 0], x[i, 1], x[i, 2]
-        opposite[i] = -charge[i]
-    if m > k[TREE]:
-        spare, level = np.zeros(m), np.zeros(m)
-        tree_sum(x, a2, mirrored, opposite, a2, OPENING, field, spare, level)
-    else:
-        direct_sum(x, a2, mirrored, opposite, a2, field)
-    length, e = p[FEED_LENGTH], p[FEED_CHARGE]
-    if e != 0.0 and length > 0.0:
-        for i in range(m):
-            ex, ey, ez, _, _, _ = feed_field(
-                2.0 * p[GAP] - x[i, 0], x[i, 1] - x[m - 1, 1], x[i, 2] - x[m - 1, 2], a2[i], length, 0.0
-            )
-            field[i, 0] += e * ex
-            field[i, 1] -= e * ey
-            field[i, 2] -= e * ez

@@ -18,6 +18,7 @@ from spinline.jetprofile.spun._codes import (
     GAP,
     HYPERBOLOID,
     LOAD_RAMP,
+    NEEDLE_AT,
     NO_SIDE,
     ROTATING,
     SIDE_FIELD,
@@ -33,7 +34,7 @@ from spinline.jetprofile.spun._codes import (
 )
 from spinline.jetprofile.spun._nozzle_kernels import smooth
 
-__all__ = ["applied_field", "field_forces", "hyperboloid"]
+__all__ = ["applied_field", "drop", "field_forces", "hyperboloid", "hyperboloid_level"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -50,6 +51,58 @@ def hyperboloid(x: float, rho: float, voltage: float, gap: float, tip: float) ->
     along = slope * ((d + a) / far - (d - a) / near)
     across = -slope * rho * (1.0 / far - 1.0 / near)
     return along, across
+
+
+@njit(cache=True, error_model="numpy")
+def hyperboloid_level(x: float, rho: float, voltage: float, gap: float, tip: float) -> float:
+    """Potential of the hyperboloid, V: `voltage` at its tip, 0 at the plate."""
+    xi0 = math.sqrt(gap / (gap + tip))
+    a = gap / xi0
+    d = gap - x
+    xi = (math.sqrt((d + a) ** 2 + rho * rho) - math.sqrt((d - a) ** 2 + rho * rho)) / (2.0 * a)
+    return voltage * math.atanh(xi) / math.atanh(xi0)
+
+
+@njit(cache=True, error_model="numpy")
+def drop(
+    t: float,
+    x0: float,
+    y0: float,
+    z0: float,
+    x1: float,
+    y1: float,
+    z1: float,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+) -> float:
+    """Fall of the applied potential from point 0 to point 1, V; from the closed form where there is one."""
+    if k[FIELD_KIND] == HYPERBOLOID:
+        share, _ = smooth(t, p[LOAD_RAMP])
+        first, last = math.sqrt(y0 * y0 + z0 * z0), math.sqrt(y1 * y1 + z1 * z1)
+        at, gap = p[NEEDLE_AT], p[GAP] - p[NEEDLE_AT]
+        total = hyperboloid_level(x0 - at, first, p[VOLTAGE], gap, p[TIP])
+        total -= hyperboloid_level(x1 - at, last, p[VOLTAGE], gap, p[TIP])
+        ey, ez = _side(t, p, k)
+        return share * (total + ey * (y1 - y0) + ez * (z1 - z0))
+    total = 0.0
+    for part in range(3):  # Simpson
+        u = 0.5 * part
+        weight = (4.0 if part == 1 else 1.0) / 6.0
+        ex, ey, ez = applied_field(t, x0 + u * (x1 - x0), y0 + u * (y1 - y0), z0 + u * (z1 - z0), p, k, tables)
+        total += weight * (ex * (x1 - x0) + ey * (y1 - y0) + ez * (z1 - z0))
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _side(t: float, p: FloatArray, k: IntArray) -> tuple[float, float]:
+    """Transverse field, Eq. (25): rotating, or switching along y."""
+    if k[SIDE_KIND] == NO_SIDE:
+        return 0.0, 0.0
+    turn = p[SIDE_OMEGA] * t
+    if k[SIDE_KIND] == ROTATING:
+        return p[SIDE_FIELD] * math.cos(turn), p[SIDE_FIELD] * math.sin(turn)
+    return (p[SIDE_FIELD] if math.sin(turn) >= 0.0 else -p[SIDE_FIELD]), 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -81,18 +134,13 @@ def applied_field(
     if k[FIELD_KIND] == HYPERBOLOID or k[FIELD_KIND] == AXIS_TABLE:
         rho = math.sqrt(y * y + z * z)
         if k[FIELD_KIND] == HYPERBOLOID:
-            ex, er = hyperboloid(x, rho, p[VOLTAGE], p[GAP], p[TIP])
+            ex, er = hyperboloid(x - p[NEEDLE_AT], rho, p[VOLTAGE], p[GAP] - p[NEEDLE_AT], p[TIP])
         else:
             ex, er = _from_table(x, rho, tables)
         if rho > 0.0:
             ey, ez = er * y / rho, er * z / rho
-    if k[SIDE_KIND] != NO_SIDE:
-        turn = p[SIDE_OMEGA] * t
-        if k[SIDE_KIND] == ROTATING:
-            ey += p[SIDE_FIELD] * math.cos(turn)
-            ez += p[SIDE_FIELD] * math.sin(turn)
-        else:
-            ey += p[SIDE_FIELD] if math.sin(turn) >= 0.0 else -p[SIDE_FIELD]
+    side_y, side_z = _side(t, p, k)
+    ey, ez = ey + side_y, ez + side_z
     share, _ = smooth(t, p[LOAD_RAMP])
     return share * ex, share * ey, share * ez
 

@@ -28,6 +28,7 @@ from spinline.jetprofile.spun._codes import (
     FULL,
     G_HERE,
     GIVEN_CURRENT,
+    IMAGE,
     LAW,
     LENGTH,
     LONGEST,
@@ -174,7 +175,13 @@ def _stage(
         if k[END] == TRACTION:
             total = p[CURRENT] if k[BALANCE] == GIVEN_CURRENT else clock[7]
             front = end_value(y[0, X], tables, 2) * total
-        clock[7] = balance(t, n, gh, front, y, p, k, tables, w, flow)
+        earthed = held[0] == 1 and k[IMAGE] == 1
+        clock[7] = balance(t, n, gh, front, earthed, y, p, k, tables, w, flow)
+        if not abs(clock[7]) < 1e30:
+            return False
+        clock[8] = clock[7]
+        for i in range(n):  # what leaves at the front: what came in less what stays
+            clock[8] -= flow[i]
     return True
 
 
@@ -203,6 +210,7 @@ def _step(
             mid[i, c] = y[i, c] + h * _G * d[0, i, c]
     if not _stage(t + _G * h, n, _G * h, clock, mid, held, p, k, tables, w, push, flow):
         return False
+    clock[11], clock[12] = clock[7], clock[8]
     if not explicit_rates(t + _G * h, n, held, mid, p, k, tables, w, f, d[1]):
         return False
     for i in range(n + 1):
@@ -232,7 +240,10 @@ def march_implicit(
     k: IntArray,
     tables: FloatArray,
 ) -> tuple[int, float, int, float]:
-    """March to `end` (see `march_explicit`); status, time, number of elements, step."""
+    """March to `end` (see `march_explicit`); status, time, number of elements, step.
+
+    `clock` further: current in and out by conduction (7, 8), the charge that came and went so far (9, 10).
+    """
     cap = y.shape[0]
     d = np.zeros((2, cap, COLUMNS))
     w, f = np.zeros((WORK, cap)), np.zeros((cap, 3))
@@ -263,6 +274,9 @@ def march_implicit(
                 break
             step = max(when, 1e-9 * step)
         clock[5] += 1
+        if k[BALANCE] != FROZEN:
+            clock[9] += step * ((1.0 - _G) * clock[11] + _G * clock[7])
+            clock[10] += step * ((1.0 - _G) * clock[12] + _G * clock[8])
         reached = t + step >= stop * (1.0 - 1e-15)
         t = stop if reached else t + step
         y[: n + 1] = new[: n + 1]

@@ -13,7 +13,7 @@ import math
 
 from spinline.base.kernels import njit
 
-__all__ = ["far_rest", "point_pair", "segment_pair", "segment_self"]
+__all__ = ["far_rest", "feed_field", "point_pair", "segment_pair", "segment_self"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -81,3 +81,21 @@ def far_rest(length: float, reach: int, count: int, a2: float) -> tuple[float, f
         energy += sign * length * first / 12.0
         slope += sign * (first + u * second) / 12.0
     return energy, slope
+
+
+@njit(cache=True, error_model="numpy")
+def feed_field(
+    x: float, y: float, z: float, a2: float, length: float, start: float
+) -> tuple[float, float, float, float, float, float]:
+    """Field, potential and its derivative with a^2 of a uniform line from `start - length` to `start` on the axis."""
+    u = x - start
+    rho2 = y * y + z * z + a2
+    near, far = math.sqrt(u * u + rho2), math.sqrt((u + length) ** 2 + rho2)
+    ex = 1.0 / near - 1.0 / far
+    # (u + L)/far - u/near over rho^2, without the difference where both are near 1
+    if u > 0.0:
+        across = ex * (1.0 / ((u + length) / far + u / near)) * (1.0 / near + 1.0 / far)
+    else:
+        across = ((u + length) / far - u / near) / rho2
+    level = math.asinh((u + length) / math.sqrt(rho2)) - math.asinh(u / math.sqrt(rho2))
+    return ex, across * y, across * z, level, -0.5 * across, across

@@ -55,11 +55,15 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     )
     p[[c.SIDE_FIELD, c.SIDE_OMEGA, c.LOAD_RAMP]] = loads.side_field, loads.side_frequency, loads.ramp
     p[c.B_X : c.B_X + 3] = loads.magnetic
-    p[[c.LOG_LENGTH, c.FEED_LENGTH, c.FEED_CHARGE]] = grid.log_length, grid.feed_length, grid.feed_charge
+    p[c.LOG_LENGTH] = grid.log_length
+    feed = [(a, b) for a, b in ((grid.feed_length, grid.feed_charge), *grid.feed_lines) if a > 0.0 and b != 0.0]
+    p[c.FEED_COUNT] = len(feed)
+    p[c.FEED_FIRST : c.FEED_FIRST + 2 * len(feed)] = np.ravel(feed)
     total = law.modulus * law.relaxation_time if math.isfinite(law.relaxation_time) else 0.0
     p[c.BEND_VISCOSITY] = grid.bend_viscosity or total + law.solvent_viscosity
     p[[c.CONDUCTIVITY, c.POTENTIAL_IN]] = s.conductivity, s.potential
     p[c.CURRENT] = 0.0 if s.current is None else s.current
+    p[[c.NEEDLE_AT, c.CONE]] = loads.needle_at, grid.cone
     p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS, c.OUTFLOW]] = s.collector.speed, s.collector.radius, s.outflow
     p[c.COUPLING], p[c.LONGEST] = c.COULOMB, grid.longest
     _air_and_drying(s, p, k)
@@ -140,7 +144,8 @@ class Chain:
     state : ndarray, (capacity, COLUMNS)
         Rows 0 (front) to n (nozzle).
     clock : ndarray
-        Element volume, entries so far, time of the first, label of the front, landed rows, steps, refused steps.
+        Element volume, entries so far, time of the first, label of the front, landed rows, steps, refused steps; current in and
+        out by conduction, charge that came and went so far, and what a step needs.
     landed : ndarray
         Record of the elements that have landed.
     """
@@ -263,7 +268,7 @@ def start_cylinder(settings: SpunSettings, capacity: int = 512) -> Chain:
     state[:n, c.VOLUME] = state[:n, c.LABEL] = area * pieces
     state[:n, c.CHARGE] = inlet.charge_density * area * pieces
     state[:, c.TEMP] = settings.drying.temperature if settings.drying else 293.15
-    clock = np.zeros(8)
+    clock = np.zeros(c.CLOCK)
     clock[0] = area * step
     clock[2] = (1.5 * step - pieces[-1]) / inlet.speed
     return Chain(

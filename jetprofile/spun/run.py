@@ -16,6 +16,7 @@ from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun.chain import Chain, start_cylinder
 from spinline.jetprofile.spun.noise import impulses
 from spinline.jetprofile.spun.settings import SpunSettings
+from spinline.jetprofile.spun.start import start_straight
 
 __all__ = ["SpunRun", "moments"]
 
@@ -49,6 +50,8 @@ class SpunRun:
     @classmethod
     def start(cls, settings: SpunSettings) -> "SpunRun":
         """A run at its beginning."""
+        if settings.start is not None:
+            return cls(start_straight(settings, settings.start))
         return cls(start_cylinder(settings))
 
     def advance(self, end: float) -> None:

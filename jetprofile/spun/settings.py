@@ -8,7 +8,9 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.jetprofile.spun._codes import FEEDS
 from spinline.jetprofile.spun.laws import JetLaw
+from spinline.jetprofile.spun.straight import StraightStart
 
 __all__ = ["Air", "Collector", "Drying", "Grid", "Inlet", "Loads", "SpunSettings"]
 
@@ -97,6 +99,8 @@ class Loads:
         Uniform magnetic field, T (Eq. 26; in Gaussian units that equation lacks a 1/c).
     image : bool
         Mirror charges behind an earthed plate at the gap.
+    needle_at : float
+        x of the needle's tip, m: 0, or negative where the chain starts downstream of it.
     ramp : float
         Time over which the field grows smoothly from nothing, s.
     """
@@ -114,6 +118,7 @@ class Loads:
     side_frequency: float = 0.0
     magnetic: tuple[float, float, float] = (0.0, 0.0, 0.0)
     image: bool = False
+    needle_at: float = 0.0
     ramp: float = 0.0
 
     def __post_init__(self) -> None:
@@ -125,6 +130,7 @@ class Loads:
             raise InputError("magnetic", "needs three components", value=self.magnetic)
         if self.kind not in ("uniform", "hyperboloid", "table"):
             raise InputError("kind", "is not a known field", value=self.kind, allowed="uniform, hyperboloid, table")
+        number("needle_at", self.needle_at, most=0.0, unit="m")
         if self.kind == "hyperboloid":
             positive("tip", self.tip, "m")
         if self.kind == "table":
@@ -240,6 +246,12 @@ class Grid:
         L of the local logarithm, m.
     feed_length, feed_charge : float
         Straight line of charge upstream of the nozzle: m, C/m.
+    feed_lines : tuple of (float, float)
+        Further ones, all ending at the nozzle, so that nested lines make a charge that varies along the feed; 11 at most.
+    cone : float
+        Length from the needle, m, over which the charge's own potential goes from the local logarithm (`log_length`), which the
+        needle's straight jet has, to that of the whole thread: a line of charge means nothing where the jet is as wide as
+        long. 0: the whole thread everywhere.
     bending : {"none", "viscous", "elastic"}
         Bending moment of the thread.
     tree : int
@@ -260,12 +272,14 @@ class Grid:
     log_length: float = 0.0
     feed_length: float = 0.0
     feed_charge: float = 0.0
+    feed_lines: tuple[tuple[float, float], ...] = ()
     bending: str = "none"
     bend_viscosity: float = 0.0
     tree: int = 1000
     cfl: float = 0.3
     fixed_step: float = 0.0
     longest: float = 0.0
+    cone: float = 0.0
 
     def __post_init__(self) -> None:
         positive("element_length", self.element_length, "m")
@@ -274,7 +288,8 @@ class Grid:
             raise InputError(
                 "repulsion", "is not a known model", value=self.repulsion, allowed="hybrid, exact, local, none"
             )
-        if self.repulsion == "local":
+        number("cone", self.cone, least=0.0, unit="m")
+        if self.repulsion == "local" or self.cone > 0.0:
             positive("log_length", self.log_length, "m", remedy="the local logarithm needs its length")
         if self.bending not in ("none", "viscous", "elastic"):
             raise InputError("bending", "is not known", value=self.bending, allowed="none, viscous, elastic")
@@ -284,15 +299,21 @@ class Grid:
         number("longest", self.longest, least=0.0, unit="m")
         number("feed_length", self.feed_length, least=0.0, unit="m")
         number("feed_charge", self.feed_charge, unit="C/m")
+        if len(self.feed_lines) >= FEEDS:
+            raise InputError("feed_lines", "are too many", value=len(self.feed_lines), allowed=f"up to {FEEDS - 1}")
+        for length, charge in self.feed_lines:
+            number("feed_lines", length, least=0.0, unit="m")
+            number("feed_lines", charge, unit="C/m")
 
 
 @dataclass(frozen=True)
 class SpunSettings:
     """All of a spun jet.
 
-    `conductivity` > 0 lets charge move in the jet (implicit balance; straight jets that are cut: a free charged front ran
-    away in every trial); then `current` (A) or, where it is None,
-    `potential` (V, relative to the field's) is given at the start. `conductivity` = 0 freezes the charge into the material.
+    `conductivity` > 0 lets charge move in the jet (implicit balance); then `current` (A) or, where it is None, `potential` (V,
+    relative to the field's) is given at the start. Such a jet needs an end that is known: the plate, where it starts as a whole
+    straight jet (`start`), or a cut; a free charged front ran away in every trial. `conductivity` = 0 freezes the charge
+    into the material.
 
     A jet may be cut: at positions `end_axis` (m) its front is pulled by `end_tension` (N; all that acts across the cut:
     polymer, solvent, surface and charge) and loses `end_share` of the current by conduction; elements that pass `outflow`
@@ -316,6 +337,7 @@ class SpunSettings:
     end_share: tuple[float, ...] = ()
     outflow: float = 0.0
     seed: int = 0
+    start: StraightStart | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         positive("density", self.density, "kg/m3")
@@ -323,12 +345,12 @@ class SpunSettings:
         number("conductivity", self.conductivity, least=0.0, unit="S/m")
         if self.current is not None:
             number("current", self.current, unit="A")
-        if self.conductivity > 0.0 and (self.grid.repulsion not in ("local", "none") or not self.end_axis):
+        if self.conductivity > 0.0 and not self.end_axis and self.start is None:
             raise InputError(
                 "conductivity",
-                "lets charge move, which is offered for straight jets cut at an end whose pull is known",
+                "lets charge move, and a free charged front runs away: the jet's end must be known",
                 value=self.conductivity,
-                remedy='repulsion "local" with end_axis, end_tension and end_share; a whole, bent jet only with frozen charge',
+                remedy="start as a straight jet that reaches the plate, or give end_axis, end_tension, end_share of a cut",
             )
         sizes = {len(self.end_axis), len(self.end_tension), len(self.end_share)}
         if len(sizes) != 1:

@@ -99,9 +99,11 @@ class Frame:
 
     def detector(self, flat: FloatArray, dark: FloatArray, rows: int = 1) -> Detector:
         """The detector of one row of it, or of some rows summed."""
-        lags = np.arange(len(self.scatter))
-        share = np.where(lags == 0, 1.0, 2.0) * np.maximum(1.0 - lags / rows, 0.0)
-        scatter = max(float(share @ np.array(self.scatter)), 1e-3)
+        scatter = self.scatter[0]
+        if len(self.scatter) > 1:
+            lags = np.arange(len(self.scatter))
+            share = np.where(lags == 0, 1.0, 2.0) * np.maximum(1.0 - lags / rows, 0.0)
+            scatter = max(float(share @ np.array(self.scatter)), 1e-3)
         return Detector(
             flat,
             self.pixel,
@@ -117,6 +119,14 @@ def row_steps(rows: int, slope: float) -> NDArray[np.int64]:
     """Whole pixels by which the rows of a leaning jet lie aside of the middle one."""
     steps: NDArray[np.int64] = np.rint(slope * (np.arange(rows) - 0.5 * (rows - 1))).astype(np.int64)
     return steps
+
+
+def lean_smear(rows: int, slope: float) -> float:
+    """Standard deviation, pixels, by which a leaning jet is blurred in rows that are put under each other: a row is a pixel
+    high, and whole pixels leave a part of one.
+    """
+    left = slope * np.arange(rows) - row_steps(rows, slope)
+    return float(np.sqrt(np.var(left) + slope**2 / 12.0))
 
 
 def _upright(array: FloatArray, slope: float) -> FloatArray:
@@ -366,11 +376,11 @@ def _within(
     inside = slice(start, stop)
     radius, axis = path.radius[inside], np.clip(path.axis[inside], -half, half)
     slope = 0.0 if lean is None else float(lean[inside].mean())
-    aside = row_steps(stop - start, slope)
+    moved = slope * np.arange(stop - start)
     changes = (
         _trend(radius, path.radius_std[inside], path.found[inside]),
-        _trend(axis - aside, path.axis_std[inside], path.found[inside]),
-        slope / np.sqrt(12.0),  # a row is a pixel high
+        _trend(axis - moved, path.axis_std[inside], path.found[inside]),
+        lean_smear(stop - start, slope),
     )
     return float(radius.mean()), float(axis.mean()), slope, float(np.sqrt(np.square(changes).sum()))
 

@@ -13,7 +13,8 @@ part of the signal that the jet does not stop (harmonics, scatter) is a share h:
 
 Width and depth of a chord together tell mu from the size: nothing of the water's attenuation is put in. Residuals are weighed
 by soft_l1 (a bad reading counts little), its scale that of the residuals themselves. Errors are those of the residuals'
-scatter, taken as independent; the model's own (spot, round sections) come on top.
+scatter. Readings that are off together with their neighbours in the scan are a model that lacks something (liquids that
+differ, a wider beam, another jet): the errors are then those of sums of neighbours, and `warnings` says so.
 
 Where sections touch or cross in the plane of the scan, chords of both add up from every side, and attenuation and size are no
 longer told apart: two real water jets that touch came out as one of 3.7 by 0.9 mm in a liquid of 420 /m, where 1003 is right,
@@ -32,9 +33,15 @@ from spinline.base.quadrature import gauss
 
 __all__ = ["Section", "SectionsFit", "fit_sections", "section_chord"]
 
-_NODES, _WEIGHTS = gauss(7)
+_NODES, _WEIGHTS = gauss(16)
 _LONGEST = 2.5  # half-axis over the other: a round jet leans by 66 degrees
 _LEAST_SHARE, _MOST_SHARE = -0.02, 0.5
+_DARK, _SURE = 0.002, 3.0  # a share under 0 by less may be noise
+_LEAST_LIGHT = 1e-9
+_BINS = 10  # in half a section's width
+_LAGS = 6  # readings
+_TOGETHER = 5.0  # standard deviations of a correlation that is said
+_MOST_LOST = 0.05  # of the readings
 _BAD = 60.0  # robust standard deviations: jets that move do a few of them at their edges, a lost reading does 100
 
 
@@ -83,6 +90,9 @@ class SectionsFit:
     scatter : float
         Robust standard deviation of the residuals.
     converged : bool
+    together : float
+        By how much the errors are widened for residuals that go together with their neighbours; 1 where they do not.
+    warnings : tuple of str
     """
 
     sections: tuple[Section, ...]
@@ -98,6 +108,8 @@ class SectionsFit:
     expected: FloatArray
     scatter: float
     converged: bool
+    together: float = 1.0
+    warnings: tuple[str, ...] = ()
 
     def tilt(self, jet: int) -> float:
         """Angle in rad by which a round jet of that section leans from the scan's normal, ``acos(minor/major)``."""
@@ -155,17 +167,7 @@ def fit_sections(
     """
     from scipy.optimize import least_squares
 
-    x, theta = real("position", position, unit="m"), real("view", view, unit="rad")
-    data = real("extinction", extinction)
-    if x.ndim != 1 or x.size < 8 or (np.diff(x) <= 0).any() or np.ptp(np.diff(x)) > 1e-3 * np.diff(x).mean():
-        raise InputError(
-            "position", "is not an evenly spaced, rising row", value=x.shape, allowed="at least 8 positions"
-        )
-    if theta.ndim != 1 or theta.size < 5:
-        raise InputError("view", "are too few", value=theta.size, allowed="at least 5 views")
-    if data.shape != (theta.size, x.size):
-        allowed = f"({theta.size}, {x.size})"
-        raise InputError("extinction", "does not fit views and positions", value=data.shape, allowed=allowed)
+    x, theta, data = _scans(position, view, extinction)
     step = float(np.diff(x).mean())
     broad = step if width is None else number("width", width, least=0.0, most=10 * step, unit="m")
     held = None if share is None else number("share", share, least=0.0, below=1.0)
@@ -204,10 +206,12 @@ def fit_sections(
     free = np.flatnonzero((np.abs(kept).sum(axis=0) > 0) & (upper - lower > 1e-9))
     spread = (data - fitted)[good].std() ** 2 * good.sum() / max(good.sum() - free.size, 1)
     sd = np.zeros(p.size)
-    sd[free] = np.sqrt(spread * np.diag(np.linalg.pinv(kept[:, free].T @ kept[:, free])))
+    together, said = _judged(np.where(good, data - fitted, 0.0), good, _places(sections, x - centre, theta))
+    sd[free] = together * np.sqrt(spread * np.diag(np.linalg.pinv(kept[:, free].T @ kept[:, free])))
     mu_std, h_std, _, sections_std, _ = problem.unpack(sd)
     clean = np.where(good, data, fitted) - base[:, None]
     stopped = np.maximum(np.exp(-clean) * (1.0 + h) - h, 1e-6)
+    _require_light(h, h_std if held is None else np.inf)
     return SectionsFit(
         sections=sections,
         std=sections_std,
@@ -222,7 +226,88 @@ def fit_sections(
         expected=fitted,
         scatter=robust,
         converged=bool(found.success),
+        together=together,
+        warnings=said if found.success else ("the fit did not converge: give start", *said),
     )
+
+
+def _require_light(share: float, std: float) -> None:
+    """Refuse a share of light that is less than none."""
+    if share < -max(_DARK, _SURE * std):
+        raise InputError(
+            "share",
+            "comes out under 0, which no light does: the sections do not explain the scans",
+            value=f"{share:.3g} +/- {std:.2g}",
+            allowed="[0, 1)",
+            remedy="give width as it is, or scan one liquid at a time",
+        )
+
+
+def _scans(position: ArrayLike, view: ArrayLike, extinction: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Positions, views and readings, checked."""
+    x, theta = real("position", position, unit="m"), real("view", view, unit="rad")
+    data = real("extinction", extinction)
+    if x.ndim != 1 or x.size < 8 or (np.diff(x) <= 0).any() or np.ptp(np.diff(x)) > 1e-3 * np.diff(x).mean():
+        raise InputError(
+            "position", "is not an evenly spaced, rising row", value=x.shape, allowed="at least 8 positions"
+        )
+    if theta.ndim != 1 or theta.size < 5:
+        raise InputError("view", "are too few", value=theta.size, allowed="at least 5 views")
+    if data.shape != (theta.size, x.size):
+        allowed = f"({theta.size}, {x.size})"
+        raise InputError("extinction", "does not fit views and positions", value=data.shape, allowed=allowed)
+    return x, theta, data
+
+
+def _places(sections: tuple[Section, ...], x: FloatArray, theta: FloatArray) -> list[FloatArray]:
+    """Distance of every reading from the middle of every section, over half the section's width, (views, positions)."""
+    out = []
+    for s in sections:
+        turned = theta - s.angle
+        half = np.sqrt((s.major * np.cos(turned)) ** 2 + (s.minor * np.sin(turned)) ** 2)
+        out.append(np.abs(x - (s.x * np.cos(theta) + s.y * np.sin(theta))[:, None]) / half[:, None])
+    return out
+
+
+def _judged(residual: FloatArray, good: BoolArray, places: list[FloatArray]) -> tuple[float, tuple[str, ...]]:
+    """Factor on the errors for residuals that go together, along the scan or at one place of a section, and what is odd."""
+    said = []
+    lost = 1.0 - float(good.mean())
+    if lost > _MOST_LOST:
+        said.append(
+            f"{100 * lost:.2g} % of the readings lie far off the fit and are left out: is there another jet, or one that moved?"
+        )
+    power = float((residual**2).sum()) / max(int(good.sum()), 1)
+    total, first = 0.0, 0.0
+    for lag in range(1, min(_LAGS, residual.shape[1] - 2) + 1):
+        pairs = good[:, lag:] & good[:, :-lag]
+        product = (
+            float((residual[:, lag:] * residual[:, :-lag])[pairs].sum()) / max(int(pairs.sum()), 1) / max(power, 1e-300)
+        )
+        if product < 2.0 / np.sqrt(max(int(pairs.sum()), 1)):
+            break
+        first = first or product
+        total += product
+    together = float(np.sqrt(1.0 + 2.0 * total))
+    if first > _TOGETHER / np.sqrt(good.size):
+        said.append(
+            f"the readings are off together with their neighbours (correlation {first:.2g}): liquids that differ, another "
+            f"width of the beam, or sections that are no ellipses; errors are widened by {together:.2g}, perhaps not enough"
+        )
+    squares, count = 0.0, 0
+    for place in places:
+        bins = np.minimum((place * _BINS).astype(int), 2 * _BINS)[good]
+        number = np.bincount(bins, minlength=2 * _BINS + 1)[: 2 * _BINS]
+        sums = np.bincount(bins, residual[good], minlength=2 * _BINS + 1)[: 2 * _BINS]
+        squares += float((sums[number > 0] ** 2 / number[number > 0]).sum()) / max(power, 1e-300)
+        count += int((number > 0).sum())
+    if squares > count + _TOGETHER * np.sqrt(2.0 * count):
+        together = max(together, float(np.sqrt(squares / count)))
+        said.append(
+            f"the sections' edges or middles do not fit the readings of all views ({squares:.3g} where {count} is usual): "
+            f"check width; the errors are widened by {together:.2g}, perhaps not enough"
+        )
+    return together, tuple(said)
 
 
 def _require_apart(sections: tuple[Section, ...], share: float, width: float, free: bool) -> None:
@@ -288,7 +373,8 @@ class _Problem:
         for section in sections:
             depth += _chord(section, self.nodes[:, None, :] - centre, self.theta[:, None])
         transmission = (self.weights[:, None, None] * np.exp(-mu * depth)).sum(axis=0)
-        return np.asarray(base[:, None] - np.log((transmission + h) / (1.0 + h)))
+        light = np.maximum(transmission + h, _LEAST_LIGHT)  # a trial may have less than none
+        return np.asarray(base[:, None] - np.log(light / (1.0 + h)))
 
     def residuals(self, p: FloatArray) -> FloatArray:
         return np.asarray((self.expected(p) - self.data).ravel())

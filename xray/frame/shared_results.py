@@ -41,6 +41,8 @@ class Block:
     def seen(self) -> Detector:
         """The detector as the block's rows see it: blur and tail aslant, and blurred by what changes within the block."""
         d = self.detector
+        if self.smear == 0.0 and (self.cosine == 1.0 or d.blur == d.tail_length == 0.0):
+            return d
         return replace(
             d, blur=float(np.hypot(d.blur, self.smear)) / self.cosine, tail_length=d.tail_length / self.cosine
         )

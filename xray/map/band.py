@@ -39,7 +39,7 @@ def _assemble(
     for i in range(rows):
         for a in range(touched):
             k = first[i] + a
-            for p in range(width):
+            for p in range(gradient.shape[1]):
                 right[k, p] += values[i, a] * gradient[i, p]
             for d in range(touched - a):
                 w = values[i, a] * values[i, a + d]

@@ -39,7 +39,7 @@ class MapData:
         Factor on the paths through the jet: the cosine of its lean.
     tail : (float, float)
         Share, and length in pixels, of the detector's tail.
-    scatter : float
+    scatter : ndarray, shape (rows,) or (1,)
         Variance of a pixel over that of its photons.
     """
 
@@ -52,8 +52,8 @@ class MapData:
     blur: float
     dead: BoolArray
     path: FloatArray
-    tail: tuple[float, float] = (0.0, 0.0)
-    scatter: float = 1.0
+    tail: tuple[float, float]
+    scatter: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,14 +145,14 @@ def map_data(
         dead,
         np.broadcast_to(longer, (raw.shape[0],)).copy(),
         (one.tail_share, one.tail_length / one.pixel),
-        one.scatter,
+        np.array([d.scatter for d in each]),
     )
 
 
 def _optics(detector: Detector) -> tuple[float, ...]:
     """What all rows of a map have in common."""
     d = detector
-    return d.pixel, d.blur, d.tail_share, d.tail_length, d.scatter, float(d.flat.size)
+    return d.pixel, d.blur, d.tail_share, d.tail_length, float(d.flat.size)
 
 
 def started(data: MapData, radius: FloatArray | None, axis: FloatArray | None) -> Start:

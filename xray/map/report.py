@@ -67,13 +67,15 @@ def reported(model: MapModel, best: BestMap, z: FloatArray, edges: FloatArray) -
         expected=expected,
         deviance=best.look.deviance,
         degrees_of_freedom=freedom,
-        misfit=float((best.look.pearson / data.scatter - freedom) / spread),
-        excess=float(best.look.pearson / data.scatter / max(freedom, 1.0)),
+        misfit=float((best.look.pearson - freedom) / spread),
+        excess=float(best.look.pearson / max(freedom, 1.0)),
         used=np.asarray(data.good.max(axis=1) > 0.0),
         converged=best.converged,
         iterations=best.turns,
         warnings=(),
-        posterior=MapPosterior(radial, model.axial, model.names, local[:, :size], inner, best.factor, data.pixel),
+        posterior=MapPosterior(
+            radial, model.axial, model.names, local[:, :size], inner, best.factor, data.pixel, best.look.fisher
+        ),
     )
     object.__setattr__(fit, "warnings", _warnings(fit, model, best))
     return fit
@@ -131,7 +133,8 @@ def _warnings(fit: MapFit, model: MapModel, best: BestMap) -> tuple[str, ...]:
             "the counts scatter more than Poisson about the model: fringes, an elliptic jet, a jump from row to row, "
             "or a wrong flat or gain"
         )
-    off = np.where(data.good > 0, (data.counts - fit.expected) / np.sqrt(fit.expected), 0.0)
+    noise = np.sqrt(fit.expected * data.scatter[:, None])
+    off = np.where(data.good > 0, (data.counts - fit.expected) / noise, 0.0)
     row, pixel = divmod(int(np.argmax(np.abs(off))), off.shape[1])
     if abs(off[row, pixel]) > 8:
         said.append(

@@ -167,6 +167,34 @@ class MapFit:
                     array[i] += off[:, size + p.names.index(name)] * p.pixel
         return out
 
+    def response(self, name: str, change: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What the fit makes of a change that rows have in a nuisance but its curve along z has not, such as of their places.
+
+        Parameters
+        ----------
+        name : str
+            A fitted nuisance.
+        change : ndarray, shape (rows,)
+            In its unit: m for the radius.
+
+        Returns
+        -------
+        fraction, value : ndarray, shapes (rows, shells) and (rows,)
+            Changes of the fractions and of the nuisance itself, to first order.
+        """
+        from spinline.xray.map.band import assembled  # compiled: loaded when first used
+
+        p = self.posterior
+        if name not in p.names:
+            raise InputError("name", "is no fitted nuisance of this map", value=name, allowed=", ".join(p.names))
+        size = p.radial.size
+        at = size + p.names.index(name)
+        unit = p.pixel if name in ("radius", "axis", "blur") else 1.0
+        _, right = assembled(p.axial, p.fisher[:, :0, :0], p.fisher[:, :, at] * (np.asarray(change) / unit)[:, None])
+        off = p.axial.along(p.factor.solve(right))
+        fraction: FloatArray = off[:, :size] @ p.radial.shells(self.edges).T
+        return fraction, off[:, at] * unit
+
     def _at(self, row: ArrayLike, radius_ratio: ArrayLike) -> tuple[NDArray[np.int64], FloatArray]:
         rho = real("radius_ratio", radius_ratio, least=0.0, most=1.0)
         rows = np.asarray(row)
@@ -189,6 +217,8 @@ class MapPosterior:
         Coefficients across the jet at each row.
     factor : Factor
     pixel : float
+    fisher : ndarray, shape (rows, n, n)
+        Of each row's fractions and nuisances.
     """
 
     radial: RadialBasis
@@ -198,3 +228,4 @@ class MapPosterior:
     covariance: FloatArray
     factor: "Factor"
     pixel: float
+    fisher: FloatArray

@@ -45,7 +45,7 @@ _FIRST_CHANGES = {  # what a difference of coefficients may be, before the count
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """All rows at one point."""
+    """All rows at one point; Pearson's chi-square over the scatter of each row's pixels."""
 
     local: FloatArray
     fisher: FloatArray
@@ -113,7 +113,8 @@ class MapModel:
             gradient,
             score,
         )
-        deviance, pearson, inverse_means, dark = score.sum(axis=0)
+        deviance, _, inverse_means, dark = score.sum(axis=0)
+        pearson = (score[:, 1] / d.scatter).sum()
         if dark > 0.0 or not np.isfinite(deviance):
             return None
         part = np.ix_(np.arange(rows), self.free, self.free)

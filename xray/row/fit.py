@@ -17,13 +17,12 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import BoolArray, FloatArray, positive, real
 from spinline.base.errors import InputError
-from spinline.xray.row.block import smoothed_outliers, summed_counts
-from spinline.xray.row.chords import checked_edges, equal_shells
+from spinline.xray.row.block import smoothed_outliers
 from spinline.xray.row.forward import Absorber, Detector, row_model
-from spinline.xray.row.limit import extra_parameters, free_parameters, require_contrast
+from spinline.xray.row.limit import require_contrast
 from spinline.xray.row.model import RowModel
-from spinline.xray.row.outcome import RowFit, row_outcome
-from spinline.xray.row.scoring import largest_likelihood
+from spinline.xray.row.outcome import RowFit
+from spinline.xray.row.problem import row_problem
 from spinline.xray.row.start import find_jet, jet_depth
 
 __all__ = ["fit_row"]
@@ -88,14 +87,10 @@ def fit_row(
     Flat and dark are taken as exact: average enough of them.
     """
     require_contrast(absorber)
-    edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
-    free = free_parameters(edges.size - 1, nuisances)
-    extras = extra_parameters(nuisances, detector)
-    data, rows = summed_counts(counts, detector, good, saturation)
-    model = row_model(absorber, detector, edges, 3.0 * detector.blur if "blur" in nuisances else None, extras)
-    model.scale_exposure(rows)
-    model.scatter = detector.scatter
-    prior = model.known_before()
+    problem = row_problem(
+        counts, detector, shells, nuisances, good, saturation, lambda *more: row_model(absorber, detector, *more)
+    )
+    model, data, lit, _ = problem
     if data.sum() <= model.dark.sum():
         raise InputError(
             "dark",
@@ -104,32 +99,31 @@ def fit_row(
             allowed=f"under the counts' sum, {data.sum():g}",
             remedy="give raw counts with the dark image of the same exposure",
         )
-    lit = rows > 0
     start = _start(model, data, lit, nuisances, radius, axis, amplitude, slope, detector)
-    best = largest_likelihood(model, start, free, data, lit, prior=prior)
-    fit = row_outcome(model, best, free, data, lit)
+    best = problem.best(start)
+    fit = problem.outcome(best)
     if "radius" in nuisances and _hollow(fit.jet.fraction, absorber):
         inner = start.copy()
-        inner[model.shells] = fit.jet.radius * edges[-2]
-        trial = largest_likelihood(model, inner, free, data, lit, prior=prior)
+        inner[model.shells] = fit.jet.radius * model.edges[-2]
+        trial = problem.best(inner)
         if trial[1] and not _hollow(trial[0][: model.shells], absorber):
-            best, fit = trial, row_outcome(model, trial, free, data, lit)
+            best, fit = trial, problem.outcome(trial)
     if "radius" in nuisances and (fit.mean_fraction_std > _MANY_MAXIMA or not fit.converged):
         first = best
         for scale in (0.92, 1.08):
             other = start.copy()
             other[model.shells] = scale * fit.jet.radius
-            trial = largest_likelihood(model, other, free, data, lit, known=best, prior=prior)
+            trial = problem.best(other, known=best)
             if trial[3] < best[3] - 1e-3 and not _hollow(trial[0][: model.shells], absorber):
                 best = trial
         if best is not first:
-            fit = row_outcome(model, best, free, data, lit)
+            fit = problem.outcome(best)
     if "blur" in nuisances and not fit.converged and fit.values["blur"] < _SHARP * detector.pixel:
         sharp = fit_row(
             counts,
             absorber,
             replace(detector, blur=0.0),
-            shells=edges,
+            shells=shells,
             nuisances=[n for n in nuisances if n != "blur"],
             radius=fit.jet.radius if "radius" in nuisances else radius,
             axis=fit.jet.axis if "axis" in nuisances else axis,

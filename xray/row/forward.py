@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.xray.row.chords import checked_edges, equal_shells, shell_weights
 from spinline.xray.row.model import RowModel
@@ -46,8 +46,8 @@ class Absorber:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "solvent", positive("solvent", self.solvent, "1/m"))
-        object.__setattr__(self, "contrast", _number("contrast", self.contrast, unit="1/m"))
-        object.__setattr__(self, "air", _number("air", self.air, least=0.0, unit="1/m"))
+        object.__setattr__(self, "contrast", number("contrast", self.contrast, unit="1/m"))
+        object.__setattr__(self, "air", number("air", self.air, least=0.0, unit="1/m"))
 
     def along(self, factor: float) -> "Absorber":
         """The absorber on paths longer by a factor: ``1/cos`` of a tilt along the beam, cos of a lean in the image."""
@@ -106,10 +106,10 @@ class Detector:
                     allowed=f"({flat.size},) or a number",
                 )
             object.__setattr__(self, name, np.broadcast_to(array, flat.shape).copy())
-        blur = _number("blur", self.blur, least=0.0, most=0.25 * self.pixel * flat.size, unit="m")
+        blur = number("blur", self.blur, least=0.0, most=0.25 * self.pixel * flat.size, unit="m")
         object.__setattr__(self, "blur", blur)
-        share = _number("tail_share", self.tail_share, least=0.0, below=0.8)
-        length = _number("tail_length", self.tail_length, least=0.0, most=20.0 * self.pixel * flat.size, unit="m")
+        share = number("tail_share", self.tail_share, least=0.0, below=0.8)
+        length = number("tail_length", self.tail_length, least=0.0, most=20.0 * self.pixel * flat.size, unit="m")
         if share > 0.0 and not length > 0.5 * self.pixel:
             raise InputError(
                 "tail_length",
@@ -166,7 +166,7 @@ class RoundJet:
         object.__setattr__(self, "fraction", fraction)
         object.__setattr__(self, "edges", edges)
         object.__setattr__(self, "radius", positive("radius", self.radius, "m"))
-        object.__setattr__(self, "axis", _number("axis", self.axis, unit="m"))
+        object.__setattr__(self, "axis", number("axis", self.axis, unit="m"))
 
     @property
     def mean_fraction(self) -> float:
@@ -204,7 +204,7 @@ def expected_counts(
     About 0.1 ms for 400 pixels.
     """
     a = positive("amplitude", amplitude)
-    tilt = _number("slope", slope, above=-1.0, below=1.0)
+    tilt = number("slope", slope, above=-1.0, below=1.0)
     model = row_model(absorber, detector, jet.shell_edges)
     counts, _ = model.evaluate(np.concatenate((jet.fraction, [jet.radius, jet.axis, a, tilt, detector.blur])))
     return counts
@@ -253,19 +253,3 @@ def row_model(
         tail=(detector.tail_share, detector.tail_length),
         extras=extras,
     )
-
-
-def _number(
-    name: str,
-    value: ArrayLike,
-    *,
-    above: float | None = None,
-    below: float | None = None,
-    least: float | None = None,
-    most: float | None = None,
-    unit: str = "",
-) -> float:
-    array = real(name, value, above=above, below=below, least=least, most=most, unit=unit)
-    if array.ndim:
-        raise InputError(name, "must be a single number", value=f"array of shape {array.shape}")
-    return float(array)

@@ -88,6 +88,7 @@ class RowModel:
         self._reach = int(np.ceil(_REACH * widest / self._step))
         self._x = pixel_edges[0] + self._step * (np.arange(n * self._parts + 2 * self._reach + 1) - self._reach)
         self._background = flat * veil + dark
+        self._no_extras: tuple[float, float, list[tuple[int, float]]] = (*tail, [])
 
     def known_before(self) -> FloatArray | None:
         """1/variance of the parameters before anything is seen: of the shapes of the beam; None in a model without them."""
@@ -168,6 +169,8 @@ class RowModel:
 
     def _extra(self, parameters: FloatArray) -> tuple[float, float, list[tuple[int, float]]]:
         """Share and length of the tail, and orders and sizes of the shapes."""
+        if not self.extras:
+            return self._no_extras
         share, length = self.tail
         bends = []
         for name, value in zip(self.extras, parameters[self.shells + 5 :].tolist(), strict=False):

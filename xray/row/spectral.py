@@ -17,14 +17,12 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray
 from spinline.xray.matter.medium import Medium
-from spinline.xray.row.block import summed_counts
-from spinline.xray.row.chords import checked_edges, disc_chords, equal_shells
+from spinline.xray.row.chords import disc_chords
 from spinline.xray.row.fit import fit_row
 from spinline.xray.row.forward import Absorber, Detector, RoundJet
-from spinline.xray.row.limit import extra_parameters, free_parameters
 from spinline.xray.row.model import NUISANCES, RowModel
-from spinline.xray.row.outcome import RowFit, row_outcome
-from spinline.xray.row.scoring import largest_likelihood
+from spinline.xray.row.outcome import RowFit
+from spinline.xray.row.problem import row_problem
 
 __all__ = ["SpectralRowModel", "fit_row_spectrum", "spectral_counts", "spectral_law"]
 
@@ -171,14 +169,14 @@ def fit_row_spectrum(
         good=good,
         saturation=saturation,
     )
-    edges = equal_shells(shells) if isinstance(shells, int) else checked_edges(shells)
-    free = free_parameters(edges.size - 1, nuisances)
-    extras = extra_parameters(nuisances, detector)
-    data, rows = summed_counts(counts, detector, good, saturation)
-    model = SpectralRowModel(detector, edges, medium, 3.0 * detector.blur if "blur" in nuisances else None, extras)
-    model.scale_exposure(rows)
-    model.scatter = detector.scatter
-    lit = rows > 0
-    start = np.array([*first.jet.fraction, *(first.values[name] for name in (*NUISANCES, *extras))])
-    best = largest_likelihood(model, start, free, data, lit, prior=model.known_before())
-    return row_outcome(model, best, free, data, lit, misfit=_MISFIT)
+    problem = row_problem(
+        counts,
+        detector,
+        shells,
+        nuisances,
+        good,
+        saturation,
+        lambda edges, *more: SpectralRowModel(detector, edges, medium, *more),
+    )
+    start = np.array([*first.jet.fraction, *(first.values[name] for name in (*NUISANCES, *problem.model.extras))])
+    return problem.outcome(problem.best(start), _MISFIT)

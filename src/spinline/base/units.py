@@ -66,6 +66,7 @@ QUANTITIES = {
         Quantity("mass attenuation", "m^2/kg", "5.1 cm2/g"),
         Quantity("volume", "m^3", "1 pL"),
         Quantity("electric field", "V/m", "0.6 kV/cm", "an"),
+        Quantity("magnetic field", "T", "50 mT"),
         Quantity("potential", "V", "9 kV"),
         Quantity("current", "A", "200 nA"),
         Quantity("acceleration", "m/s^2", "9.81 m/s2", "an"),

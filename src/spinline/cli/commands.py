@@ -11,6 +11,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Iterator
+from copy import copy
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -336,8 +337,26 @@ for register in REGISTERED:
     register(app)
 
 
+def _asked(words: list[str]) -> typer.Typer:
+    """The command line with the one command that is asked for: making all of them takes as long as a small run."""
+    name = words[0] if words else ""
+    found = [
+        info
+        for info in app.registered_commands
+        if name == (info.name or getattr(info.callback, "__name__", "").replace("_", "-"))
+    ]
+    if not found:
+        return app
+    one = copy(app)
+    one.registered_commands = found
+    return one
+
+
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2, a fault of the program with 70."""
+    os.environ.setdefault(
+        "PYDANTIC_DISABLE_PLUGINS", "__all__"
+    )  # looking for them reads what every package says of itself
     os.environ["MPLBACKEND"] = "agg"  # figures are files; another value may not even exist
     warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
@@ -345,7 +364,7 @@ def main() -> None:
     code = 0
     try:
         with _stopping(), command(), telling():
-            code = int(app(standalone_mode=True, prog_name="spinline") or 0)
+            code = int(_asked(sys.argv[1:])(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
     except SystemExit as ended:
         code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)

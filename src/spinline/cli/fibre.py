@@ -111,7 +111,13 @@ def lines(found: "Fibre") -> list[str]:
         f"{found.orientation:.2g} ({found.orientation_68[0]:.2g} to {found.orientation_68[1]:.2g}), an order of magnitude; "
         "drawing by a drum is not in it.",
     ]
-    parts = [f"{UNKNOWNS[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
+    dry = "dry" if found.landing_fraction > 0.69 else "wet" if found.landing_fraction < 0.4 else "damp"
+    said.append(
+        f"It lands {dry} ({100 * found.landing_fraction:.0f} % of polymer); one unbroken fibre would be made at "
+        f"{found.laying_speed:.3g} m/s."
+    )
+    known = {**UNKNOWNS, "measured": "scatter of the measured fibres"}
+    parts = [f"{known[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
     if parts:
         said.append("The interval is made of: " + ", ".join(parts) + ".")
     said.append(

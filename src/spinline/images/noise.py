@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spinline.base.checks import FloatArray
+from spinline.base.checks import BoolArray, FloatArray
 from spinline.images.stacks import Stack
 
 __all__ = ["PairNoise", "pair_noise"]
@@ -24,6 +24,7 @@ __all__ = ["PairNoise", "pair_noise"]
 _PAIRS = 16
 _REACH = 6  # pixels: farther, light is a tail, whose noise is little
 _BEYOND = 10  # and as many more, for the level of a beam that changes its shape
+_BENDS = 3  # order of a change of the beam's shape between two frames
 _LEAST = 20  # rows or columns of a part whose neighbours can be compared
 _SURE = 4.0  # standard deviations
 
@@ -37,7 +38,7 @@ class PairNoise:
     variance, level : float
         Mean variance of a pixel, and mean level above dark, counts.
     samples : int
-        Pairs of pixels.
+        Pairs of pixels, as many as would say as much if each frame were in one pair alone.
     power : float
         S: the variance of a sum of pixels, over their number.
     power_std : float
@@ -73,14 +74,16 @@ def pair_noise(
 
     Notes
     -----
-    Pairs are scaled to the same mean (a beam that flickers is no noise), and pixels 6 robust standard deviations off left out.
-    Up to 16 pairs, spread over the stack. Neighbours are compared where the part has 20 rows and columns.
+    Pairs are scaled to the same mean and bent to the same shape (a beam that flickers or moves is no noise), and pixels 6
+    robust standard deviations off left out. Up to 16 pairs, spread over the stack. Neighbours are compared where the part has
+    20 rows and columns.
     """
     if stack.frames < 2:
         return None
     pairs = np.unique(np.linspace(0, stack.frames - 2, _PAIRS).astype(int))
     variance = level = 0.0
     samples = 0
+    used: list[int] = []
     lags = np.zeros((2 * (_REACH + _BEYOND) + 1,) * 2)
     weight = np.zeros_like(lags)
     for i in pairs.tolist():
@@ -93,19 +96,53 @@ def pair_noise(
         mean_a, mean_b = float(a[good].mean()), float(b[good].mean())
         ratio = mean_a / mean_b if mean_a > 0 and mean_b > 0 and abs(mean_a / mean_b - 1) < 0.5 else 1.0
         d = np.where(good, a - ratio * b, 0.0)
-        spread = 1.4826 * float(np.median(np.abs(d[good])))
-        near = good & ((np.abs(d) <= 6.0 * spread) if spread > 0 else True)
+        near = _near(d, good)
+        change, terms = _change_of_shape(d, 0.5 * (a + ratio * b), near)
+        d -= change
+        near = _near(d, good)
+        d *= np.sqrt(near.sum() / max(int(near.sum()) - terms, 1))
         count = int(near.sum())
         scale = 1.0 + ratio  # var a + ratio^2 var b, with var b = var a / ratio
         variance += float((d[near] ** 2).sum()) / scale
         level += float(a[near].sum())
         samples += count
+        used.append(i)
         if min(d.shape) >= _LEAST:
-            _add_lags(np.where(near, d, 0.0) / np.sqrt(scale), near, lags, weight)
+            _add_lags(np.where(near, d, 0.0) / np.sqrt(scale), near.astype(np.float64), lags, weight)
     if not samples:
         return None
-    power, std, along = _power(lags, weight, variance / samples)
-    return PairNoise(variance / samples, level / samples, samples, power, std, along)
+    # squares of two differences that share a frame are correlated by 1/4
+    repeated = 1.0 + 0.5 * float((np.diff(used) == 1).sum()) / len(used)
+    power, std, along = _power(lags, weight, variance / samples, repeated)
+    return PairNoise(variance / samples, level / samples, int(samples / repeated), power, std, along)
+
+
+def _near(d: FloatArray, good: BoolArray) -> BoolArray:
+    """Good pixels within 6 robust standard deviations."""
+    spread = 1.4826 * float(np.median(np.abs(d[good])))
+    return good & (np.abs(d) <= 6.0 * spread) if spread > 0 else good
+
+
+def _change_of_shape(d: FloatArray, level: FloatArray, near: BoolArray) -> tuple[FloatArray, int]:
+    """What of a difference is a smooth change of the beam, a polynomial times its level; and how many terms that took."""
+    orders = [(i, j) for i in range(_BENDS + 1) for j in range(_BENDS + 1 - i)]
+    enough = [n >= _LEAST for n in d.shape]
+    orders = [(i, j) for i, j in orders if (i == 0 or enough[0]) and (j == 0 or enough[1])]
+    if near.sum() < _LEAST * len(orders):
+        return np.zeros_like(d), 0
+    v, u = (np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, n), _BENDS) for n in d.shape)
+    inside = np.where(near, level, 0.0)
+    rows = [(inside * u[:, j]) for j in range(_BENDS + 1)]
+    matrix = np.empty((len(orders),) * 2)
+    right = np.empty(len(orders))
+    for a, (i, j) in enumerate(orders):
+        right[a] = v[:, i] @ (rows[j] * d).sum(axis=1)
+        for b, (k, n) in enumerate(orders[: a + 1]):
+            matrix[a, b] = matrix[b, a] = (v[:, i] * v[:, k]) @ (rows[j] * rows[n]).sum(axis=1)
+    scale = np.sqrt(np.maximum(np.diagonal(matrix), 1e-300))
+    found = np.linalg.lstsq(matrix / np.outer(scale, scale), right / scale, rcond=1e-10)[0] / scale
+    shape = sum((c * np.outer(v[:, i], u[:, j]) for c, (i, j) in zip(found, orders, strict=True)), np.zeros(d.shape))
+    return level * shape, len(orders)
 
 
 def _add_lags(d: FloatArray, near: FloatArray, lags: FloatArray, weight: FloatArray) -> None:
@@ -114,15 +151,20 @@ def _add_lags(d: FloatArray, near: FloatArray, lags: FloatArray, weight: FloatAr
 
     reach = lags.shape[0] // 2
     size = tuple(next_fast_len(n + reach, real=True) for n in d.shape)
-    for array, into in ((d, lags), (near.astype(np.float64), weight)):
+    for array, into in ((d, lags), (near, weight)):
         spectrum = rfft2(array, size)
         product = irfft2(np.abs(spectrum) ** 2, size)
         at = np.arange(-reach, reach + 1)
         into += product[np.ix_(at, at)]
 
 
-def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float, float, tuple[float, ...]]:
-    """S, its relative standard deviation and the covariance along; the variance where neighbours are not seen to share."""
+def _power(
+    lags: FloatArray, weight: FloatArray, variance: float, repeated: float
+) -> tuple[float, float, tuple[float, ...]]:
+    """S, its relative standard deviation and the covariance along; the variance where neighbours are not seen to share.
+
+    `repeated` is how often each independent product is in the sums.
+    """
     if not weight.any() or not 0 < variance < np.inf:
         return variance, np.nan, (1.0,)
     reach = lags.shape[0] // 2
@@ -130,11 +172,12 @@ def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float
     at = np.arange(-reach, reach + 1)
     far = np.maximum(np.abs(at[:, None]), np.abs(at))
     area = float(np.maximum((covariance / variance) ** 2, 0.0)[far <= _REACH].sum())  # pixels that go together
-    noise = variance * np.sqrt(max(area, 1.0) / float(weight[reach, reach]))
+    independent = float(weight[reach, reach]) / repeated
+    noise = variance * np.sqrt(max(area, 1.0) / independent)
     level = float(covariance[far > _REACH].mean())
     near = float(covariance[(far == 1)].mean()) - level
     if near < _SURE * noise / np.sqrt(4.0):  # of eight neighbours, four are independent
-        return variance, np.sqrt(2.0 / max(float(weight[reach, reach]), 1.0)), (1.0,)
+        return variance, np.sqrt(2.0 / max(independent, 1.0)), (1.0,)
     best = variance - level
     count = 1
     for width in range(1, _REACH + 1):
@@ -147,7 +190,5 @@ def _power(lags: FloatArray, weight: FloatArray, variance: float) -> tuple[float
         count += number
     power = best
     along = (covariance[reach : reach + _REACH + 1, reach] - level) / power
-    patches = max(
-        float(weight[reach, reach]) / count, 1.0
-    )  # of the size that is summed over: each tells the power once
+    patches = max(independent / count, 1.0)  # of the size that is summed over: each tells the power once
     return power, float(np.sqrt(2.0 / patches)), tuple(along.tolist())

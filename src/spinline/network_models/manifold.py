@@ -29,7 +29,7 @@ class SteadyNetwork(SlippingRung):
     automatic = True
     many = True
     branch = "elastic"
-    cost = "10 to 60 ms"
+    cost = "1 to 20 ms"
 
     def solve(self, context: "Context") -> "Manifold | Networks":
         """Steady network of a scene at its finite coupling; of a bead jet, one a moment."""

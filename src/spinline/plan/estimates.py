@@ -104,10 +104,10 @@ def extensibility_effect(context: Context) -> Estimate:
     later = passes / (z[max(first, 1)] - jet.start) - 1
     error = float(max(full / v[first] - 1, later)) if z[first] < _LOCKED * z[-1] else 0.0
     held = cheapest([name])
-    finer = "" if held is None else held.name
+    finer = "" if held is None else f': see model = "{held.name}" with a force_law'
     words = (
         f"a steady network that cannot overstretch is locked from {1e3 * z[first]:.3g} mm (V = {v[first]:.3g}) to its free "
-        f'end, if its strands hold: see model = "{finer}" with a force_law'
+        f"end, if its strands hold{finer}"
     )
     return Estimate(name, symbol, number, error, words)
 

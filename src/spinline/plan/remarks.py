@@ -10,6 +10,7 @@ from spinline.plan.plausible import implausible
 from spinline.plan.switches import choose_effects
 from spinline.rheology.solution import Solution
 from spinline.scene.file import PowerLawJet, Scene
+from spinline.setup.air import assumed_interactions
 from spinline.setup.build import estimate_of
 from spinline.setup.context import Context
 
@@ -89,6 +90,10 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
             remarks.append(
                 f"{key.replace('_', ' ')} {about.value:.3g} {unit} (95 %: {low:.2g} to {high:.2g}): {about.words}"
             )
+    assumed = assumed_interactions(scene, solution) if effects.evaporation else []
+    if assumed:
+        taken = ", ".join(f"{chi:g} with {name} ({key})" for name, key, chi in assumed)
+        remarks.append(f"chi of {solution.polymer.name} is not known, and taken to be {taken}")
     if scene.ambient is not None and not effects.evaporation:
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")
     return remarks

@@ -15,7 +15,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.scene.images_file import Images
-from spinline.xray.frame.blocks import Frame, row_steps
+from spinline.xray.frame.blocks import Frame, lean_smear
 from spinline.xray.frame.lean import Lean
 from spinline.xray.frame.shared import Block, DetectorFit, fit_detector, hidden_traces
 from spinline.xray.frame.track import Track
@@ -31,6 +31,7 @@ _FIRST_TAIL = (0.03, 15.0)  # share, and pixels
 _BETTER = 16.0  # gain in deviance from which on there is a blur, or a bend of the beam
 _SEEN = 5.0  # standard deviations of a halo that is said
 _SHELLS = 3
+_MOST_TURNS, _FEW_TURNS = 25, 10  # the fewer for a blur that nobody asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,9 +126,9 @@ def _block(frame: Frame, track: Track, lean: Lean, start: int, stop: int, known:
     except InputError:
         return None
     at = np.arange(stop - start)
-    radius, axis = track.radius[inside], track.axis[inside] - row_steps(stop - start, slope)
+    radius, axis = track.radius[inside], track.axis[inside] - slope * (at - 0.5 * (at.size - 1))
     spread = [float(np.std(np.polyval(np.polyfit(at, v, 1), at))) if at.size > 2 else 0.0 for v in (radius, axis)]
-    smear = float(np.sqrt(spread[0] ** 2 + spread[1] ** 2 + slope**2 / 12.0)) * frame.pixel
+    smear = float(np.sqrt(spread[0] ** 2 + spread[1] ** 2 + lean_smear(at.size, slope) ** 2)) * frame.pixel
     half = 0.5 * frame.counts.shape[1] - 1.0
     middle = float(np.clip(axis.mean(), -half, half))
     return Block(
@@ -180,7 +181,8 @@ def shared_detector(
         if calibrate:
             unknown.append("attenuation")
         try:
-            fit = fit_detector(blocks, absorber, unknown, prior=prior, shells=_SHELLS, nuisances=own)
+            turns = _MOST_TURNS if given_blur or len(unknown) > 1 else _FEW_TURNS
+            fit = fit_detector(blocks, absorber, unknown, prior=prior, shells=_SHELLS, nuisances=own, turns=turns)
         except InputError as error:
             if given_blur or any(name.startswith("tail") for name in unknown):
                 raise

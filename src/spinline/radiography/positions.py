@@ -11,6 +11,7 @@ together. Then
   all its rows together, and what is left of them is smooth along z as in a single image.
 """
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -24,18 +25,21 @@ from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum
 from spinline.radiography.detector import blocks_of_frame, shared_detector
 from spinline.radiography.experiment import Experiment, bent, fit_blocks
+from spinline.radiography.looks import part_of
 from spinline.radiography.methods import map_frame_fit, map_shifts
 from spinline.radiography.prepare import first_look, judged, sees_jointly
+from spinline.radiography.stage import Seam, stage_shifts
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, FrameFit
 from spinline.xray.frame.lean import axis_lean
 from spinline.xray.frame.shared import fit_detector
 from spinline.xray.frame.track import Track
 from spinline.xray.map.fit import fit_map
-from spinline.xray.map.result import MapState
+from spinline.xray.map.result import MapFit, MapState
+from spinline.xray.row.chords import shell_weights
 from spinline.xray.row.model import beam_shape
 
-__all__ = ["Place", "Seam", "prepare_positions", "reduce_positions", "seams"]
+__all__ = ["Place", "prepare_positions", "reduce_positions", "seams"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +53,10 @@ class Place:
     facts : dict
     offset, offset_std : float
         Of its first row along the jet, m.
+    moved : float
+        By how much it was moved from where the stage said, for the radii of its neighbours.
+    stage_covariance : ndarray or None
+        Of the offsets of all positions, then.
     """
 
     experiment: Experiment
@@ -57,37 +65,14 @@ class Place:
     facts: dict[str, float]
     offset: float
     offset_std: float
+    moved: float = 0.0
+    stage_covariance: FloatArray | None = None
 
     @property
     def z(self) -> FloatArray:
         """Places of the rows along the jet, m."""
         step = np.hypot(1.0, self.experiment.lean.slope) * self.frame.pixel
         return np.asarray(self.offset + np.cumsum(step) - 0.5 * step)
-
-
-@dataclass(frozen=True)
-class Seam:
-    """What two neighbouring positions say of the rows that both see.
-
-    Attributes
-    ----------
-    first, second : int
-        Positions.
-    chi_squared, blocks : float, int
-        Of the differences of their mean fractions, their own errors taken; and how many.
-    probability : float
-        Of a larger one by chance; under 0.01 they do not agree.
-    radius, radius_gap : float
-        Mean difference of their radii over its standard deviation, the stage's taken in; and that difference, m.
-    """
-
-    first: int
-    second: int
-    chi_squared: float
-    blocks: int
-    probability: float
-    radius: float
-    radius_gap: float
 
 
 def prepare_positions(images: Images, summing: Callable[[Stack], FrameSum]) -> tuple[list[Place], list[str]]:
@@ -190,40 +175,62 @@ def _apart(places: list[Place]) -> list[str]:
 
 
 def seams(places: list[Place], fits: list[FrameFit]) -> list[Seam]:
-    """Test what neighbouring positions say of the places that both see, by their blocks of rows.
+    """Test what neighbouring positions say of the rows that both see, cut into the same blocks.
 
     Parameters
     ----------
     places : list of Place
     fits : list of FrameFit
-        One of each, block by block and without a smoothness along z.
+        One of each, block by block and without a smoothness along z: for the jet's taper.
     """
     from scipy.stats import chi2
 
     out = []
     for a in range(len(places) - 1):
         one, two = places[a], places[a + 1]
-        z = [np.array([p.z[s:e].mean() for s, e in f.rows.tolist()]) for p, f in ((one, fits[a]), (two, fits[a + 1]))]
-        inside = np.flatnonzero((z[0] >= z[1][0]) & (z[0] <= z[1][-1]) & np.isfinite(fits[a].mean))
-        good = np.isfinite(fits[a + 1].mean)
-        if inside.size < 1 or good.sum() < 2:
+        rows = min(int((one.z > two.z[0] - 0.5 * two.frame.pixel).sum()), one.z.size, two.z.size)
+        if rows < 1:
             continue
-        near = np.clip(np.searchsorted(z[1][good], z[0][inside]), 1, int(good.sum()) - 1)
-        share = (z[0][inside] - z[1][good][near - 1]) / (z[1][good][near] - z[1][good][near - 1])
-        mean, variance = fits[a + 1].mean[good], fits[a + 1].mean_std[good] ** 2
-        other = (1 - share) * mean[near - 1] + share * mean[near]
-        spread = (1 - share) ** 2 * variance[near - 1] + share**2 * variance[near] + fits[a].mean_std[inside] ** 2
-        chi = float(((fits[a].mean[inside] - other) ** 2 / spread).sum())
-        radius = fits[a + 1].values["radius"][good]
-        gap = fits[a].values["radius"][inside] - ((1 - share) * radius[near - 1] + share * radius[near])
-        noise = np.hypot(
-            fits[a].std["radius"][inside], np.interp(z[0][inside], z[1][good], fits[a + 1].std["radius"][good])
-        )
-        taper = abs(float(np.polyfit(z[1][good], radius, 1)[0]))
-        stage = taper * float(np.hypot(one.offset_std, two.offset_std))
-        pull = float(gap.mean() / np.hypot(np.sqrt((noise**2).sum()) / gap.size, stage))
-        out.append(Seam(a, a + 1, chi, inside.size, float(chi2.sf(chi, inside.size)), pull, float(gap.mean())))
+        height = min(one.experiment.images.block_rows, rows)
+        ends = [(one, one.z.size - rows), (two, 0)]
+        try:
+            ours, theirs = (_seen_blocks(place, start, start + rows, height) for place, start in ends)
+        except InputError:  # no block of one of them can be fitted
+            continue
+        both = np.isfinite(ours.mean) & np.isfinite(theirs.mean)
+        slopes = [_taper(place, fit) for place, fit in ((one, fits[a]), (two, fits[a + 1]))]
+        if not both.any() or not np.isfinite(slopes).any():
+            continue
+        taper = float(np.nanmean(slopes))
+        apart = [one.z[s + one.z.size - rows : e + one.z.size - rows].mean() - two.z[s:e].mean() for s, e in ours.rows]
+        gaps = ours.values["radius"] - theirs.values["radius"] - taper * np.array(apart)
+        variance = (ours.std["radius"] ** 2 + theirs.std["radius"] ** 2)[both]
+        own = float(variance.sum() ** 0.5) / int(both.sum())
+        gap = float(gaps[both].mean())
+        spread = (ours.mean_std**2 + theirs.mean_std**2)[both]
+        chi = float(((ours.mean - theirs.mean)[both] ** 2 / spread).sum())
+        stage = abs(taper) * float(np.hypot(one.offset_std, two.offset_std))
+        count = int(both.sum())
+        pull = gap / float(np.hypot(own, stage))
+        out.append(Seam(a, a + 1, chi, count, float(chi2.sf(chi, count)), pull, gap, own, taper))
     return out
+
+
+def _seen_blocks(place: Place, start: int, stop: int, height: int) -> FrameFit:
+    """Rows of a position from `start` to before `stop`, fitted block by block as one shell."""
+    part = Track(*(getattr(place.track, item.name)[start:stop] for item in dataclasses.fields(Track)))
+    lean = axis_lean(place.track).slope[start:stop]
+    frame = part_of(place.frame, start, stop)
+    return fit_blocks(place.experiment, frame, part, shells=1, block_rows=height, lean=lean)
+
+
+def _taper(place: Place, fit: FrameFit) -> float:
+    """dR/dz of a position, a line through its blocks; NaN where there is one block alone."""
+    good = np.isfinite(fit.mean)
+    if good.sum() < 2:
+        return float("nan")
+    z = np.array([place.z[start:stop].mean() for start, stop in fit.rows[good].tolist()])
+    return float(np.polyfit(z, fit.values["radius"][good], 1)[0])
 
 
 def reduce_positions(
@@ -232,11 +239,13 @@ def reduce_positions(
     done: Callable[[int, int], None] | None = None,
     begun: MapState | None = None,
     keep: Callable[[MapState], None] | None = None,
-) -> tuple[list[FrameFit], FrameFit | None, FloatArray, list[Seam]]:
+) -> tuple[list[Place], list[FrameFit], FrameFit | None, FloatArray, list[Seam]]:
     """Reduce all positions.
 
     Returns
     -------
+    places : list of Place
+        Where their radii say that they are (`stage`).
     fits : list of FrameFit
         Of each position, block by block.
     joint : FrameFit or None
@@ -261,10 +270,21 @@ def reduce_positions(
         if done is not None:
             done(i + 1, len(places))
     found = seams(places, fits)
+    places = _placed(places, found)
     if images.method == "row":
-        return fits, None, np.zeros(0), found
+        return places, fits, None, np.zeros(0), found
     joint, z = _joint_map(places, fits, begun, keep)
-    return fits, joint, z, found
+    return places, fits, joint, z, found
+
+
+def _placed(places: list[Place], found: list[Seam]) -> list[Place]:
+    """The positions where their radii say that they are, with the errors that are left."""
+    shift, covariance = stage_shifts(np.array([place.offset_std for place in places]), found)
+    std = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
+    return [
+        replace(place, offset=place.offset + d, offset_std=s, moved=d, stage_covariance=covariance)
+        for place, d, s in zip(places, shift.tolist(), std.tolist(), strict=True)
+    ]
 
 
 def _joint_map(
@@ -328,7 +348,31 @@ def _joint_map(
         parts = [map_shifts(p.experiment, p.frame, p.track, axis_lean(p.track), found.edges, p.z) for p in places]
         shifts = np.concatenate(parts)[order]
     rows: NDArray[np.int64] = np.stack((np.arange(at.size), np.arange(1, at.size + 1)), axis=1)
-    return map_frame_fit(found, rows, np.concatenate(path)[order], shifts), places_z
+    cosine = np.concatenate(path)[order]
+    which = np.repeat(np.arange(len(places)), [p.z.size for p in places])[order]
+    joint = map_frame_fit(found, rows, cosine, shifts)
+    if found.converged:
+        _take_stage(joint, found, places, which, cosine)
+    return joint, places_z
+
+
+def _take_stage(
+    joint: FrameFit, found: MapFit, places: list[Place], which: NDArray[np.int64], cosine: FloatArray
+) -> None:
+    """Add to a map's errors what those of the stage make of them: rows of a jet that thins, shifted position by position."""
+    std = np.array([place.offset_std for place in places])
+    if not std.any():
+        return
+    taper = np.gradient(found.radius, found.z)
+    parts = [found.response("radius", np.where(which == k, taper, 0.0)) for k in range(len(places))]
+    stage = places[0].stage_covariance if places[0].stage_covariance is not None else np.diag(std**2)
+    radius = np.stack([part[1] for part in parts], axis=1) * cosine[:, None]
+    more = np.einsum("ri,ij,rj->r", radius, stage, radius)
+    joint.std["radius"][:] = np.sqrt(joint.std["radius"] ** 2 + np.maximum(more, 0.0))
+    fraction = np.stack([part[0] for part in parts], axis=2)
+    joint.covariance[:] += np.einsum("rsi,ij,rtj->rst", fraction, stage, fraction)
+    mean = np.einsum("rsi,s->ri", fraction, shell_weights(found.edges))
+    joint.mean_std[:] = np.sqrt(joint.mean_std**2 + np.maximum(np.einsum("ri,ij,rj->r", mean, stage, mean), 0.0))
 
 
 def _own_beam(frame: Frame, fit: FrameFit) -> tuple[float, float, float]:

@@ -148,7 +148,7 @@ def _of_positions(images: Images, job: Checkpoint | None, said: Progress) -> "xr
     count = len(images.positions)
     at = iter(range(count))
     places, remarks = prepare_positions(images, lambda stack: _summed(stack, job, said, f"sum-{next(at)}"))
-    fits, joint, z, found = reduce_positions(
+    places, fits, joint, z, found = reduce_positions(
         places,
         done=lambda done, of: said("positions", done, of),
         begun=None if job is None else map_begun(job),

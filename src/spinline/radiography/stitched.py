@@ -7,8 +7,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
-from spinline.radiography.positions import Place, Seam
+from spinline.radiography.positions import Place
 from spinline.radiography.reduction_dataset import assemble
+from spinline.radiography.stage import Seam
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import FrameFit
 
@@ -47,7 +48,8 @@ def assemble_positions(
     xarray.Dataset
         As of one position, along `row`, with the coordinate `position`; and along `seam` what neighbours say of the same place.
     """
-    first = replace(places[0].experiment, images=places[0].experiment.images.model_copy(update={"title": images.title}))
+    changes = {"title": images.title} | ({} if joint is None else {"block_rows": 1})  # a map takes every row
+    first = replace(places[0].experiment, images=places[0].experiment.images.model_copy(update=changes))
     said = _words(places, found, remarks)
     facts = {name: float(np.median([place.facts[name] for place in places])) for name in places[0].facts}
     if joint is not None:
@@ -77,10 +79,22 @@ def assemble_positions(
         ),
         position=("row", position, {"long_name": "position that the row is from, or nearest to"}),
     )
-    stage = np.array([place.offset_std for place in places])[position]
-    std = np.hypot(result["jet_radius_std"].values, np.abs(np.gradient(result["jet_radius"].values, at)) * stage)
-    result["jet_radius_std"] = ("row", std, dict(result["jet_radius_std"].attrs))
+    if joint is None:  # a map has the stage's error in its own
+        stage = np.array([place.offset_std for place in places])[position]
+        std = np.hypot(result["jet_radius_std"].values, np.abs(np.gradient(result["jet_radius"].values, at)) * stage)
+        result["jet_radius_std"] = ("row", std, dict(result["jet_radius_std"].attrs))
     result = _with_seams(result, found)
+    moved = {
+        "position_offset": ([place.offset for place in places], "offset of the position, its radii told"),
+        "position_offset_std": ([place.offset_std for place in places], "standard deviation of it"),
+        "position_moved": ([place.moved for place in places], "by how much that is farther along than the stage said"),
+    }
+    result = result.assign(
+        {
+            name: ("place", np.array(v, dtype=np.float64), {"units": "m", "long_name": words})
+            for name, (v, words) in moved.items()
+        }
+    )
     result.attrs |= {
         "images": images.text,
         "title": images.title or images.name,

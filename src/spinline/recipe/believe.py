@@ -8,7 +8,7 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.recipe import library
-from spinline.recipe.constants import GLOBAL
+from spinline.recipe.constants import CONSTANTS, TAKEN, Calibrated
 from spinline.recipe.model import Believed
 from spinline.rheology.evaporant import Evaporant
 from spinline.rheology.intrinsic import intrinsic_viscosity
@@ -29,6 +29,7 @@ __all__ = ["Recipe", "believe", "evaporation_rate"]
 _GAS = 8.31446261815324
 _OVERLAPS = 10.0  # c_e [eta], semidilute entangled; 5 to 20
 _ANY_DENSITY = 1250.0  # kg/m3
+_USUAL = {"voltage": 15e3, "flow_rate": 1e-6 / 3600, "gap": 0.15}
 _ENTANGLED_SD = 0.6  # of ln c_e at a known molar mass
 
 
@@ -79,12 +80,11 @@ class Recipe:
     ratio_known: bool = True
 
 
-def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
+def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed, dict[str, str]]:
     """Medians and spreads of a recipe, and what was borrowed, in words by the recipe's own names."""
     borrowed: dict[str, str] = {}
     sd = {
-        "laboratory": GLOBAL["paper_sd"],
-        "repeat": GLOBAL["row_sd"],
+        **constants.sd,
         "extensional_viscosity": 0.6,
         "evaporation": 0.3,
         "flight_time": 0.5,
@@ -102,6 +102,7 @@ def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
         borrowed["solution.solvent"] = "equal parts: the ratio is not known"
         sd["evaporation"] = float(np.hypot(sd["evaporation"], 0.6))
     coil, w = _entangled(recipe, sd, borrowed)
+    usual = recipe.usual_fraction if recipe.usual_fraction == recipe.usual_fraction else w
     gamma = recipe.surface_tension
     if gamma != gamma:
         gamma = mixture_surface_tension(recipe.solvent, min(max(kelvin, 288.15), 308.15))  # -0.1 mN/m a kelvin beyond
@@ -133,15 +134,23 @@ def believe(recipe: Recipe) -> tuple[Believed, dict[str, str]]:
             surface_tension=gamma,
             conductivity=conductivity,
             evaporation=evaporation_rate(recipe.solvent, kelvin, wet),
-            flight_time=recipe.gap / GLOBAL["flight_speed"],
+            flight_time=recipe.gap / TAKEN.flight_speed,
             onset_radius=0.1 * r0,
             voltage=recipe.voltage,
             flow_rate=recipe.flow_rate,
+            gap=recipe.gap,
+            needle_radius=r0,
             volume_fraction=phi,
-            solid_fraction=max(GLOBAL["solid_fraction"], 0.5 * (1 + phi)),
+            solid_fraction=max(TAKEN.solid_fraction, 0.5 * (1 + phi)),
             viscosity=recipe.viscosity,
             current=recipe.current,
             sd=sd,
+            away={
+                "concentration_response": float(np.log(w / usual)),
+                "voltage_response": float(np.log(recipe.voltage / _USUAL["voltage"])),
+                "flow_response": float(np.log(recipe.flow_rate / _USUAL["flow_rate"])),
+                "gap_response": float(np.log(recipe.gap / _USUAL["gap"])),
+            },
         ),
         borrowed,
     )
@@ -159,13 +168,13 @@ def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -
     w = recipe.mass_fraction
     usual = recipe.usual_fraction if recipe.usual_fraction == recipe.usual_fraction else w
     if w != w:
-        w = usual if usual == usual else float(min(GLOBAL["spun_at"] * np.exp(log_ce), 0.4))
-        sd["entanglement_concentration"] = float(np.hypot(GLOBAL["spun_at_sd"], 0.3))
+        w = usual if usual == usual else float(min(TAKEN.spun_at * np.exp(log_ce), 0.4))
+        sd["entanglement_concentration"] = float(np.hypot(TAKEN.spun_at_sd, 0.3))
         borrowed["solution.concentration"] = f"{100 * w:.3g} wt%, where such chains are usually spun"
-        return GLOBAL["spun_at"], w
+        return TAKEN.spun_at, w
     # where people spin: ln(usual/c_e) about ln 2.5
-    precision = (own**-2, GLOBAL["spun_at_sd"] ** -2)
-    said = np.log(usual) - np.log(GLOBAL["spun_at"])
+    precision = (own**-2, TAKEN.spun_at_sd**-2)
+    said = np.log(usual) - np.log(TAKEN.spun_at)
     log_ce = (precision[0] * log_ce + precision[1] * said) / sum(precision)
     sd["entanglement_concentration"] = float(sum(precision) ** -0.5)
     return float(w / np.exp(log_ce)), w
@@ -195,9 +204,7 @@ def _rate(name: str, kelvin: float, humidity: float) -> float:
     ambient = min(humidity, 0.97) if name == "water" else 0.0
     pressure = float(saturation_pressure(name, kelvin))
     content = pressure * molar_mass(name) / (_GAS * kelvin)
-    free = (
-        vapour_diffusivity(name, kelvin) * GLOBAL["sherwood"] * content * (1 - ambient) / solvent_density(name, kelvin)
-    )
+    free = vapour_diffusivity(name, kelvin) * TAKEN.sherwood * content * (1 - ambient) / solvent_density(name, kelvin)
     cooled = wet_bulb(Evaporant.build(name, kelvin, ambient_pressure=ambient * pressure), kelvin).rate_factor
     return float(free * cooled)
 

@@ -1,22 +1,24 @@
 """From a recipe and draws of what it does not say to fibres: the whole chain on arrays, one entry a draw.
 
-    c/c_e, mu_s -> mu -> eta_E = Tr mu ;  V, Q, K -> I -> q = I/Q ;  solvent, air -> k_ev (with heat)
+    c/c_e, mu_s -> mu -> eta_E = Tr mu ;  V, Q, K, mu -> I -> q = I/Q ;  solvent, air -> k_ev (with heat)
     q, gamma, eta_E, k_ev, phi_0, flight time -> thinning (`spinline.jetprofile.whipping`) -> d = 2 a phi_0^(1/2)
 
 Every unknown is a median times ``exp(sd z)`` with z normal, so that the chain is a function of the normal draws z and of the
-recipe's medians; shares of variance and a measured fibre act on the z's.
+recipe's medians; shares of variance and a measured fibre act on the z's. What the laws do not know is in it too: how a
+laboratory differs from the next, how its fibres answer a setting beyond the laws, how one setting and one mat differ.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.jetprofile.whipping import Thinning, terminal_radius, thinning
-from spinline.recipe.constants import GLOBAL
+from spinline.recipe.constants import CONSTANTS, TAKEN, Calibrated
 
-__all__ = ["UNKNOWNS", "Believed", "Fibres", "spun"]
+__all__ = ["OF_MATERIALS", "RESPONSES", "UNKNOWNS", "Believed", "Fibres", "spun"]
 
 #: What is uncertain of a recipe, by its name, in words.
 UNKNOWNS = {
@@ -30,9 +32,27 @@ UNKNOWNS = {
     "flight_time": "time of flight",
     "onset_radius": "radius where bending sets in",
     "relaxation_time": "relaxation time of the strands",
+    "concentration_response": "how a laboratory's fibres follow the concentration beyond the laws",
+    "voltage_response": "how they follow the voltage beyond the laws",
+    "flow_response": "how they follow the flow rate beyond the laws",
+    "gap_response": "how they follow the gap beyond the laws",
     "laboratory": "what differs between laboratories and is in no recipe",
-    "repeat": "what differs between two mats of one laboratory",
+    "unevenness": "how much a laboratory's fibres scatter",
+    "setting": "what the laws miss at one setting",
+    "repeat": "what differs between two mats of one setting",
 }
+#: Ways in which a laboratory's fibres follow its settings.
+RESPONSES = ("concentration_response", "voltage_response", "flow_response", "gap_response")
+#: Unknowns that two recipes share only where polymer and solvent are the same.
+OF_MATERIALS = (
+    "entanglement_concentration",
+    "viscosity",
+    "extensional_viscosity",
+    "conductivity",
+    "evaporation",
+    "surface_tension",
+    "relaxation_time",
+)
 _EXPONENTS = 12.0  # of e, beyond which a draw is no jet
 
 
@@ -40,20 +60,24 @@ _EXPONENTS = 12.0  # of e, beyond which a draw is no jet
 class Believed:
     """What is believed of one recipe: medians in SI and standard deviations of their logarithms (0 where given).
 
+    Of several at once (`Believed.of`) each number is an array (recipe, 1).
+
     Attributes
     ----------
     coil : float
         c/c_e, concentration over that of entanglement.
     solvent_viscosity, surface_tension, conductivity, evaporation, flight_time, onset_radius : float
         SI; `evaporation` is k_ev, m2/s.
-    voltage, flow_rate : float
-        V, m3/s.
+    voltage, flow_rate, gap, needle_radius : float
+        V, m3/s, m, m.
     volume_fraction, solid_fraction : float
         Polymer at the needle, and where it is solid.
     viscosity, current : float
         Pa s, A; NaN where they follow from the laws.
     sd : mapping
         Standard deviation of each unknown's logarithm.
+    away : mapping
+        Logarithm of a setting over the usual one (of its laboratory for the concentration), by the names of `RESPONSES`.
     """
 
     coil: float
@@ -65,21 +89,40 @@ class Believed:
     onset_radius: float
     voltage: float
     flow_rate: float
+    gap: float
+    needle_radius: float
     volume_fraction: float
-    solid_fraction: float = GLOBAL["solid_fraction"]
+    solid_fraction: float = TAKEN.solid_fraction
     viscosity: float = float("nan")
     current: float = float("nan")
-    sd: Mapping[str, float] = field(default_factory=dict)
+    sd: Mapping[str, Any] = field(default_factory=dict)
+    away: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, many: Sequence["Believed"]) -> "Believed":
+        """Several as one."""
+
+        def column(values: Any) -> Any:
+            return np.array([list(values)]).T
+
+        plain = {
+            f.name: column(getattr(one, f.name) for one in many) for f in fields(cls) if f.name not in ("sd", "away")
+        }
+        return cls(
+            **plain,
+            sd={name: column(one.sd.get(name, 0.0) for one in many) for name in UNKNOWNS},
+            away={name: column(one.away.get(name, 0.0) for one in many) for name in RESPONSES},
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Fibres:
-    """What the draws became, arrays (draw,).
+    """What the draws became, arrays (draw,), or (recipe, draw) of several recipes.
 
     Attributes
     ----------
     log_diameter : ndarray
-        ln of the fibre's dry diameter in m, laboratory and repeat included.
+        ln of the fibre's dry diameter in m, laboratory, setting and repeat included.
     thinning : Thinning
     charge_density, viscosity, current, coil, terminal, terminal_radius : ndarray
         q (C/m3), mu (Pa s), I (A), c/c_e, the fibre's diameter by the terminal law alone (m), and the undried radius of that.
@@ -95,8 +138,15 @@ class Fibres:
     terminal_radius: FloatArray
 
 
-def spun(believed: Believed, normal: FloatArray, *, rung: str = "race", steps: int = 32) -> Fibres:
-    """Fibres of a recipe.
+def spun(
+    believed: Believed,
+    normal: FloatArray,
+    *,
+    rung: str = "race",
+    steps: int = 32,
+    constants: Calibrated = CONSTANTS,
+) -> Fibres:
+    """Fibres of a recipe, or of several.
 
     Parameters
     ----------
@@ -107,6 +157,7 @@ def spun(believed: Believed, normal: FloatArray, *, rung: str = "race", steps: i
         The whole thinning, or the balance of charge and surface tension alone.
     steps : int
         Of the march.
+    constants : Calibrated
 
     Returns
     -------
@@ -118,37 +169,47 @@ def spun(believed: Believed, normal: FloatArray, *, rung: str = "race", steps: i
         value: FloatArray = np.exp(np.clip(believed.sd.get(name, 0.0) * z[name], -_EXPONENTS, _EXPONENTS))
         return value
 
-    g = GLOBAL
     coil = believed.coil / factor("entanglement_concentration")
-    law = believed.solvent_viscosity * (1 + g["viscosity_at_entanglement"] * coil ** g["viscosity_power"])
-    viscosity = (law if np.isnan(believed.viscosity) else np.full_like(law, believed.viscosity)) * factor("viscosity")
-    conductivity = believed.conductivity * factor("conductivity")
-    level = (
-        g["current_level"]
-        * (believed.voltage / 15e3) ** g["current_voltage"]
-        * (believed.flow_rate / (1e-6 / 3600)) ** g["current_flow"]
-        * (conductivity / 1e-3) ** g["current_conductivity"]
+    law = believed.solvent_viscosity * (1 + TAKEN.viscosity_at_entanglement * coil**constants.viscosity_power)
+    viscosity = np.where(np.isnan(believed.viscosity), law, believed.viscosity) * factor("viscosity")
+    level = constants.current_level * (
+        (_field(believed.voltage, believed.gap, believed.needle_radius) / _USUAL_FIELD) ** TAKEN.current_voltage
+        * (believed.flow_rate / _USUAL_FLOW) ** TAKEN.current_flow
+        * (believed.conductivity * factor("conductivity") / 1e-3) ** constants.current_conductivity
+        * viscosity**TAKEN.current_viscosity
     )
-    current = (level if np.isnan(believed.current) else np.full_like(level, believed.current)) * factor("current")
+    current = np.where(np.isnan(believed.current), level, believed.current) * factor("current")
     q = current / believed.flow_rate
     gamma = believed.surface_tension * factor("surface_tension")
-    terminal = terminal_radius(q, gamma, g["chi"])
+    terminal = terminal_radius(q, gamma, TAKEN.chi)
     found = thinning(
         q,
         gamma,
-        g["trouton"] * viscosity * factor("extensional_viscosity"),
+        constants.trouton * viscosity * factor("extensional_viscosity"),
         believed.evaporation * factor("evaporation"),
         believed.volume_fraction,
         believed.flight_time * factor("flight_time"),
         believed.onset_radius * factor("onset_radius"),
-        power=g["viscosity_power"],
+        power=constants.viscosity_power,
         solid_fraction=believed.solid_fraction,
-        chi=g["chi"],
+        chi=TAKEN.chi,
         steps=steps,
     )
     dry = 2 * np.sqrt(believed.volume_fraction)
-    undried = terminal if rung == "terminal" else found.radius
-    log_d = np.log(dry * undried)
-    for name in ("laboratory", "repeat"):
-        log_d = log_d + believed.sd.get(name, 0.0) * z[name]
+    log_d = np.log(dry * (terminal if rung == "terminal" else found.radius))
+    log_d = log_d + constants.concentration_beyond * believed.away.get("concentration_response", 0.0)
+    for name in RESPONSES:
+        log_d = log_d + believed.sd.get(name, 0.0) * believed.away.get(name, 0.0) * z[name]
+    log_d = log_d + believed.sd.get("laboratory", 0.0) * z["laboratory"]
+    for name in ("setting", "repeat"):
+        log_d = log_d + believed.sd.get(name, 0.0) * factor("unevenness") * z[name]
     return Fibres(log_d, found, q, viscosity, current, coil, dry * terminal, terminal)
+
+
+def _field(voltage: Any, gap: Any, radius: Any) -> Any:
+    """Voltage as the tip of a needle sees it."""
+    return voltage / np.log1p(4 * gap / radius)
+
+
+_USUAL_FLOW = 1e-6 / 3600
+_USUAL_FIELD = _field(15e3, 0.15, 0.2e-3)

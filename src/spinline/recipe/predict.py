@@ -1,7 +1,7 @@
 """A recipe's fibre: median, intervals, what the interval is made of, regime, orientation; one measured fibre sharpens it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -9,8 +9,8 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.recipe.believe import Recipe, believe
-from spinline.recipe.constants import GLOBAL
-from spinline.recipe.model import UNKNOWNS, Believed, Fibres, spun
+from spinline.recipe.constants import CONSTANTS
+from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
 from spinline.recipe.regime import Regime, regime_of
 
 __all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
@@ -59,6 +59,10 @@ class Fibre:
     borrowed : mapping
         What the recipe did not say and what was taken, by its key.
     remarks : tuple of str
+    landing_fraction : float
+        Polymer in the fibre where it lands or is solid, median; 0.7 and more is dry.
+    laying_speed : float
+        m/s at which one unbroken fibre of this diameter uses up the flow: length made a second.
     """
 
     fibre_diameter: float
@@ -77,6 +81,8 @@ class Fibre:
     trade: Mapping[str, float]
     borrowed: Mapping[str, str]
     remarks: tuple[str, ...] = ()
+    landing_fraction: float = float("nan")
+    laying_speed: float = float("nan")
 
 
 def predict(
@@ -96,9 +102,9 @@ def predict(
         Fibres of the same rig and materials; what they say of the shared unknowns sharpens the answer.
     rung : {"race", "terminal"}
     draws : int
-        Of a fixed scrambled Sobol' sequence: the same recipe gives the same answer.
+        Of a fixed Latin hypercube: the same recipe gives the same answer.
     shares : bool
-        Compute the variance shares too (13 times the draws).
+        With the variance shares.
 
     Returns
     -------
@@ -106,16 +112,17 @@ def predict(
 
     Notes
     -----
-    0.05 s, 0.3 s with the shares. The quantiles of 2048 such draws are good to about 1 %.
+    Some 0.05 s. The quantiles of 2048 such draws are good to about 1 %, the shares to 0.01.
     """
     if rung not in RUNGS:
         raise InputError("rung", "is not known", value=rung, allowed=", ".join(RUNGS))
+    recipe, measured = _one_laboratory(recipe, measured)
     believed, borrowed = believe(recipe)
-    z = _normals(draws)
+    z = normals(draws)
     found = spun(believed, z, rung=rung)
-    log_d, weights = found.log_diameter, None
+    log_d, far = found.log_diameter, 0.0
     if measured:
-        log_d, weights = _conditioned(found.log_diameter, z, measured, rung)
+        log_d, far = _conditioned(found.log_diameter, z, recipe, measured, rung)
     low95, low68, median, high68, high95 = np.exp(np.quantile(log_d, _QUANTILES))
     orientation = _orientation(found, believed, z)
     regime = regime_of(believed, recipe, found)
@@ -132,48 +139,92 @@ def predict(
         regimes=regime.shares,
         rung=rung,
         decides=ended,
-        variance_shares=_shares(believed, rung) if shares else {},
+        variance_shares=_with_rest(shares_of(log_d, z), bool(measured)) if shares else {},
         current=float(np.median(found.current)),
         viscosity=float(np.median(found.viscosity)),
         charge_density=float(np.median(found.charge_density)),
         trade={"terminal": terminal} if rung == "race" else {"race": race},
         borrowed=borrowed,
-        remarks=_remarks(regime, weights),
+        remarks=(*_remarks(regime, far), *_pores(recipe, believed)),
+        landing_fraction=float(np.median(found.thinning.volume_fraction)),
+        laying_speed=float(recipe.flow_rate * believed.volume_fraction / (np.pi * (median / 2) ** 2)),
     )
 
 
-@lru_cache(maxsize=8)
-def _normals(draws: int, seed: int = 1) -> FloatArray:
-    from scipy.special import ndtri
-    from scipy.stats import qmc
+def _one_laboratory(recipe: Recipe, measured: Sequence[Measurement]) -> tuple[Recipe, list[Measurement]]:
+    """The recipes with the fraction about which they are spun in common."""
+    alike = [one.recipe for one in measured if one.recipe.polymer == recipe.polymer]
+    if not alike or recipe.usual_fraction == recipe.usual_fraction:
+        return recipe, list(measured)
+    given = [r.mass_fraction for r in (recipe, *alike) if r.mass_fraction == r.mass_fraction]
+    usual = float(np.exp(np.mean(np.log(given)))) if given else float("nan")
+    shared = [
+        replace(one, recipe=replace(one.recipe, usual_fraction=usual)) if one.recipe in alike else one
+        for one in measured
+    ]
+    return replace(recipe, usual_fraction=usual), shared
 
-    points = qmc.Sobol(len(UNKNOWNS), seed=seed).random(draws)
-    value: FloatArray = ndtri(np.clip(points, 1e-9, 1 - 1e-9))
+
+@lru_cache(maxsize=16)
+def normals(draws: int, seed: int = 1) -> FloatArray:
+    """Standard normal draws (draw, unknown), evenly spread in each unknown (a Latin hypercube)."""
+    from scipy.special import ndtri
+
+    rng = np.random.default_rng(seed)
+    ranks = rng.permuted(np.tile(np.arange(draws), (len(UNKNOWNS), 1)), axis=1).T
+    value: FloatArray = ndtri((ranks + rng.random(ranks.shape)) / draws)
     return value
 
 
-def _conditioned(
-    log_d: FloatArray, z: FloatArray, measured: Sequence[Measurement], rung: str
-) -> tuple[FloatArray, FloatArray]:
-    """Ln d of the draws, given what was measured: each draw moved by the gain that normal quantities have.
+def another(z: FloatArray, mine: Recipe, other: Recipe, seed: int) -> FloatArray:
+    """The draws of another mat of the same laboratory: what it does not share with `mine` is drawn anew."""
+    own, new = z.copy(), normals(len(z), seed=seed)
+    apart = ["repeat"]
+    if replace(mine, spread=None, usual_fraction=0.0) != replace(other, spread=None, usual_fraction=0.0):
+        apart.append("setting")
+    if (mine.polymer, dict(mine.solvent)) != (other.polymer, dict(other.solvent)):
+        apart += OF_MATERIALS
+    for name in apart:
+        own[:, list(UNKNOWNS).index(name)] = new[:, list(UNKNOWNS).index(name)]
+    return own
 
-    The unknowns of the rig are shared, the repeat is not: every measurement has its own. Exact where ln d is linear in the
-    unknowns, which it is nearly (exponents of powers).
+
+def even(z: FloatArray) -> FloatArray:
+    """The draws of laboratories of usual scatter."""
+    own = z.copy()
+    own[:, list(UNKNOWNS).index("unevenness")] = 0.0
+    return own
+
+
+def gain_of(log_d: FloatArray, seen: FloatArray) -> FloatArray:
+    """What ln d gains for each ln of a measured diameter: draws (draw,) and (measurement, draw)."""
+    spread = seen - seen.mean(axis=1, keepdims=True)
+    cross = spread @ (log_d - log_d.mean()) / log_d.size
+    gain: FloatArray = np.linalg.solve(spread @ spread.T / log_d.size + 1e-12 * np.eye(len(seen)), cross)
+    return gain
+
+
+def _conditioned(
+    log_d: FloatArray, z: FloatArray, recipe: Recipe, measured: Sequence[Measurement], rung: str
+) -> tuple[FloatArray, float]:
+    """Ln d of the draws, given what was measured; and how far that is from what was expected, in standard deviations.
+
+    Each draw is moved by the gain that normal quantities have: exact where ln d is linear in the unknowns, which it is
+    nearly (exponents of powers). The gain is that of a laboratory of usual scatter.
     """
-    seen, target = [], []
+    seen, usual, target = [], [], []
     for i, one in enumerate(measured):
         if not one.diameter > 0:
             raise InputError("measured.fibre_diameter", "is not above zero", value=one.diameter, allowed="> 0 m")
-        own = z.copy()
-        own[:, -1] = _normals(len(z), seed=100 + i)[:, -1]
-        believed, _ = believe(one.recipe)
-        seen.append(spun(believed, own, rung=rung).log_diameter + one.sd * _normals(len(z), seed=200 + i)[:, 0])
+        own, believed = another(z, recipe, one.recipe, 100 + i), believe(one.recipe)[0]
+        error = one.sd * normals(len(z), seed=200 + i)[:, 0]
+        seen.append(spun(believed, own, rung=rung).log_diameter + error)
+        usual.append(spun(believed, even(own), rung=rung).log_diameter + error)
         target.append(np.log(one.diameter))
-    y = np.array(seen)
-    spread = y - y.mean(axis=1, keepdims=True)
-    cross = spread @ (log_d - log_d.mean()) / len(z)
-    gain = np.linalg.solve(spread @ spread.T / len(z) + 1e-12 * np.eye(len(y)), cross)
-    return log_d + (np.array(target)[:, np.newaxis] - y).T @ gain, gain
+    gain = gain_of(spun(believe(recipe)[0], even(z), rung=rung).log_diameter, np.array(usual))
+    y, off = np.array(seen), np.array(target)
+    far = float(np.max(np.abs(off - np.median(y, axis=1)) / y.std(axis=1)))
+    return log_d + (off[:, np.newaxis] - y).T @ gain, far
 
 
 def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray:
@@ -186,7 +237,7 @@ def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray
     """
     from spinline.network.lattice_walk import stretched_walk
 
-    thin, p = found.thinning, GLOBAL["viscosity_power"]
+    thin, p = found.thinning, CONSTANTS.viscosity_power
     slower = np.exp(believed.sd.get("relaxation_time", 0.0) * z[:, list(UNKNOWNS).index("relaxation_time")])
     theta = 3 * slower * found.viscosity / (2e6 * believed.volume_fraction**2.3)
     thicker = np.maximum((thin.time / theta) ** (1 / 2.33), 1.0)  # phi at which the strands freeze over phi_0
@@ -209,30 +260,47 @@ def _decides(found: Fibres) -> str:
     )
 
 
-def _shares(believed: Believed, rung: str) -> dict[str, float]:
-    """First-order Sobol' shares of ln d by Saltelli's and Jansen's pairs."""
-    n = 1024
-    from scipy.special import ndtri
-    from scipy.stats import qmc
+def shares_of(log_d: FloatArray, z: FloatArray) -> dict[str, float]:
+    """First-order Sobol' shares of the variance of ln d, by unknown, from the draws themselves.
 
-    both = ndtri(np.clip(qmc.Sobol(2 * len(UNKNOWNS), seed=3).random(n), 1e-9, 1 - 1e-9))
-    a, b = both[:, : len(UNKNOWNS)], both[:, len(UNKNOWNS) :]
-    active = [i for i, name in enumerate(UNKNOWNS) if believed.sd.get(name, 0.0) > 0]
-    stacked = [a, b]
-    for i in active:
-        mixed = a.copy()
-        mixed[:, i] = b[:, i]
-        stacked.append(mixed)
-    values = spun(believed, np.concatenate(stacked), rung=rung, steps=16).log_diameter.reshape(len(stacked), n)
-    fa, fb, total = values[0], values[1], float(np.var(values[:2]))
+    The mean of ln d over all but one unknown is a series of Hermite polynomials of that one, to the third; what chance
+    alone would give them (3 in the number of draws) is taken off.
+    """
+    y = log_d - log_d.mean()
+    total, found = float(y @ y) / y.size, {}
     if total <= 0:
         return {}
-    first = {list(UNKNOWNS)[i]: float(np.mean(fb * (values[2 + j] - fa)) / total) for j, i in enumerate(active)}
-    return dict(sorted(((name, share) for name, share in first.items() if share > 1e-4), key=lambda item: -item[1]))
+    for i, name in enumerate(UNKNOWNS):
+        x = z[:, i]
+        series = (x, (x * x - 1) / 2**0.5, (x**3 - 3 * x) / 6**0.5)
+        share = sum(float(y @ h / y.size) ** 2 for h in series) / total - 3 / y.size
+        if share > 1e-3:
+            found[name] = share
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-def _remarks(regime: Regime, weights: FloatArray | None) -> tuple[str, ...]:
+# breath figures: pores on fibres from volatile solvents in air of more than 30 % RH (Casper et al., Macromolecules 37, 573
+# (2004))
+_VOLATILE, _HUMID = 4e-10, 0.3  # k_ev in m2/s: tetrahydrofuran, chloroform, acetone and dichloromethane are above
+
+
+def _with_rest(shares: dict[str, float], measured: bool) -> dict[str, float]:
+    """What is left where fibres were measured is their own scatter, which `shares_of` does not see."""
+    rest = 1.0 - sum(shares.values())
+    return {**shares, "measured": rest} if measured and rest > 0 else shares
+
+
+def _pores(recipe: Recipe, believed: Believed) -> tuple[str, ...]:
+    humid = recipe.relative_humidity > _HUMID or recipe.relative_humidity != recipe.relative_humidity
+    if believed.evaporation > _VOLATILE and humid and "water" not in recipe.solvent:
+        return ("pores on the fibres are likely: a volatile solvent, in air of more than 30 % relative humidity",)
+    return ()
+
+
+def _remarks(regime: Regime, far: float) -> tuple[str, ...]:
     said = list(regime.remarks)
-    if weights is not None and float(np.sum(weights)) > 1.5:
-        said.append("the measured fibres are far from what was expected of their recipes: check their units")
+    if far > 3:
+        said.append(
+            f"a measured fibre is {far:.1f} standard deviations from what its recipe lets expect: check its units and settings"
+        )
     return tuple(said)

@@ -1,6 +1,7 @@
 """The recipe file: what a lab notebook holds, in TOML. What is missing gets what is usual; unknown keys are refused."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -133,8 +134,6 @@ class RecipeSheet(Sheet):
 
     def measurements(self) -> list[Measurement]:
         """What was measured on this rig."""
-        from dataclasses import replace
-
         recipe = self.recipe()
         many = self.measured if isinstance(self.measured, list) else [self.measured] if self.measured else []
         found = []
@@ -223,4 +222,19 @@ def fibre(recipe: "str | Path | RecipeSheet | Recipe", *, rung: str = "race", sh
     if isinstance(recipe, Recipe):
         return predict(recipe, rung=rung, shares=shares)
     sheet = recipe if isinstance(recipe, RecipeSheet) else load_recipe(recipe)
-    return predict(sheet.recipe(), sheet.measurements(), rung=rung, shares=shares)
+    found = predict(sheet.recipe(), sheet.measurements(), rung=rung, shares=shares)
+    return replace(found, remarks=(*found.remarks, *_laid(sheet, found)))
+
+
+def _laid(sheet: RecipeSheet, found: Fibre) -> tuple[str, ...]:
+    """What a moving collector does with a fibre that is made so fast."""
+    speed = _value(sheet.collector.speed)
+    if not speed > 0:
+        return ()
+    if speed < found.laying_speed:
+        words = "lays loops, the more aligned the nearer the two are"
+    else:
+        words = "pulls: fibres are aligned, thinner than said here, or torn"
+    return (
+        f"the collector moves at {speed:.3g} m/s, one unbroken fibre would be made at {found.laying_speed:.3g} m/s: it {words}",
+    )

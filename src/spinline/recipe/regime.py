@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from spinline.base.constants import EPS0
+from spinline.jetprofile.ehd.thresholds import threshold_voltage
 from spinline.recipe.believe import Recipe
 from spinline.recipe.model import Believed, Fibres
 
@@ -19,14 +19,15 @@ REGIMES = {
     "sprays": "drops: no network holds the jet together",
     "drips": "no steady jet: too little voltage, or too much flow",
     "wet deposit": "lands wet: fibres fuse or flatten",
-    "clogs": "the needle is likely to clog: very volatile, or very viscous",
+    "clogs": "too viscous for the pump and the needle",
 }
-_SPRAY, _BEADS = (
-    0.7,
-    1.25,
-)  # c/c_e (Shenoy et al., Polymer 46, 3372 (2005): fibres from about 1 entanglement a chain, smooth from 2.5)
-_CLOG_VISCOSITY = 300.0  # Pa s
-_THRESHOLD_SPREAD = 0.5  # sd of ln V; the theories differ by a factor of 3
+# c/c_e (Shenoy et al., Polymer 46, 3372 (2005): with two entanglements a chain at c_e, fibres among beads from some 1.4,
+# none but fibres from 2.5). McKee et al., Macromolecules 37, 1760 (2004) see the last beads go at 2 to 2.5 c_e: beads that
+# few are no failure here.
+_SPRAY, _BEADS = 0.7, 1.25
+_PUMP = 2e6  # Pa that a syringe pump can push (some 200 N on 1 cm2)
+_NEEDLE = 0.025  # m, length
+_LEAST_SPREAD = 0.3  # sd of ln V of the threshold
 
 
 @dataclass(frozen=True)
@@ -38,25 +39,27 @@ class Regime:
     remarks: tuple[str, ...]
 
 
-def threshold_voltage(surface_tension: float, radius: float, gap: float) -> float:
-    """Voltage at which a drop on a needle becomes a cone, V: Taylor's balance at a hyperboloid's tip.
-
-    ``ln(4 H/r) (gamma r/(2 eps0))^(1/2)``; within a factor of 2 of the other theories.
-    """
-    return float(np.log(4 * gap / radius) * np.sqrt(surface_tension * radius / (2 * EPS0)))
+def onset_voltage(surface_tension: float, radius: float, gap: float) -> tuple[float, float]:
+    """Voltage at which a needle begins to spin, V, and the sd of its logarithm: the middle and the spread of the theories'."""
+    theories = threshold_voltage(
+        surface_tension=surface_tension, radius=radius, gap=gap, needle_length=_NEEDLE, closed=True
+    )
+    values = np.log(list(theories.values()))
+    return float(np.exp(values.mean())), max(float(values.std()), _LEAST_SPREAD)
 
 
 def regime_of(believed: Believed, recipe: Recipe, found: Fibres) -> Regime:
     """Regime of the draws.
 
-    Drips: the chance that the voltage is below its threshold, which is known to a factor of 2. Else each draw is judged in this
-    order: sprays and beads (c/c_e), wet deposit (lands before it is solid), clogs (viscosity), jets.
+    Drips: the chance that the voltage is below its threshold, on which the theories differ threefold. Else each draw is
+    judged in this order: sprays and beads (c/c_e), wet deposit (lands before it is solid), clogs (the pump cannot push it
+    through the needle), jets.
     """
-    radius = 10 * believed.onset_radius
-    ratio = np.log(recipe.voltage / threshold_voltage(believed.surface_tension, radius, recipe.gap))
-    low = float(ndtr((np.log(0.6) - ratio) / _THRESHOLD_SPREAD))  # chance that the voltage is too low
+    onset, spread = onset_voltage(believed.surface_tension, believed.needle_radius, recipe.gap)
+    low = float(ndtr(np.log(onset / recipe.voltage) / spread))  # chance that the voltage is too low
+    pressure = 8 * found.viscosity * _NEEDLE * recipe.flow_rate / (np.pi * believed.needle_radius**4)
     label = np.full(found.coil.size, "jets", dtype=object)
-    label[found.viscosity > _CLOG_VISCOSITY] = "clogs"
+    label[pressure > _PUMP] = "clogs"
     label[found.thinning.wet & (found.thinning.volume_fraction < 0.4)] = "wet deposit"
     label[found.coil < _BEADS] = "beads"
     label[found.coil < _SPRAY] = "sprays"

@@ -56,17 +56,34 @@ def read_experiments(path: str | Path) -> list[dict[str, str]]:
         If it is no such table, or a column that every prediction needs is missing.
     """
     text, _ = read_text(path)
-    reader = csv.DictReader(text.splitlines())
-    missing = [name for name in _NEEDED if name not in (reader.fieldnames or ())]
+    lines = [line for line in text.splitlines() if line.strip()]
+    mark = max(",;\t", key=lines[0].count) if lines else ","
+    reader = csv.DictReader(lines, delimiter=mark)
+    names = [(name or "").strip() for name in reader.fieldnames or ()]
+    reader.fieldnames = names
+    missing = [name for name in _NEEDED if name not in names]
     if missing:
         raise InputError(
             str(path),
             f"has no column {missing[0]}",
-            value=list(reader.fieldnames or ()),
+            value=names,
             allowed=", ".join(_NEEDED),
-            remedy="a CSV table with commas, one row an experiment",
+            remedy="a CSV table, one row an experiment; `docs/howto/fibre.md` lists the columns and their units",
         )
-    return [{key: (value or "").strip() for key, value in row.items() if key is not None} for row in reader]
+    if len(set(names)) < len(names):
+        raise InputError(str(path), "names a column twice", value=next(n for n in names if names.count(n) > 1))
+    rows = [{key: _cell(value, key, mark) for key, value in row.items() if key} for row in reader]
+    if not rows:
+        raise InputError(str(path), "has no rows under its header", remedy="one row an experiment")
+    return rows
+
+
+def _cell(value: str | None, key: str, mark: str) -> str:
+    """Text of a cell: nothing for what means nothing; a decimal comma is a point where commas do not part cells."""
+    text = (value or "").strip()
+    if text.lower() in _NOTHING:
+        return ""
+    return text.replace(",", ".") if mark != "," and key.endswith(_UNITS) else text
 
 
 def recipes_of(rows: Sequence[Mapping[str, str]]) -> list[Recipe | str]:
@@ -88,9 +105,13 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
     try:
         names = _names(row)
         number = {key: _number(row, key) for key in row if key.endswith(_UNITS)}
-        lacking = [key for key in _NEEDED[2:] if not number[key] > 0]
-        if lacking:
-            return f"{lacking[0]} is missing or not above zero"
+        for key, (low, high, hint) in _USUAL.items():
+            if not number[key] > 0:
+                return f"{key} is missing or not above zero"
+            if not low <= number[key] <= high:
+                return f"{key} = {number[key]:g} is out of range [{low:g}, {high:g}]: {hint}"
+        if not row["polymer"]:
+            return "polymer is missing"
         percent = number.get("concentration_wt_percent", math.nan)
         if percent == percent and not 0.05 < percent < 95:
             return f"concentration_wt_percent = {percent:g} is out of range (0.05, 95)"
@@ -100,6 +121,8 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
         for key, value, low, high in (("temperature_degC", celsius, 0, 70), ("relative_humidity_percent", wet, 0, 100)):
             if value == value and not low <= value <= high:
                 return f"{key} = {value:g} is out of range [{low}, {high}]"
+        if 0 < wet < 1:
+            return f"relative_humidity_percent = {wet:g} looks like a share: percent, 45 and not 0.45"
         return Recipe(
             polymer=_polymer(row["polymer"]),
             solvent=known_solvents(names),
@@ -117,6 +140,15 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
 
 
 _UNITS = ("_kV", "_mL_per_h", "_cm", "_percent", "_degC", "needle_gauge", "drum_rpm")
+
+
+_NOTHING = {"nan", "na", "n/a", "none", "null", "-", "--", "?"}
+# what no needle has been run at, and what such a number usually is
+_USUAL = {
+    "voltage_kV": (0.1, 300.0, "kV, not V"),
+    "flow_rate_mL_per_h": (1e-4, 1e4, "mL/h, not L/h or mL/min"),
+    "distance_cm": (0.05, 500.0, "cm, not mm or m"),
+}
 
 
 def _number(row: Mapping[str, str], key: str) -> float:

@@ -81,10 +81,9 @@ def along(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
         handles += warm.plot(
             place, result["temperature"] - 273.15, color=RED, linewidth=1.5, label="temperature (°C, right)"
         )
-        warm.tick_params(
-            axis="y", direction="in", pad=-20, labelsize=7, labelcolor=RED
-        )  # inside: nothing beyond the panel
+        warm.tick_params(axis="y", pad=2, labelsize=7, labelcolor=RED)
         warm.grid(False)
     if handles:
-        axis.legend(handles=handles, **LEGEND)
+        top = axis if "temperature" not in result else warm  # the last that is drawn, over the curves of both
+        top.legend(handles=handles, **LEGEND, loc="best")
     axis.set_ylabel("the solution along the jet")

@@ -63,8 +63,9 @@ def figure(result: "xr.Dataset | NamedArrays", axes: SheetAxes = None) -> Figure
     own = axes is None
     sheet, axes = sheet_of(axes, rows, 2, (9.0, height), sharex=True)
     if own:  # fixed margins: laying out by trial draws takes as long as the rest of a run
-        below, above = 0.46 / height, 1 - 0.56 / height
-        sheet.subplots_adjust(left=0.075, right=0.985, bottom=below, top=above, wspace=0.2, hspace=0.05)
+        below, above = 0.46 / height, 1 - 0.66 / height
+        right = 0.95 if "temperature" in result else 0.985  # degrees stand at the right of the last panel
+        sheet.subplots_adjust(left=0.075, right=right, bottom=below, top=above, wspace=0.2, hspace=0.05)
     beads = "element" in result.dims
     if beads:
         result = result.isel(element=np.flatnonzero(np.isfinite(result["stretch_ratio"].values)))
@@ -78,12 +79,14 @@ def figure(result: "xr.Dataset | NamedArrays", axes: SheetAxes = None) -> Figure
 
         across(axes[2, 0], place, result)
         along(axes[2, 1], place, result)
-    if beads:
-        axes[0, 0].set_xscale("log")
-    else:
-        axes[0, 0].set_xlim(place[0], place[-1])
-    for axis in axes.flat:
-        _mark(axis, result, "white" if any(isinstance(drawn, QuadMesh) for drawn in axis.collections) else "black")
+    for axis in axes.flat if not own else axes[:1, 0]:
+        if beads or _near_the_nozzle(result, place):
+            axis.set_xscale("log")
+        if not beads:
+            axis.set_xlim(place[1] if axis.get_xscale() == "log" and place[0] <= 0 else place[0], place[-1])
+    for i, axis in enumerate(axes.flat):
+        dark = any(isinstance(drawn, QuadMesh) for drawn in axis.collections)
+        _mark(axis, result, "white" if dark else "black", lettered=i < 2 or not own)
         grid(axis)
     for axis in axes[-1]:
         axis.set_xlabel("arc length from the nozzle (mm)" if beads else "distance from the nozzle z (mm)")
@@ -91,6 +94,12 @@ def figure(result: "xr.Dataset | NamedArrays", axes: SheetAxes = None) -> Figure
     title = f"{result.attrs['title']}\n{headline(result)}{said}"
     titled(sheet, own, title, fontsize=10.5 if len(said) < 40 else 8.5, y=0.985)
     return sheet
+
+
+def _near_the_nozzle(result: "xr.Dataset | NamedArrays", place: Any) -> bool:
+    """Whether what matters happens in the first fortieth of the jet, where a linear axis shows nothing."""
+    position = 1e3 * float(result["crossover_position"])
+    return bool(np.isfinite(position) and place[0] < position < place[0] + (place[-1] - place[0]) / 40)
 
 
 def png(result: "xr.Dataset | NamedArrays", dpi: int = DPI) -> bytes:
@@ -117,9 +126,9 @@ def _radii(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None
         shade(axis, place, result, name, colour, 1e6)
     axis.plot(place, 1e6 * result["radius"], color=GREY, linewidth=2, label="jet $r$")
     axis.plot(place, 1e6 * result["network_radius"], color=BLUE, linestyle="--", label="network $r_P$, Eq. (39)")
-    axis.plot(
-        place, 1e6 * result["network_radius_conservative"], color=ORANGE, linestyle=":", label="network, flux conserved"
-    )
+    flux = np.asarray(1e6 * result["network_radius_conservative"])
+    inside = np.where(flux <= 1e6 * np.asarray(result["radius"]) * (1 + 1e-9), flux, np.nan)  # a wider one is none
+    axis.plot(place, inside, color=ORANGE, linestyle=":", label="network, flux conserved")
     axis.set_yscale("log")
     axis.yaxis.set_minor_formatter(NullFormatter())
     axis.set_ylabel("radius (µm)")
@@ -134,7 +143,7 @@ def _strands(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> No
     axis.plot(place, result["radial_contraction"], color=RED, linestyle="--", label=r"contraction $\xi_\perp/\xi_0$")
     axis.set_ylim(-0.05, 1.05)
     axis.set_ylabel("strands")
-    axis.legend(**LEGEND, loc="center right")
+    axis.legend(**LEGEND, loc="best")
 
 
 def _stretches(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
@@ -156,7 +165,7 @@ def _stretches(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> 
     )
     axis.set_yscale("log")
     axis.set_ylabel("stretch ratio")
-    axis.legend(**LEGEND, loc="lower right")
+    axis.legend(**LEGEND, loc="best")
 
 
 def _fractions(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
@@ -171,8 +180,7 @@ def _fractions(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> 
     axis.set_yscale("log")
     axis.set_ylim(top=1.4)
     axis.set_ylabel("polymer volume fraction")
-    dry = float(result["mean_polymer_fraction"].values[-1]) > 0.3  # then the curves end in the corner above
-    axis.legend(**LEGEND, loc="lower right" if dry else "upper left")
+    axis.legend(**LEGEND, loc="best")
 
 
 def _span(axis: "Axes", ends: Any, colour: str) -> None:
@@ -193,7 +201,8 @@ def _span(axis: "Axes", ends: Any, colour: str) -> None:
             )
 
 
-def _mark(axis: "Axes", result: "xr.Dataset | NamedArrays", colour: str) -> None:
+def _mark(axis: "Axes", result: "xr.Dataset | NamedArrays", colour: str, *, lettered: bool) -> None:
+    """Lines at the crossover and the glass, through every panel; their letters above the first row, over no curve."""
     for name, style, label in (
         ("crossover", "-", "S"),
         ("crossover_extension", (0, (1, 3)), ""),
@@ -204,15 +213,16 @@ def _mark(axis: "Axes", result: "xr.Dataset | NamedArrays", colour: str) -> None
             _span(axis, 1e3 * result[f"{name}_position_band"].values, colour)
         if np.isfinite(position):
             axis.axvline(position, color=colour, linewidth=0.9, linestyle=style)
-            if label:
+            if label and lettered:
                 axis.annotate(
                     label,
                     (position, 1.0),
-                    (3, -3),
+                    (0, 2),
                     xycoords=("data", "axes fraction"),
                     textcoords="offset points",
-                    va="top",
+                    ha="center",
+                    va="bottom",
                     fontsize=9,
                     fontweight="bold",
-                    color=colour,
+                    color="black",
                 )

@@ -137,9 +137,11 @@ def _dried(result: "xr.Dataset | NamedArrays", end: int) -> list[str]:
         sentences.append(f"The jet {change}; its mean polymer fraction ends at {mean:.3g}.")
     if "temperature" in result:
         kelvin = result["temperature"].values
-        sentences.append(
-            f"It cools to {np.nanmin(kelvin) - 273.15:.3g} °C on the way and ends at {float(kelvin[end]) - 273.15:.3g} °C."
-        )
+        first, coldest, last = (float(t) - 273.15 for t in (kelvin[0], np.nanmin(kelvin), kelvin[end]))
+        if coldest < first - 0.2:
+            sentences.append(f"It cools to {coldest:.3g} °C on the way and ends at {last:.3g} °C.")
+        else:
+            sentences.append(f"It goes from {first:.3g} to {last:.3g} °C.")
     if "deborah_number" in result:
         w, affine = (float(result[name].values[end]) for name in ("strand_stretch", "stretch_ratio"))
         sentences.append(

@@ -15,7 +15,9 @@
     vapour_pressure = "200 Pa"
 """
 
+import difflib
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -89,8 +91,12 @@ def own_materials(scene: Scene) -> Scene:
     s = scene.solution
     if s.materials is None:
         return scene
+    from spinline.rheology.materials import POLYMERS, SOLVENTS
+
     found = read_materials(scene.folder / s.materials)
     update: dict[str, object] = {"materials": None}
+    _known("polymer", s.polymer, found.polymers, POLYMERS)
+    _known("solvent", s.solvent, found.solvents, SOLVENTS)
     if isinstance(s.polymer, str) and s.polymer in found.polymers:
         update["polymer"] = found.polymers[s.polymer]
     if isinstance(s.solvent, str) and s.solvent in found.solvents:
@@ -107,3 +113,20 @@ def own_materials(scene: Scene) -> Scene:
     copy = scene.model_copy(update={"solution": s.model_copy(update=update)})
     copy._text, copy._folder, copy._name = scene.text, scene.folder, scene.name
     return copy
+
+
+def _known(key: str, name: object, own: Mapping[str, object], library: Mapping[str, object]) -> None:
+    """Refuse a name that is neither in the file nor in the library, with the nearest of both."""
+    from spinline.rheology.names import known_as
+
+    if not isinstance(name, str) or name in own or known_as(name, library) is not None:
+        return
+    every = [*own, *library]
+    near = difflib.get_close_matches(name, every, n=1)
+    raise InputError(
+        f"solution.{key}",
+        "is neither in the file of materials nor built in",
+        value=name,
+        allowed=", ".join(every),
+        remedy=f"did you mean {near[0]!r}?" if near else "add it to the file",
+    )

@@ -86,7 +86,7 @@ NumberOrZero = Annotated[Measured, Read("number", 0.0, 1e30, closed=True)]
 class Section(BaseModel):
     """A section of the file: unknown keys are refused, what is read does not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Sheet(Section):

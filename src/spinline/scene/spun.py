@@ -16,6 +16,10 @@ Frequency = Annotated[Measured, Read("rate", 0.0, 1e9, closed=True)]
 Current = Annotated[Measured, Read("current", 0.0, 1e3)]
 ChargeDensity = Annotated[Measured, Read("charge density", 0.0, 1e12)]
 Speed = Annotated[Measured, Read("velocity", -1e3, 1e3)]
+Permittivity = Annotated[Measured, Read("number", 1.0, 1e6, closed=True, remedy="relative, 80 for water")]
+Acceleration = Annotated[Measured, Read("acceleration", -1e4, 1e4)]
+SideField = Annotated[Measured, Read("electric field", 0.0, 1e9, closed=True)]
+MagneticField = Annotated[Measured, Read("magnetic field", -1e3, 1e3, closed=True)]
 Stress = Annotated[Measured, Read("pressure", 0.0, 1e9, closed=True)]
 
 
@@ -29,6 +33,8 @@ class SpunJet(Section):
     gap: Length
     conductivity: Conductivity | None = None
     surface_tension: SurfaceTension | None = None
+    permittivity: Permittivity = Measured(80.0, 0.0, "80")
+    gravity: Acceleration = Measured(9.81, 0.0, "9.81 m/s2")
     current: Current | None = None
     field: Literal["hyperboloid", "uniform"] = "hyperboloid"
     charge: Literal["conducting", "frozen", "none"] = "conducting"
@@ -39,7 +45,8 @@ class SpunJet(Section):
     mobility: Annotated[float, Field(gt=0, le=1)] = 0.1
     yield_stress: Stress | None = None
     index: Annotated[float, Field(gt=0, le=2)] = 1.0
-    start: Literal["needle"] = "needle"
+    start: Literal["needle", "straight-jet"] = "needle"
+    start_position: Length | None = None
     inlet_stress: Literal["free", "given"] = "free"
     element_length: Length | None = None
     longest_element: Length | None = None
@@ -50,6 +57,11 @@ class SpunJet(Section):
     tolerance: Annotated[float, Field(gt=1e-12, le=1e-2)] = 1e-5
     bending: Literal["none", "viscous", "elastic"] = "none"
     image: bool = False
+    side_field: SideField | None = None
+    side_kind: Literal["rotating", "square"] = "rotating"
+    side_frequency: Frequency | None = None
+    magnetic_field: MagneticField | None = None
+    magnetic_direction: Literal["x", "y", "z"] = "x"
     collector: Literal["plate", "belt", "drum", "none"] = "plate"
     collector_speed: Speed | None = None
     collector_radius: Length | None = None
@@ -60,6 +72,8 @@ class SpunJet(Section):
             raise refusal("charge_density", "frozen charge needs one of charge_density and current")
         if self.nozzle_amplitude is not None and self.nozzle_frequency is None:
             raise refusal("nozzle_frequency", "is missing: a nozzle with an amplitude circles")
+        if (self.side_field is None) != (self.side_frequency is None):
+            raise refusal("side_frequency", "and side_field go together: a transverse field that turns or switches")
         if self.collector == "drum" and self.collector_radius is None:
             raise refusal("collector_radius", "is missing: a drum has one")
         return self

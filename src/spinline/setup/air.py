@@ -25,7 +25,16 @@ if TYPE_CHECKING:
     from spinline.rheology.transfer import Transfer
     from spinline.rheology.volatile import Volatile
 
-__all__ = ["ATMOSPHERE", "Air", "build_air", "humidity_of", "interaction_with", "library_name", "unit_volume"]
+__all__ = [
+    "ATMOSPHERE",
+    "Air",
+    "assumed_interactions",
+    "build_air",
+    "humidity_of",
+    "interaction_with",
+    "library_name",
+    "unit_volume",
+]
 
 ATMOSPHERE = 101325.0  # Pa
 
@@ -196,6 +205,26 @@ def interaction_with(scene: Scene, solution: Solution, name: str) -> float:
         if value is not None:
             return value
     return 0.5 if scene.network.solvent_quality == "theta" else 0.0
+
+
+def assumed_interactions(scene: Scene, solution: Solution) -> list[tuple[str, str, float]]:
+    """Liquids in the balance whose chi with the polymer neither the scene nor the library has: name, the key that
+    gives it, and what is taken.
+    """
+    from spinline.rheology.interactions import interaction
+
+    laws, ambient = scene.rheology or RheologySection(), scene.ambient or AmbientSection()
+    if laws.activity != "flory-huggins":
+        return []
+    names = [library_name(name) for name in solution.solvent]
+    keys = dict.fromkeys(names, ("rheology.chi", laws.chi))
+    if ambient.relative_humidity is not None and ambient.relative_humidity.value > 0 and "water" not in names:
+        keys["water"] = ("rheology.chi_water", laws.chi_water)
+    return [
+        (name, key, interaction_with(scene, solution, name))
+        for name, (key, own) in keys.items()
+        if own is None and interaction(solution.polymer.name, name) is None
+    ]
 
 
 def _density(scene: Scene, solution: Solution, name: str) -> float:

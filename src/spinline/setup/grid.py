@@ -4,6 +4,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
+from spinline.base.sorting import ascending
 from spinline.jetprofile.straight import StraightJet
 from spinline.scene.file import Scene
 
@@ -37,4 +38,4 @@ def jet_grid(jet: StraightJet, end: float, points: int) -> FloatArray:
     scale = min([jet.initial_radius, *(kink for kink in kinks if kink > 0)])
     grid = jet.start + scale * np.expm1(np.linspace(0.0, np.log1p((end - jet.start) / scale), points))
     grid[-1] = end
-    return np.unique(np.concatenate((np.clip(grid, jet.start, end), inside)))
+    return ascending(np.concatenate((np.clip(grid, jet.start, end), inside)))

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spinline.base.checks import FloatArray
+from spinline.base.checks import FloatArray, number
 from spinline.base.errors import InputError
 from spinline.rheology.solution import Solution
+from spinline.rheology.thermal import COLDEST, HOTTEST
 from spinline.scene.air_and_rheology import AmbientSection, RheologySection
 from spinline.scene.file import Scene, SolventData
 from spinline.setup.air import ATMOSPHERE, humidity_of, interaction_with, library_name, unit_volume
@@ -186,7 +187,8 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
     if why:
         raise InputError("effects.heat", f"cannot be: {why}", value=True, remedy="set effects.heat = false")
     ambient, laws = scene.ambient or AmbientSection(), scene.rheology or RheologySection()
-    warm = given(ambient.temperature, solution.temperature)
+    key = "ambient.temperature" if ambient.temperature is not None else "solution.temperature"
+    warm = number(key, given(ambient.temperature, solution.temperature), least=COLDEST, most=HOTTEST, unit="K")
     pressure = given(ambient.pressure, ATMOSPHERE)
     names = [library_name(name) for name in solution.solvent]
     far = _vapour_in_air(scene, names, warm)

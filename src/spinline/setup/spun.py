@@ -34,25 +34,7 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
         density = section.charge_density.value
     elif frozen and section.current is not None:
         density = section.current.value / flow
-    conductivity = 0.0 if frozen or section.charge == "none" else given(section.conductivity) or 0.0
-    if section.charge == "conducting":
-        raise InputError(
-            "jet.charge",
-            "is conducting: not offered for a whole, bent jet, whose free charged front runs away",
-            value=section.charge,
-            remedy='charge = "frozen" by name, with charge_density or current (and what it costs: spinline check); '
-            "the straight part with moving charge is the needle's jet",
-        )
-    kind = {"hyperboloid": "hyperboloid", "uniform": "uniform"}[section.field]
-    loads = Loads(
-        gap,
-        kind=kind,
-        voltage=section.voltage.value,
-        field=section.voltage.value / gap,
-        tip=radius,
-        gravity=9.81,
-        image=section.image,
-    )
+    loads = _loads(section, gap, radius)
     step = given(section.element_length) or radius / 5
     amplitude = given(section.nozzle_amplitude) or 0.0
     frequency = 2 * math.pi * (given(section.nozzle_frequency) or 0.0)
@@ -78,20 +60,101 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
         bending=section.bending,
         longest=given(section.longest_element) or 0.0,
     )
-    return SpunSettings(
+    settings = SpunSettings(
         density=solution.density,
         law=law,
         inlet=inlet,
         loads=loads,
         grid=grid,
         surface_tension=given(section.surface_tension) or 0.0,
-        conductivity=conductivity,
-        current=None if frozen or not conductivity else given(section.current),
         collector=Collector(
             section.collector, given(section.collector_speed) or 0.0, given(section.collector_radius) or 0.0
         ),
         seed=section.seed if seed is None else seed,
     )
+    if section.charge == "conducting":
+        return _conducting(section, solution, settings)
+    if section.start == "straight-jet":
+        raise InputError(
+            "jet.start",
+            "is the straight jet's, whose charge moves",
+            value=section.start,
+            remedy='charge = "conducting", or start = "needle"',
+        )
+    return settings
+
+
+def _loads(section: "SpunJet", gap: float, radius: float) -> Loads:
+    """Fields on the jet."""
+    strength = given(section.magnetic_field) or 0.0
+    return Loads(
+        gap,
+        kind=section.field,
+        voltage=section.voltage.value,
+        field=section.voltage.value / gap,
+        tip=radius,
+        gravity=section.gravity.value,
+        image=section.image,
+        side=section.side_kind if section.side_field is not None else "none",
+        side_field=given(section.side_field) or 0.0,
+        side_frequency=2 * math.pi * (given(section.side_frequency) or 0.0),
+        magnetic=tuple(strength if axis == section.magnetic_direction else 0.0 for axis in "xyz"),  # type: ignore[arg-type]
+    )
+
+
+def _conducting(section: "SpunJet", solution: "Solution", settings: SpunSettings) -> SpunSettings:
+    """With charge that moves, on the straight jet of the same bench."""
+    from spinline.jetprofile.ehd import NeedleSettings
+    from spinline.setup.spun_start import conducting
+
+    law = settings.law
+    if law.name not in ("fene-p", "oldroyd-b", "giesekus"):
+        raise InputError(
+            "jet.law",
+            f"is {law.name}, which has no solvent's viscosity: its jet has no steady start at a needle",
+            value=section.law,
+            allowed="fene-p, oldroyd-b, giesekus",
+            remedy='another law, or charge = "frozen" by name, with charge_density or current',
+        )
+    missing = [n for n in ("conductivity", "surface_tension") if getattr(section, n) is None]
+    if missing:
+        raise InputError(
+            f"jet.{missing[0]}",
+            "is missing: charge moves in the liquid (the default), from a needle",
+            remedy='give it, or charge = "frozen" by name, with charge_density or current',
+        )
+    assert section.conductivity is not None
+    assert section.surface_tension is not None
+    assert solution.viscosity is not None
+    assert solution.relaxation_time is not None
+    try:
+        needle = NeedleSettings(
+            radius=section.radius.value,
+            flow_rate=section.flow_rate.value,
+            voltage=section.voltage.value,
+            gap=section.gap.value,
+            conductivity=section.conductivity.value,
+            surface_tension=section.surface_tension.value,
+            viscosity=solution.viscosity,
+            density=solution.density,
+            permittivity=section.permittivity.value,
+            relaxation_time=solution.relaxation_time,
+            law=law.name,  # type: ignore[arg-type]
+            solvent_share=section.solvent_share,
+            extensibility=law.extensibility if math.isfinite(law.extensibility) else None,
+            mobility=law.mobility,
+            field=section.field,
+            current=given(section.current),
+            gravity=section.gravity.value,
+        )
+    except InputError as error:
+        raise InputError(
+            f"jet.{error.field}", error.problem, value=error.value, allowed=error.allowed, remedy=error.remedy
+        ) from None
+    place = None
+    if section.start == "straight-jet":
+        place = given(section.start_position) or 24 * section.radius.value
+    return conducting(settings, needle, place)
 
 
 def spun_remarks(section: "SpunJet", solution: "Solution") -> tuple[str, ...]:

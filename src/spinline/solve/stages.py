@@ -6,11 +6,12 @@ chosen, and of the places where the answer is wanted.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
+from spinline.base.sorting import ascending
 from spinline.network_models.registry import rung_in
 from spinline.network_models.rung import Network
 from spinline.network_models.slipping import BOND_STRENGTH
@@ -18,7 +19,9 @@ from spinline.network_models.variables import lateral_variables, network_motion,
 from spinline.setup.context import Context
 from spinline.setup.grid import jet_grid
 from spinline.solve.crossovers import Crossover, crossover_scalars, passage, slipping_passages, targets
-from spinline.solve.moments import Moments, follow_moments
+
+if TYPE_CHECKING:
+    from spinline.solve.moments import Moments
 
 __all__ = ["Answer", "jet_stage", "network_stage", "solve_stages"]
 
@@ -46,7 +49,7 @@ class Answer:
     scalars: dict[str, Any]
     found: dict[str, list[Crossover]]
     network: Network | None
-    moments: Moments | None
+    moments: "Moments | None"
     remarks: list[str]
 
     @property
@@ -103,6 +106,8 @@ def solve_stages(
     slipping = None if network is None else network_motion(context, rung, network, profile)
     moments: Moments | None = None
     if context.effects.any:
+        from spinline.solve.moments import follow_moments  # drying, heat and crystals: what a plain run does without
+
         moments = follow_moments(context, profile, None if slipping is None else slipping[0], found, bare=bare)
         profile |= moments.profile
         remarks += moments.remarks
@@ -134,7 +139,7 @@ def default_places(context: Context, special: list[float]) -> FloatArray:
     """Places of a result along a straight jet: fine at the nozzle, the special ones exactly among them."""
     jet, length = context.line, context.length
     inside = [place for place in special if jet.start <= place <= length]
-    return np.unique(np.concatenate((jet_grid(jet, length, context.scene.accuracy.points), inside)))
+    return ascending(np.concatenate((jet_grid(jet, length, context.scene.accuracy.points), inside)))
 
 
 def jet_stage(context: Context, places: FloatArray | None) -> dict[str, FloatArray]:
@@ -177,7 +182,7 @@ def network_stage(
     context: Context,
     profile: dict[str, FloatArray],
     slipping: tuple[FloatArray, FloatArray] | None,
-    moments: Moments | None,
+    moments: "Moments | None",
 ) -> dict[str, FloatArray]:
     """Network variables wherever the stretch is known, NaN (or False) elsewhere.
 
