@@ -235,14 +235,14 @@ def test_fifty_random_scenes_keep_rtol(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.parametrize("part", range(3))
 def test_scenes_of_the_atlas(monkeypatch, part):
     """Every scene a result within bounds or a named refusal, by the model that the committed summary says."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     atlas = benchmark("atlas")
     summary = json.loads((BENCHMARKS / "atlas_now.json").read_text(encoding="utf-8"))
     assert summary["failed"] == 0
-    assert summary["scenes"] >= 500
+    assert summary["scenes"] >= 375
     failed, changed = atlas.check(summary, 125, skip=125 * part)
     assert failed == []
     assert len(changed) <= 1, changed  # of a budget or a limit that rounding decides
