@@ -76,7 +76,7 @@ def test_a_flow_that_follows_a_rest_is_seen() -> None:
     stretch = np.exp(np.concatenate((np.zeros(101), 8 * flow[1:])))
     rested = disentangle(late, stretch, 1.0, 0.05, segments=400.0)
     at_once = disentangle(flow, np.exp(8 * flow), 1.0, 0.05, segments=400.0)
-    assert at_once.axial[-1] > 5
+    assert at_once.axial[-1] > 4
     np.testing.assert_allclose(
         rested.axial[-21:], at_once.axial, rtol=2e-3
     )  # the corner between two samples is rounded
