@@ -146,6 +146,7 @@ class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
     model: Literal["auto", "affine", "manifold", "conformation", "two-fluid", "chain", "walk"] = "auto"
+    walk_tension: Literal["affine", "manifold", "conformation", "two-fluid", "chain"] = "affine"
     closure: Literal["auto", "force", "stretch"] = "auto"
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
@@ -159,6 +160,12 @@ class NetworkSection(Section):
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 
+    @model_validator(mode="after")
+    def _tension_is_walked(self) -> Self:
+        if "walk_tension" in self.model_fields_set and self.model != "walk":
+            raise refusal("walk_tension", f'is of model = "walk", and model is "{self.model}"; take that, or drop it')
+        return self
+
     @property
     def closure_used(self) -> Literal["force", "stretch"]:
         """What "auto" stands for: "stretch" where a slipping network has a law with a contour, else "force".
@@ -167,7 +174,8 @@ class NetworkSection(Section):
         """
         if self.closure != "auto":
             return self.closure
-        return "stretch" if MODELS.get(self.model, False) and self.force_law != "linear" else "force"
+        mover = self.walk_tension if self.model == "walk" else self.model
+        return "stretch" if MODELS.get(mover, False) and self.force_law != "linear" else "force"
 
 
 class AccuracySection(Section):
@@ -219,5 +227,7 @@ def add_model(name: str, slips: bool) -> None:
     """Let ``network.model`` be another rung."""
     MODELS[name] = slips
     NetworkSection.model_fields["model"].annotation = Literal["auto", *MODELS]  # type: ignore[assignment]
+    movers = tuple(one for one in MODELS if one != "walk")
+    NetworkSection.model_fields["walk_tension"].annotation = Literal[*movers]  # type: ignore[assignment]
     NetworkSection.model_rebuild(force=True)
     Scene.model_rebuild(force=True)
