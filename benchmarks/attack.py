@@ -2,7 +2,8 @@
 
     python benchmarks/attack.py damage 2000 | kills 200 | scenes 5000  [--seed S]
 
-Each part writes its own entry of ``benchmarks/attack.json``; the scenes go on where their ``--log`` ends. Tests run a sample of the same (``tests/test_attack.py``).
+Each part writes its own entry of ``benchmarks/attack.json``; the scenes go on where their ``--log`` ends.
+Tests run a sample of the same (``tests/test_attack.py``).
 """
 
 import argparse

@@ -4,11 +4,17 @@ Frames of the bundled PVP run are repeated with perturbed numbers, as text and a
 Plain numpy reads the same numbers on a slice of the text, in the same run, without looking for damage.
 
     python benchmarks/bench_jetspin.py [MEGABYTES] [--frames] [--keep DIR]
+    python benchmarks/bench_jetspin.py --sizes 0.1 1 10 100     # import-jet as a whole; writes bench_jetspin.json
+
+The second measures what ``spinline import-jet`` does, reading, looking for damage and writing a sealed netCDF, in processor
+time of a process that has begun, against ``numpy.loadtxt`` on nothing but the rows of numbers of the same file (and of those
+not the ones whose columns touch, which it cannot read).
 """
 
 import argparse
 import io
 import itertools
+import json
 import resource
 import struct
 import tempfile
@@ -117,12 +123,56 @@ def plain(path, limit=4_000_000):
     return speeds
 
 
+def least(function, repeats):
+    """Shortest processor time of several calls, s."""
+    shortest = float("inf")
+    for _ in range(repeats):
+        begin = time.process_time()
+        function()
+        shortest = min(shortest, time.process_time() - begin)
+    return shortest
+
+
+def imports(sizes):
+    """`import-jet` from a text trajectory to a file, against loadtxt, at several sizes."""
+    from spinline.jetprofile.jetspin.netcdf import write_jet
+
+    run = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
+    frames, rows = real_frames(run), []
+    for size in sizes:
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
+            (folder / "log.txt").write_bytes((run / "log.txt").read_bytes())
+            make_text(folder / "traj.xyz", frames, 1e6 * size, np.random.default_rng(1))
+            megabytes = (folder / "traj.xyz").stat().st_size / 1e6
+            repeats = 3 if size >= 50 else 5
+            write_jet(folder, folder / "jet.nc", force=True)  # compiled
+            ours = least(lambda f=folder: write_jet(f, f / "jet.nc", force=True), repeats)
+            lines = (line for line in (folder / "traj.xyz").read_bytes().splitlines() if line.startswith(b"C "))
+            text = b"\n".join(line for line in lines if [word.count(b".") for word in line.split()] == [0, 1, 1, 1])
+            theirs = least(lambda t=text: np.loadtxt(io.BytesIO(t), usecols=(1, 2, 3)), repeats)
+        rows.append(
+            {
+                "megabytes": round(megabytes, 2),
+                "import_jet_mb_s": round(megabytes / ours, 1),
+                "loadtxt_mb_s": round(len(text) / 1e6 / theirs, 1),
+                "times_loadtxt": round(theirs / ours * megabytes / (len(text) / 1e6), 2),
+            }
+        )
+        print(rows[-1], flush=True)
+    Path(__file__).with_suffix(".json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("megabytes", type=float, nargs="?", default=100.0)
     parser.add_argument("--memory", action="store_true", help="also trace allocations (slow)")
     parser.add_argument("--keep", type=Path, help="directory for the synthetic files")
+    parser.add_argument("--sizes", type=float, nargs="*", help="import-jet at these sizes, MB")
     options = parser.parse_args()
+    if options.sizes:
+        imports(options.sizes)
+        return
     run = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.keep or Path(temporary)

@@ -121,11 +121,12 @@ def summary(rows: list[dict[str, object]]) -> dict[str, object]:
     seconds = np.array([one["seconds"] for one in rows])
     jets = [one for one in rows if one["verdict"] == "jet"]
     again = [one["again"] for one in jets if one["again"] is not None]
-    passed = [one for one in jets if one["thins"] and one["mesh_moves_u"] is not None and one["mesh_moves_u"] < 0.01]
+    tested = [one for one in jets if "thins" in one]  # the first rows were run without this column
+    passed = [one for one in tested if one["thins"] and one["mesh_moves_u"] is not None and one["mesh_moves_u"] < 0.01]
     return {
         "number": len(rows),
         "verdicts": dict(Counter(one["verdict"] for one in rows).most_common()),
-        "jets_that_pass_the_three_tests": len(passed),
+        "jets_that_pass_the_three_tests": f"{len(passed)} of {len(tested)}",
         "reached_twice": len(again),
         "furthest_apart": max(again, default=None),
         "apart_by_more_than_1e-3": [one["index"] for one in jets if (one["again"] or 0) > 1e-3],

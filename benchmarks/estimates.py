@@ -4,8 +4,8 @@
 
 Scenes are the straight ones of the atlas (`atlas_scenes.draw`). Printed, for every effect: how many of its errors lie between
 1e-4 and 1, which both rungs can tell, and the ratio of the estimate to what leaving the effect out changes
-(`spinline.study.difference`; evaporation: and of the mean fraction; radial gradients: surface against mean). Errors that pass
-1 are "no answer" by either, and agree if both say so.
+(`spinline.study.difference`; evaporation and cooling: and of the mean fraction; radial gradients: surface against
+mean). Errors that pass 1 are "no answer" by either, and agree if both say so.
 """
 
 import argparse
@@ -16,7 +16,15 @@ from pathlib import Path
 import atlas_scenes
 import numpy as np
 
-EFFECTS = ("elastic coupling", "inertia", "relaxation", "evaporation", "radial gradients", "finite extensibility")
+EFFECTS = (
+    "elastic coupling",
+    "inertia",
+    "relaxation",
+    "evaporation",
+    "evaporative cooling",
+    "radial gradients",
+    "finite extensibility",
+)
 SMALL, LARGE = 1e-4, 1.0
 
 
@@ -43,6 +51,8 @@ def _pairs(data):
         yield "inertia", (linear, {}), ({**linear, "inertia": 0.0}, {})
     yield "relaxation", ({"model": "conformation"}, {"relaxation": "auto"}), ({"model": "affine"}, {})
     yield "evaporation", ({"model": "affine"}, dry), ({"model": "affine"}, {})
+    warm = {**dry, "heat": False}
+    yield "evaporative cooling", ({"model": "affine"}, {**dry, "heat": True}), ({"model": "affine"}, warm)
     yield "radial gradients", ({"model": "affine"}, {**dry, "radial": True}), ({"model": "affine"}, dry)
     law = {"model": "manifold", "closure": "stretch"}
     yield "finite extensibility", ({**law, "force_law": "lattice"}, {}), ({**law, "force_law": "linear"}, {})
@@ -70,6 +80,9 @@ def true_error(name, data, on, off):
     if name == "evaporation":  # the mean fraction too, over the whole jet
         lost = with_it["evaporated_fraction"].values
         errors["mean"] = float(np.nanmax(np.abs(lost / (1 - lost))))
+    if name == "evaporative cooling":  # the dryness that is reported
+        one, other = (r["mean_polymer_fraction"].values for r in results)
+        errors["mean"] = float(np.nanmax(np.abs(other / one - 1)))
     return largest(errors), ""
 
 

@@ -21,6 +21,35 @@ OUT = Path(__file__).with_suffix(".json")
 ROWS, COLUMNS = 150, 220
 
 
+def _spe(frames: int) -> bytes:
+    head = bytearray(4100)
+    for at, kind, value in ((42, "<u2", COLUMNS), (108, "<i2", 3), (656, "<u2", ROWS), (1446, "<i4", frames)):
+        part = np.array([value], kind).tobytes()
+        head[at : at + len(part)] = part
+    return bytes(head)
+
+
+def _mrc(frames: int) -> bytes:
+    head = np.array([COLUMNS, ROWS, frames, 6], "<i4").tobytes().ljust(208, b"\0")
+    return (head + b"MAP DD\0\0").ljust(1024, b"\0")
+
+
+def _panel(frames: int) -> bytes:
+    head = (
+        np.array([0x7000, 68, 100, 0, 0, 32, 1, 1, COLUMNS, ROWS, frames, 0], "<u2").tobytes() + np.zeros(1).tobytes()
+    )
+    return (head + np.array([4], "<u2").tobytes()).ljust(100, b"\0")
+
+
+_HAMAMATSU = (b"IM" + np.array([0, COLUMNS, ROWS, 0, 0, 2], "<u2").tobytes()).ljust(64, b"\0")
+PLAIN = {
+    "spe": (".spe", _spe, b""),
+    "mrc": (".mrc", _mrc, b""),
+    "his, PerkinElmer": (".his", _panel, b""),
+    "his, Hamamatsu": (".his", lambda frames: b"", _HAMAMATSU),
+}
+
+
 def write(kind: str, folder: Path, frames: int) -> str:
     """A stack in a format; what names it."""
     rng = np.random.default_rng(0)
@@ -39,7 +68,7 @@ def write(kind: str, folder: Path, frames: int) -> str:
     if kind.startswith("tiff"):
         import tifffile
 
-        compression = {"tiff": None, "tiff, zlib": "zlib"}[kind]
+        compression = {"tiff": None, "tiff, zlib": "zlib", "tiff, zstd": "zstd"}[kind]
         with tifffile.TiffWriter(folder / "a.tif", bigtiff=True) as out:
             for frame in all_frames():
                 out.write(frame, compression=compression, photometric="minisblack", contiguous=compression is None)
@@ -68,6 +97,42 @@ def write(kind: str, folder: Path, frames: int) -> str:
             image.append_frame(data=frame)
         image.write(str(folder / "a.edf"))
         return "a.edf"
+    if kind in PLAIN:
+        suffix, head, before = PLAIN[kind]
+        with (folder / f"a{suffix}").open("wb") as out:
+            out.write(head(frames))
+            for frame in all_frames():
+                out.write(before + frame.astype("<u2").tobytes())
+        return f"a{suffix}"
+    if kind == "many cbf files":
+        import fabio
+
+        for i, frame in enumerate(all_frames()):
+            fabio.cbfimage.CbfImage(data=frame.astype(np.int32)).write(str(folder / f"a_{i}.cbf"))
+        return "a_*.cbf"
+    if kind == "many png files":
+        import imageio.v3
+
+        for i, frame in enumerate(all_frames()):
+            imageio.v3.imwrite(folder / f"a_{i}.png", frame)
+        return "a_*.png"
+    if kind == "many img files":
+        text = "{\nHEADER_BYTES=512;\nDIM=2;\nBYTE_ORDER=little_endian;\nTYPE=unsigned_short;\n"
+        text += f"SIZE1={COLUMNS};\nSIZE2={ROWS};\n}}"
+        for i, frame in enumerate(all_frames()):
+            (folder / f"a_{i}.img").write_bytes(text.encode().ljust(512) + frame.astype("<u2").tobytes())
+        return "a_*.img"
+    if kind == "npz":
+        np.savez_compressed(folder / "a.npz", counts=np.stack(list(all_frames())))
+        return "a.npz"
+    if kind == "netcdf3":
+        from scipy.io import netcdf_file
+
+        with netcdf_file(folder / "a.nc", "w") as file:
+            for name, size in zip(("t", "z", "x"), (frames, ROWS, COLUMNS), strict=True):
+                file.createDimension(name, size)
+            file.createVariable("counts", "i4", ("t", "z", "x"))[:] = np.stack(list(all_frames()))
+        return "a.nc"
     if kind == "many tiff files":
         import tifffile
 
@@ -101,6 +166,16 @@ FRAMES = {
     "hdf5, bitshuffle": 1000,
     "edf": 500,
     "many tiff files": 500,
+    "tiff, zstd": 1000,
+    "spe": 10_000,
+    "mrc": 10_000,
+    "his, PerkinElmer": 10_000,
+    "his, Hamamatsu": 10_000,
+    "npz": 1000,
+    "netcdf3": 1000,
+    "many cbf files": 200,
+    "many img files": 500,
+    "many png files": 200,
 }
 
 

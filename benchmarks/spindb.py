@@ -101,16 +101,18 @@ def elasticities(rows, y, predicted, paper):
     return found
 
 
-def one_known(data, folds, draws=512):
+def one_known(mats_only, everything, folds, draws=512):
     """Errors of the others when one experiment of a paper is known, each in turn; beside it, the others said equal to it.
 
     Per paper the median over the known ones of the median error of the others (`factor`, the measure of the published
-    comparison), and the median over all pairs; over every mat, and over distinct settings.
+    comparison, over every row of the table as it stands), and the median over all pairs; also over rows that differ, and over
+    distinct settings; `middle` where the known one is that in the middle of the paper's settings.
     """
     z = normals(draws)
     usual = even(z)
     found = {}
-    for over in ("mats", "settings"):
+    for over in ("rows", "mats", "settings"):
+        data = everything if over == "rows" else mats_only
         each = {
             name: []
             for name in (
@@ -297,7 +299,19 @@ def scored(q, y, paper):
         hit = (y > q[:, low]) & (y < q[:, high])
         inside[f"coverage_{name}"] = float(np.mean([hit[paper == p].mean() for p in np.unique(paper)]))
     bias = float(np.exp(np.median([np.median((q[:, 2] - y)[paper == p]) for p in np.unique(paper)])))
-    return {"factor": middle, "mean": mean, "bias": bias, **inside}
+    each = np.array([np.median(np.abs(q[:, 2] - y)[paper == p]) for p in np.unique(paper)])
+    rng = np.random.default_rng(0)
+    drawn = np.exp([np.median(rng.choice(each, each.size)) for _ in range(4000)])
+    spread = np.quantile(drawn, (0.16, 0.84)).round(3).tolist()
+    return {"factor": middle, "factor_68": spread, "mean": mean, "bias": bias, **inside}
+
+
+def ten_folds(data, y):
+    """The same with the papers left out by tenths."""
+    folds = {}
+    for part in np.array_split(np.random.default_rng(0).permutation(np.unique(data.paper)), 10):
+        folds |= dict.fromkeys(part, fold(data, part))
+    return scored(predicted(data, folds, 1024)["race"], y, data.paper)
 
 
 def judge(path, known=None):
@@ -317,12 +331,13 @@ def judge(path, known=None):
                 for p, v, five in zip(data.paper, y, q, strict=True)
             ]
     answer["in sample"] = scored(predicted(data, dict.fromkeys(papers, CONSTANTS), 512)["race"], y, data.paper)
+    answer["leaving out tenths"] = ten_folds(data, y)
     plain = baselines(data.rows, y, data.paper)
     answer["plain statistics"] = {
         name: dict(zip(("factor", "mean"), over_papers(np.abs(v - y), data.paper), strict=True))
         for name, v in plain.items()
     }
-    answer["one known"] = one_known(data, folds)
+    answer["one known"] = one_known(data, load(path, twice=True), folds)
     answer["failures"] = failures(path, folds)
     answer["floor"] = floor(data)
     z = normals(2048)

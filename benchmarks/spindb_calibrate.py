@@ -13,7 +13,7 @@ Model: ln d of an experiment is the chain's mean over its unknowns, plus normal 
 
 Looked for are five numbers of the chain (`PRIORS`: where their priors come from is said there) and the standard
 deviations of the last two kinds (`SPREADS`), by turns: Gauss and Newton for the numbers, quasi-Newton on the marginal
-likelihood for the spreads. Nothing else is chosen by looking at a fibre.
+likelihood for the spreads. The form of the chain is not part of it: variants of it were compared on the same papers before.
 """
 
 import argparse
@@ -32,7 +32,7 @@ from spinline.recipe.constants import Calibrated
 from spinline.recipe.model import OF_MATERIALS, RESPONSES, UNKNOWNS, Believed, spun
 from spinline.recipe.table import read_experiments, recipes_of
 
-# name: (whether its logarithm is normal, median, standard deviation), before any fibre is seen
+# name: (whether its logarithm is normal, median, standard deviation); where each comes from
 PRIORS = {
     # 3 for a liquid that is not stretched; measured in stretched entangled solutions tens to thousands
     "trouton": (True, 30.0, 1.5),
@@ -87,9 +87,11 @@ class Experiments:
         )
 
 
-def load(path):
-    """Every fibre of a table whose recipe can be read; a row that stands twice counts once."""
-    rows = [dict(row) for row in dict.fromkeys(tuple(row.items()) for row in read_experiments(path))]
+def load(path, twice=False):
+    """Every fibre of a table whose recipe can be read; a row that stands twice counts once, or as often as it stands."""
+    rows = read_experiments(path)
+    if not twice:
+        rows = [dict(row) for row in dict.fromkeys(tuple(row.items()) for row in rows)]
     settings, mats = {}, []
     for row, recipe in zip(rows, recipes_of(rows), strict=True):
         if isinstance(recipe, str) or not row["fibre_diameter_nm"]:

@@ -47,6 +47,7 @@ __all__ = ["POLYMER_HEAT_CAPACITY", "HeatedJet", "dry_with_heat"]
 
 POLYMER_HEAT_CAPACITY = 1450.0  # J/kg/K, of most amorphous polymers within a fifth
 _MOST_STEPS = 50_000
+_SHORTEST = 1e-30  # step over the way
 _AIR_MASS = 0.0289644
 _UNBOOKED = 1e-12  # of the liquid at the start, that a step may lose from the ledger
 
@@ -265,7 +266,7 @@ def _solve(path: ElementPath, given: Inputs, y: FloatArray, rtol: float) -> tupl
         cross = 64.0 if air[7] == 0 else 0.0
 
         def speed(x: FloatArray) -> FloatArray:
-            own = path.speed(x) if air[7] == 2 else path.axial(x)
+            own = path.against(x, bool(air[7] == 2))
             past = np.sqrt((own - wind) ** 2 + cross * path.across(x) ** 2)
             value: FloatArray = path.exposure(x) * np.cbrt(2 * r0 / np.sqrt(path.stretch(x)) * past)
             return value
@@ -282,7 +283,7 @@ def _solve(path: ElementPath, given: Inputs, y: FloatArray, rtol: float) -> tupl
 
 def _places(path: ElementPath, x: FloatArray, yarin: bool) -> FloatArray:
     pace = path.exposure(x) / path.initial_radius**2
-    return np.column_stack((path.stretch(x), path.speed(x) if yarin else path.axial(x), path.across(x), pace))
+    return np.column_stack((path.stretch(x), path.against(x, yarin), path.across(x), pace))
 
 
 def _march(
@@ -313,7 +314,7 @@ def _march(
         h = _first(x, stop, y, given, path, places) if h == 0 else min(h, stop - x)
         while x < stop:
             taken += 1
-            if taken > _MOST_STEPS or h < 1e-14 * (end - start):
+            if taken > _MOST_STEPS or h < max(16 * np.spacing(abs(x)), _SHORTEST * (end - start)):
                 raise _cannot(y, given, x, path)
             last = x + h >= stop or stop - x - h < 0.05 * h
             step = stop - x if last else h
@@ -362,15 +363,17 @@ def _first(x: float, stop: float, y: FloatArray, given: Inputs, path: ElementPat
 def _cannot(y: FloatArray, given: Inputs, x: float, path: ElementPath | None) -> InputError:
     where = f" beyond {x:.4g} m" if path is not None else ""
     kelvin = float(y[-1])
-    boils = np.array(
-        [
-            np.exp(np.polyval(t[0, :, min(int((kelvin - GRID[0]) / 3), GRID.size - 2)], (kelvin - GRID[0]) % 3))
-            for t in given.tables
-        ]
-    )
-    if float(boils.max()) >= given.air[0] and not y[:-1].any():  # still as it set out
-        return InputError("temperature", "is above the boiling point of a solvent", value=kelvin, remedy="lower it")
-    if float(boils.max()) >= given.air[0]:
+    inside = given.sub[:, 7] > 0
+    volumes = np.where(inside, np.exp(np.where(inside, given.sub[:, 8] + y[:-1], 0.0)), y[:-1])
+    activity, at, rest = np.empty(volumes.size), min(int((kelvin - GRID[0]) / 3), GRID.size - 2), (kelvin - GRID[0]) % 3
+    activities(volumes, float(given.air[3]), given.sub, given.pairs, float(given.air[9]), activity)
+    pure = np.array([np.exp(np.polyval(t[0, :, at], rest)) for t in given.tables])
+    # a poor solvent's activity passes 1: the solution boils below its liquids
+    boils = max(float(pure.max()), float(pure @ activity))
+    if boils >= given.air[0] and not y[:-1].any():  # still as it set out
+        what = "a solvent" if float(pure.max()) >= given.air[0] else "the solution: its chi is that of a poor solvent"
+        return InputError("temperature", f"is above the boiling point of {what}", value=kelvin, remedy="lower it")
+    if boils >= given.air[0]:
         return InputError(
             "jet",
             f"is warmed past the boiling point of a solvent{where}",
@@ -407,7 +410,7 @@ def _result(
     film = 0.5 * (kelvin + air[1])
     density = air[0] * _AIR_MASS / (8.31446261815324 * film)
     nu = thermal.air_viscosity(film) / density
-    own = velocity if transfer == "yarin" else path.axial(path.position) * (left if kept else 1.0)
+    own = velocity if transfer == "yarin" and path.slip is None else path.axial(path.position) * (left if kept else 1.0)
     along, side = 2 * radius * np.abs(own - air[5]) / nu, 2 * radius * across / nu
     schmidt = nu / (sub[:, 4:5] * (film / REFERENCE) ** 1.75)
     prandtl = thermal.air_viscosity(film) * thermal.AIR_HEAT_CAPACITY / thermal.air_conductivity(film)

@@ -376,6 +376,37 @@ def test_hdf5_that_reaches_outside_is_refused(tmp_path) -> None:
             open_dataset(tmp_path / f"{name}.nc")
 
 
+@pytest.mark.parametrize("inside", ["", ":/e/counts", ":/e", ":/soft"])
+@pytest.mark.parametrize("how", ["above", "absolute", "pipe", "chain"])
+def test_frames_read_no_file_outside_their_folder(tmp_path, how, inside) -> None:
+    """External links, virtual sources, a link behind a link: what is not beside the file, or no regular file, is not opened."""
+    import h5py
+
+    from spinline.images.stacks import open_stack
+
+    (tmp_path / "scan").mkdir()
+    with h5py.File(tmp_path / "secret.h5", "w") as file:
+        file["x"] = np.ones((2, 4, 5))
+    os.mkfifo(tmp_path / "scan" / "pipe.h5")
+    target = {"above": "../secret.h5", "absolute": str(tmp_path / "secret.h5"), "pipe": "pipe.h5", "chain": "next.h5"}[
+        how
+    ]
+    with h5py.File(tmp_path / "scan" / "next.h5", "w") as file:
+        file["x"] = h5py.ExternalLink("../secret.h5", "/x")
+    with h5py.File(tmp_path / "scan" / "m.h5", "w") as file:
+        file["e/counts"] = h5py.ExternalLink(target, "/x")
+        file["soft"] = h5py.SoftLink("/e/counts")
+    with pytest.raises(InputError, match=r"outside its folder|no regular file"):
+        open_stack(f"m.h5{inside}", "counts", tmp_path / "scan")
+    layout = h5py.VirtualLayout((2, 4, 5), "f8")
+    layout[...] = h5py.VirtualSource(target, "/x", (2, 4, 5))
+    with h5py.File(tmp_path / "scan" / "v.h5", "w") as file:
+        file.create_virtual_dataset("counts", layout)
+    if how != "chain":
+        with pytest.raises(InputError, match=r"outside its folder|no regular file"):
+            open_stack("v.h5", "counts", tmp_path / "scan")
+
+
 def test_terminals_are_spared() -> None:
     assert clean("a\x1b]0;owned\x07\x9b2J\u202e") == "a\\u001b]0;owned\\u0007\\u009b2J\\u202e"
     assert "\x1b" not in str(InputError("\x1b[2J", "is \x9b odd", value="\x1b"))

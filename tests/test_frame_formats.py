@@ -227,3 +227,67 @@ def test_frames_beyond_the_stack_are_refused(tmp_path, part) -> None:
         open_stack("a.npy", "counts", tmp_path, frames=part)
     with pytest.raises(InputError, match=r"roi.*goes beyond.*20 x 33"):
         open_stack("a.npy", "counts", tmp_path, roi=(slice(0, 21), slice(None)))
+
+
+class TestHamamatsuHis(FrameReaderContract):
+    suffix = ".his"
+
+    def write(self, path, frames) -> None:
+        out = b""
+        for i, frame in enumerate(frames):
+            comment = b"taken at %d" % i
+            head = b"IM" + np.array([len(comment), frame.shape[1], frame.shape[0], 0, 0, 2], "<u2").tobytes()
+            out += head.ljust(64, b"\0") + comment + frame.astype("<u2").tobytes()
+        path.write_bytes(out)
+
+
+class TestPerkinElmerHis(FrameReaderContract):
+    suffix = ".his"
+
+    def write(self, path, frames) -> None:
+        count, rows, columns = frames.shape
+        head = np.array([0x7000, 68, 100], "<u2").tobytes() + np.array([100 + 2 * frames.size], "<u4").tobytes()
+        head += np.array([32, 1, 1, columns, rows, count, 0], "<u2").tobytes() + np.zeros(1).tobytes()
+        head += np.array([4], "<u2").tobytes()
+        path.write_bytes(head.ljust(100, b"\0") + frames.astype("<u2").tobytes())
+
+
+class TestMrc(FrameReaderContract):
+    suffix = ".mrc"
+
+    def write(self, path, frames) -> None:
+        """By the format's own definition: 1024 bytes; columns, rows, sections, mode 6 (16 bits, unsigned)."""
+        count, rows, columns = frames.shape
+        head = np.array([columns, rows, count, 6], "<i4").tobytes()
+        path.write_bytes(
+            head.ljust(208, b"\0") + b"MAP \x44\x44\0\0".ljust(816, b"\0") + frames.astype("<u2").tobytes()
+        )
+
+
+class TestSpe(FrameReaderContract):
+    suffix = ".spe"
+
+    def write(self, path, frames) -> None:
+        """By the format's own definition, version 2: 4100 bytes; columns at 42, type at 108 (3: 16 bits), rows at 656, frames at 1446."""
+        head = bytearray(4100)
+        count, rows, columns = frames.shape
+        for at, kind, value in (
+            (42, "<u2", columns),
+            (108, "<i2", 3),
+            (656, "<u2", rows),
+            (1446, "<i4", count),
+            (1992, "<f4", 2.5),
+        ):
+            part = np.array([value], kind).tobytes()
+            head[at : at + len(part)] = part
+        path.write_bytes(bytes(head) + frames.astype("<u2").tobytes())
+
+
+class TestAdscImg(FrameReaderContract):
+    suffix, single = ".img", True
+
+    def write(self, path, frames) -> None:
+        pytest.importorskip("fabio")
+        rows, columns = frames.shape[1:]
+        head = f"{{\nHEADER_BYTES=  512;\nDIM=2;\nBYTE_ORDER=little_endian;\nTYPE=unsigned_short;\nSIZE1={columns};\nSIZE2={rows};\n}}\f"
+        path.write_bytes(head.encode().ljust(512) + frames[0].astype("<u2").tobytes())

@@ -1,5 +1,8 @@
 """Eq. (32b) in a moving jet: limits, order, conservation, the surface as a bound, bad input."""
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 
@@ -154,3 +157,27 @@ def test_in_a_run():
     np.testing.assert_allclose(still, float(result["volume_fraction"]), rtol=1e-9)
     with pytest.raises(InputError, match="straight"):
         sl.run(load_scene("pvp-jetspin", ["network.lateral=true"]))
+
+
+@pytest.mark.parametrize("changes", [["network.closure=stretch", "jet.length=20 mm"], ["jet.k=30", "jet.length=3 mm"]])
+def test_strands_without_width_are_the_reason_and_the_remedy_works(changes):
+    """A reason is the test that failed, a remedy is a key that exists: the length it names runs."""
+    scene = ["network.lateral=true", "network.closure=stretch", "jet.length=20 mm"]
+    with pytest.raises(InputError, match=r"at their contour from .* mm on") as refused:
+        sl.run(load_scene("peo5-water", scene))
+    length = re.search(r'jet\.length = "(.*?)"', refused.value.remedy)[1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sl.SpinlineWarning)
+        result = sl.run(load_scene("peo5-water", [*scene, f"jet.length={length}"]))
+    assert (result["lateral_network_radius"].values > 0).all()
+
+
+def test_a_crystallinity_that_is_not_there_has_its_reason():
+    """A polymer that crystallises at equilibrium has no degree of it; the file says why, and where kinetics are given it has."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sl.SpinlineWarning)
+        result = sl.run(
+            load_scene("peo5-water", ["ambient.relative_humidity=0.2", "jet.length=200 mm", "accuracy.points=51"])
+        )
+    assert np.isnan(result["crystallinity"])
+    assert "crystallisation" in result["crystallinity"].attrs["missing"]

@@ -255,8 +255,9 @@ def test_the_judgement_on_published_fibres_holds():
     for found in COMMITTED["elasticities"].values():
         assert found["measured"][0] <= found["predicted"] <= found["measured"][2]
     assert COMMITTED["failures"]["area_68"][0] > 0.5
-    known = COMMITTED["one known"]["mats"]
-    assert known["chain"] < known["equal"]
+    known = COMMITTED["one known"]["rows"]
+    assert known["equal"] == pytest.approx(1.37, abs=0.005)  # the published comparison, so the measure is the same
+    assert known["chain"] < 1.32
     assert 0.58 <= known["coverage_68"] <= 0.78
     assert 0.90 <= known["coverage_95"] <= 0.99
 

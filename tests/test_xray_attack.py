@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from spinline import xray
+from spinline.base.errors import InputError
 from spinline.images.noise import pair_noise
 from spinline.images.stacks import open_stack
+from spinline.radiography.looks import require_one_jet
 from spinline.radiography.stage import Seam, stage_shifts
 
 PIXEL, PHI = 0.67e-6, 0.05
@@ -74,3 +76,11 @@ def test_stages_are_told_by_the_radii_of_overlaps() -> None:
     untold, covariance = stage_shifts(np.full(2, 1e-6), [Seam(0, 1, 1.0, 1, 0.5, 0.0, 0.0, noise, 0.0)])
     assert untold == pytest.approx([0.0, 0.0])
     assert np.diagonal(covariance) == pytest.approx([1e-12, 1e-12])
+
+
+def test_an_axis_that_wanders_is_refused() -> None:
+    require_one_jet(xray.Lean(np.full(40, np.tan(np.radians(20.0))), 1e-3, 1))
+    with pytest.raises(InputError, match="no single jet"):
+        require_one_jet(xray.Lean(np.linspace(0.0, 3.0, 40), 1e-3, 6))
+    with pytest.raises(InputError, match="no single jet"):
+        require_one_jet(xray.Lean(np.full(40, 0.3), 2.0, 6))

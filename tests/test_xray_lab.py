@@ -278,6 +278,10 @@ def test_what_was_measured() -> None:
             assert abs(found["weighted_bias"]) < 0.002, name
     for kind, found in MEASURED["alarms"]["results"].items():
         assert found["alarms"] == (found["of"] if kind.startswith("true") else 0), kind
+    for name, found in MEASURED["flats"]["results"].items():
+        assert 0.8 < found["rms_z"] < 1.2, name
+    for name in ("fraction", "radius"):
+        assert 0.93 <= MEASURED["positions"]["results"][name]["covers_95"] <= 0.97, name
     assert MEASURED["positions"]["results"]["seams_probability"] > 0.01
 
 

@@ -143,13 +143,14 @@ class SpindbTable(Generated):
             return words, f"{r['factor']:.2f}", f"{r['mean']:.2f}" if "mean" in r else "", inside
 
         rows = [row(f"rung `{name}`", r) for name, r in found["rungs"].items()]
+        rows.append(row("rung `race`, the papers left out by tenths", found["leaving out tenths"]))
         rows += [row(name, r) for name, r in found["plain statistics"].items()]
-        one = found["one known"]["mats"]
+        one = found["one known"]["rows"]
         known = {"factor": one["chain"], "coverage_68": one["coverage_68"], "coverage_95": one["coverage_95"]}
         rows.append(row("one fibre of the paper measured, rung `race`", known))
         rows.append(row("one fibre of the paper measured, the others said equal", {"factor": one["equal"]}))
         low = found["floor"]["factor of the best prediction from these columns"]
-        rows.append(row("best that these columns allow, from papers with nearly equal recipes", {"factor": low}))
+        rows.append(row("floor by pairs of papers with nearly equal recipes, mostly PVDF", {"factor": low}))
         return self.parse(
             _table(
                 ("prediction, the paper left out", "factor, median paper", "mean paper", "68 / 95 % intervals hold"),
@@ -177,7 +178,9 @@ class SpindbText(Generated):
         )
         low, bad = found["floor"], found["failures"]
         shares = sorted(found["variance shares"].items(), key=lambda item: -item[1])[:5]
+        least, most = found["rungs"]["race"]["factor_68"]
         words = (
+            f"Other papers of the same kind would give factors from {least:.2f} to {most:.2f} (68 %, papers drawn anew). "
             f"{low['pairs of papers']} pairs of papers with nearly equal recipes differ by a median factor of "
             f"{low['factor between them']:.2f}; mats of one setting by a standard deviation of {low['repeat_sd']:.2f} of ln d "
             f"(median of {low['papers with repeats']} papers). Of the {bad['failed']} experiments that gave no fibres, "

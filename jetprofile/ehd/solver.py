@@ -40,7 +40,7 @@ _LEAST_PULL = 0.01
 _RELAXED = 1e-5  # share of the conducted current by which charge relaxation may be off before it is resolved
 _SLACK = 0.5  # Deborah number at which the pull is raised where a longer relaxation time folds the path
 _FLAT = 1e-7  # slope of ln V below which a thread that thickens does so by rounding
-_WORK, _WORK_HELD = 1_000_000, 400_000
+_WORK = 1_000_000
 _NEAR = 0.6  # change of a neighbour's solution, in its ranges, that is taken in one go
 _EMPTY = (np.zeros(0), np.zeros((0, 4)), False)
 
@@ -243,7 +243,7 @@ def _errors(problem: Problem, coarse: Discrete, fine: Discrete) -> dict[str, flo
 
 
 def solve(
-    settings: NeedleSettings, *, tolerance: float = 1e-6, near: Solved | None = None, work: int | None = None
+    settings: NeedleSettings, *, tolerance: float = 1e-6, near: Solved | None = None, work: int = _WORK
 ) -> Solved:
     """Steady jet of the settings, or why there is none.
 
@@ -255,12 +255,9 @@ def solve(
         Error of the radius (relative) and of the current to which the mesh is refined.
     near : Solved, optional
         Solution of a neighbouring setting: tried first (a sweep).
-    work : int, optional
-        Nodes times linear systems allowed; 200,000 are about a second. Default 1,000,000; 400,000 where capillarity holds
-        the drop anyway.
+    work : int
+        Nodes times linear systems allowed; 200,000 are about a second. With 400,000 jets are lost.
     """
-    if work is None:
-        work = _WORK_HELD if settings.pull_against_capillarity < 0.5 else _WORK
     search = _Search(settings, work)
     found, charge, direct = None, True, False
     try:

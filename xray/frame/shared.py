@@ -70,6 +70,7 @@ def fit_detector(
     prior: dict[str, tuple[float, float]] | None = None,
     shells: int = 3,
     nuisances: Sequence[str] = ("radius", "axis", "amplitude", "slope"),
+    turns: int = _TURNS,
 ) -> DetectorFit:
     """Fit what blocks share, each block's jet and beam free.
 
@@ -87,6 +88,8 @@ def fit_detector(
         Of a block whose fraction is not known.
     nuisances : sequence of str
         Each block's own; any of "radius", "axis", "amplitude", "slope" and the shapes.
+    turns : int
+        After which it is given up; a fit that finds its way takes 4 to 8.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def fit_detector(
             "counts", "have no block of rows that can be fitted", remedy="give blur and tail_length near theirs"
         )
     converged, sharp = False, False
-    for _ in range(_TURNS):
+    for _ in range(turns):
         deviance, matrix, slope = here
         ridge = 1e-12 * np.diag(np.diag(matrix)) + 1e-300 * np.eye(theta.size)
         step = np.asarray(np.linalg.solve(matrix + ridge, slope), dtype=np.float64)

@@ -13,7 +13,7 @@ What is measured is `length_scale` times the radius and ``fraction_scale x fract
 (z < 0) the jet is as at the nozzle; beyond the scene's length a law goes on, and a network that slips stays as at its end.
 
 Cost per evaluation of 200 places: that of a run without its words, 0.5 ms affine, 3 ms with relaxation, 6 ms with evaporation
-too, 10 to 60 ms for a network that slips; 25 ms more for the jet of a needle, which is solved for every trial.
+too, 1 to 20 ms for a network that slips; 25 ms more for the jet of a needle, which is solved for every trial.
 """
 
 from collections.abc import Mapping, Sequence

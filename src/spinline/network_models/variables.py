@@ -154,6 +154,16 @@ def lateral_variables(context: "Context", fields: dict[str, FloatArray]) -> dict
             allowed="radial_contraction > 0",
             remedy="leave network.lateral out",
         )
+    gone = np.flatnonzero(~(contraction > 0))
+    if gone.size:
+        end = 1e3 * float(fields["z"][gone[0] - 1])
+        raise InputError(
+            "network.lateral",
+            f"needs strands of some width, and they are at their contour from {end:.4g} mm on",
+            value=0.0,
+            allowed="radial_contraction > 0",
+            remedy=f'take jet.length = "{0.999 * end:.4g} mm" or less, or leave network.lateral out',
+        )
     try:
         across = lateral_network(
             pace * fields["residence_time"],

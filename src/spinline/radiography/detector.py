@@ -31,6 +31,7 @@ _FIRST_TAIL = (0.03, 15.0)  # share, and pixels
 _BETTER = 16.0  # gain in deviance from which on there is a blur, or a bend of the beam
 _SEEN = 5.0  # standard deviations of a halo that is said
 _SHELLS = 3
+_MOST_TURNS, _FEW_TURNS = 25, 10  # the fewer for a blur that nobody asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +181,8 @@ def shared_detector(
         if calibrate:
             unknown.append("attenuation")
         try:
-            fit = fit_detector(blocks, absorber, unknown, prior=prior, shells=_SHELLS, nuisances=own)
+            turns = _MOST_TURNS if given_blur or len(unknown) > 1 else _FEW_TURNS
+            fit = fit_detector(blocks, absorber, unknown, prior=prior, shells=_SHELLS, nuisances=own, turns=turns)
         except InputError as error:
             if given_blur or any(name.startswith("tail") for name in unknown):
                 raise

@@ -10,6 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, require_track
+from spinline.xray.frame.lean import Lean
 from spinline.xray.frame.track import Track, track_jet
 from spinline.xray.phase.fit import phase_law
 from spinline.xray.phase.frame import track_fringes
@@ -29,6 +30,7 @@ __all__ = [
     "measured_pixel",
     "odd_facts",
     "part_of",
+    "require_one_jet",
     "require_upright",
     "row_law",
     "without_nozzle",
@@ -36,6 +38,7 @@ __all__ = [
 
 #: Significance of fringes that is an alarm.
 FRINGES = 5.0
+_UNTOLD, _STEEPEST = 0.1, 60.0  # of the paths; degrees
 
 
 def find_track(images: Images, medium: "Medium | None", frame: Frame) -> Track:
@@ -163,6 +166,19 @@ def require_upright(frame: Frame) -> None:
             "transpose",
             "seems wrong: the jet runs along the rows, it has to run down the columns",
             remedy="set transpose = true, or take it out",
+        )
+
+
+def require_one_jet(lean: Lean) -> None:
+    """Refuse frames in which the jet's axis is not told: rows that show several jets, or hardly one."""
+    steepest = max(map(abs, lean.degrees))
+    if lean.path_std > _UNTOLD or steepest > _STEEPEST:
+        raise InputError(
+            "counts",
+            "show no single jet that can be followed: the axis found wanders from row to row",
+            value=f"{steepest:.0f} degrees at its steepest, paths known to {100 * min(lean.path_std, 9.99):.0f} %",
+            allowed=f"up to {_STEEPEST:g} degrees, {100 * _UNTOLD:g} %",
+            remedy="cut out the rows and columns of one jet with roi; sum more frames; check flat and dark",
         )
 
 

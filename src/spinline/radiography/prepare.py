@@ -31,6 +31,7 @@ from spinline.radiography.looks import (
     measured_pixel,
     odd_facts,
     part_of,
+    require_one_jet,
     require_upright,
     without_nozzle,
 )
@@ -97,6 +98,8 @@ def first_look(
     require_upright(frame)
     wave = medium if medium is not None else given_medium(images, solution, absorber)
     track = find_track(images, medium if images.method == "phase" else wave, frame)
+    lean = axis_lean(track)
+    require_one_jet(lean)
     frame, fields, facts = _cleaned(frame, fields, track, facts)
     factor, _ = path_factor(images)
     experiment = Experiment(
@@ -112,7 +115,7 @@ def first_look(
         notes,
         tuple(remarks),
         scaled_medium(wave, factor),
-        lean=axis_lean(track),
+        lean=lean,
         used=summed.used,
         detector=SharedDetector(blur=blur),
     )

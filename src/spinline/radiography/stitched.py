@@ -48,7 +48,8 @@ def assemble_positions(
     xarray.Dataset
         As of one position, along `row`, with the coordinate `position`; and along `seam` what neighbours say of the same place.
     """
-    first = replace(places[0].experiment, images=places[0].experiment.images.model_copy(update={"title": images.title}))
+    changes = {"title": images.title} | ({} if joint is None else {"block_rows": 1})  # a map takes every row
+    first = replace(places[0].experiment, images=places[0].experiment.images.model_copy(update=changes))
     said = _words(places, found, remarks)
     facts = {name: float(np.median([place.facts[name] for place in places])) for name in places[0].facts}
     if joint is not None:

@@ -2,6 +2,7 @@
 
 import pkgutil
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -18,9 +19,11 @@ __all__ = [
     "Array",
     "FrameFormat",
     "FrameReader",
+    "PlacedFrames",
     "formats",
     "frames_shape",
     "needs",
+    "not_cut_short",
     "open_file",
     "register",
     "split_source",
@@ -88,6 +91,54 @@ class FrameReader(Protocol):
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`, shape (stop - start, rows, columns)."""
+
+
+class PlacedFrames:
+    """Frames of plain numbers at known places in a file.
+
+    Parameters
+    ----------
+    path, key
+    places : sequence of int
+        Byte at which each frame begins.
+    shape : (int, int)
+        Rows and columns.
+    kind : str
+        Of the numbers, as numpy writes it.
+    name : str
+        Of the format, for the account.
+    """
+
+    threads = True
+
+    def __init__(
+        self, path: Path, key: str, places: Sequence[int], shape: tuple[int, int], kind: str, name: str
+    ) -> None:
+        self.path, self.places, self.dtype = path, places, np.dtype(kind)
+        self.shape = frames_shape((len(places), *shape), key, path.name)
+        self.account = Account(path.name, f"{len(places)} frames ({name})")
+
+    def read(self, start: int, stop: int) -> Array:
+        """Frames from `start` to before `stop`."""
+        count = self.shape[1] * self.shape[2]
+        places = self.places[start:stop]
+        out = np.empty((len(places), *self.shape[1:]), self.dtype)
+        with self.path.open("rb") as file:
+            for i, place in enumerate(places):
+                file.seek(place)
+                one = np.frombuffer(file.read(count * self.dtype.itemsize), self.dtype)
+                if one.size != count:
+                    raise EOFError(f"{self.path.name} ends early, in frame {start + i}")
+                out[i] = one.reshape(self.shape[1:])
+        return out
+
+
+def not_cut_short(path: Path, key: str, size: int) -> None:
+    """Refuse a file that is smaller than its header says."""
+    if path.stat().st_size < size:
+        raise InputError(
+            key, "is cut short", value=f"{path.name}: {path.stat().st_size} bytes of {size}", remedy="copy it again"
+        )
 
 
 class FrameFormat(Protocol):

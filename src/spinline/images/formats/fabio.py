@@ -1,5 +1,6 @@
-"""What beamlines and cameras write beside TIFF and HDF5, by the package fabio: EDF, CBF, ADSC and Mar IMG, SPE, MRC, ..."""
+"""What beamlines and cameras write beside TIFF and HDF5, by the package fabio: EDF, CBF, ADSC and Mar IMG, ..."""
 
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,9 @@ class _Images:
         import logging
 
         logging.getLogger("fabio").setLevel(logging.CRITICAL)  # what is wrong with a file is raised, and said once
+        self._open = fabio.open
         try:
-            self.image = fabio.open(str(path))
+            image = fabio.open(str(path))
         except Exception as error:
             raise InputError(
                 key,
@@ -33,24 +35,35 @@ class _Images:
                 value=path.name,
                 remedy="copy it again, or save it as TIFF",
             ) from None
-        data = self.image.data
+        data = image.data
         if data is None or data.ndim < 2:
             raise InputError(key, "holds no image", value=path.name, remedy="copy it again: it may be cut short")
-        self.path, self.count = path, int(self.image.nframes)
+        self.path, self.count = path, int(image.nframes)
         self.shape = frames_shape((self.count * int(np.prod(data.shape[:-2])), *data.shape[-2:]), key, path.name)
         self.dtype: np.dtype[Any] = np.dtype(data.dtype)
-        kind = type(self.image).__name__
+        kind = type(image).__name__
+        self.image = image if self.count > 1 else None  # a pattern may name thousands of files of one image
         self.account = Account(path.name, f"{self.shape[0]} images ({kind})")
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
-        frames = [self.image] if self.count == 1 else [self.image.get_frame(i) for i in range(start, stop)]
-        for i, frame in enumerate(frames):
+        image = self._open(str(self.path)) if self.image is None else self.image
+        out = np.empty((stop - start, *self.shape[1:]), self.dtype)
+        for i in range(start, stop) if self.count > 1 else (0,):
+            frame = _frame(image, i) if self.count > 1 else image
+            data = np.asarray(frame.data)
             if getattr(frame, "incomplete_data", False) or getattr(frame, "incomplete_file", False):
-                raise EOFError(f"{self.path.name} ends early, in frame {start + i}")
-        if self.count == 1:
-            return np.asarray(self.image.data).reshape(self.shape)[start:stop]
-        return np.stack([np.asarray(frame.data) for frame in frames])
+                raise EOFError(f"{self.path.name} ends early, in frame {i}")
+            if self.count == 1:
+                return data.reshape(self.shape)[start:stop]
+            out[i - start] = data
+        return out
+
+
+def _frame(image: Any, i: int) -> Any:
+    """One frame of many; a copy of what holds it where that would keep its numbers for good."""
+    many = getattr(image, "_frames", None)
+    return copy(many[i]) if many is not None and len(many) > i else image.get_frame(i)
 
 
 class _Fabio:
@@ -63,9 +76,6 @@ class _Fabio:
         ".mar2300",
         ".mar3450",
         ".mccd",
-        ".spe",
-        ".mrc",
-        ".map",
         ".kcd",
         ".fit2d",
         ".msk",

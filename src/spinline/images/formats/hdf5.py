@@ -18,6 +18,7 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.images.formats.base import Account, Array, FrameReader, frames_shape, needs
+from spinline.images.links import linked_file, stays_home
 
 __all__ = ["FORMAT"]
 
@@ -147,6 +148,7 @@ def _walk(file: Any, key: str) -> tuple[dict[str, Any], list[str]]:
         seen.add((state.fileno, state.addr))
         for name in group:
             here = f"{path}/{name}"
+            stays_home(group, name, key)
             link = group.get(name, getlink=True)
             try:
                 thing = group[name]
@@ -173,8 +175,11 @@ def _resolve(file: Any, path: Path, inside: str, key: str) -> list[Any]:
     """The datasets of a path inside: one, or an Eiger's group of many."""
     import h5py
 
+    stays_home(file, inside, key)
     try:
         thing = file[inside]
+        for name in thing if isinstance(thing, h5py.Group) else ():
+            stays_home(thing, name, key)
     except (KeyError, OSError, ValueError):
         found, broken = _walk(file, key)
         mine = [words for words in broken if words.startswith("/" + inside.strip("/") + " ") or inside in words]
@@ -235,6 +240,8 @@ def _signal(group: Any, depth: int = 0) -> Any | None:
 
     for name in (group.attrs.get("default"), group.attrs.get("signal")):
         word = name.decode() if isinstance(name, bytes) else name
+        if isinstance(word, str):
+            stays_home(group, word, "counts")
         if not isinstance(word, str) or word not in group:
             continue
         thing = group.get(word)
@@ -297,6 +304,7 @@ def _image_key(file: Any, dataset: Any) -> Array | None:
             fits.append(np.asarray(thing[...]))
 
     if frames:
+        stays_home(dataset.parent, "image_key", "counts")
         beside = dataset.parent.get("image_key")
         if isinstance(beside, h5py.Dataset) and beside.shape == (frames,):
             return np.asarray(beside[...])
@@ -340,6 +348,7 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
     for source in dataset.virtual_sources():
         here = source.file_name in (".", "")
         name = Path(dataset.file.filename) if here else path.parent / source.file_name
+        linked_file(path, str(name), str(dataset.name), key)
         if "%" in source.file_name:
             name = path.parent / (source.file_name.replace("%b", "0"))
         if not name.is_file():
@@ -452,6 +461,7 @@ class _Hdf5:
         for dataset in datasets:
             if dataset.dtype.kind not in "uif":
                 raise InputError(key, "holds no real numbers", value=str(dataset.dtype), allowed="integers or floats")
+            linked_file(path, dataset.file.filename, names[0], key)  # however HDF5 came to it
             _require_filters(dataset, path, key)
             frames = frames_shape(dataset.shape, key, path.name)[0]
             missing += sorted(at + i for i in _unwritten(dataset, path, key))

@@ -19,10 +19,16 @@ class _Variable:
     def __init__(self, path: Path, inside: str | None, key: str) -> None:
         from scipy.io import netcdf_file
 
-        self.file = netcdf_file(path, "r", mmap=False, maskandscale=False)
-        names = [name for name, v in self.file.variables.items() if len(v.shape) >= 2]
+        self.path = path
+        with netcdf_file(path, "r", mmap=True, maskandscale=False) as file:
+            self._look(file, inside, key)
+
+    def _look(self, file: Any, inside: str | None, key: str) -> None:
+        """Find the variable and what it is packed by."""
+        path = self.path
+        names = [name for name, v in file.variables.items() if len(v.shape) >= 2]
         wanted = inside.strip("/") if inside else key if key in names else names[0] if len(names) == 1 else ""
-        if wanted not in self.file.variables:
+        if wanted not in file.variables:
             raise InputError(
                 key,
                 f"does not say which variable of {path.name}",
@@ -30,30 +36,41 @@ class _Variable:
                 allowed=", ".join(names) or "none",
                 remedy=f'write "{path.name}:/variable"',
             )
-        self.data = self.file.variables[wanted]
-        self.shape = frames_shape(tuple(self.data.shape), key, path.name)
+        self.name = wanted
+        variable = file.variables[wanted]
+        self.shape = frames_shape(tuple(variable.shape), key, path.name)
         found = {
-            name: getattr(self.data, name, None)
+            name: getattr(variable, name, None)
             for name in ("scale_factor", "add_offset", "_FillValue", "missing_value")
         }
         self.scale = None if found["scale_factor"] is None else float(found["scale_factor"])
         self.offset = None if found["add_offset"] is None else float(found["add_offset"])
         self.fill = [float(np.ravel(v)[0]) for v in (found["_FillValue"], found["missing_value"]) if v is not None]
         packed = self.scale is not None or self.offset is not None or bool(self.fill)
-        self.dtype: np.dtype[Any] = np.dtype(np.float64) if packed else np.dtype(self.data.data.dtype).newbyteorder("=")
+        self.dtype: np.dtype[Any] = np.dtype(np.float64) if packed else np.dtype(variable.data.dtype).newbyteorder("=")
         self.packed = packed
         self.account = Account(f"{path.name}:/{wanted}", "unpacked by its attributes" if packed else "")
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
-        raw = np.asarray(self.data.data).reshape(self.shape)[start:stop]
+        from scipy.io import netcdf_file
+
+        with netcdf_file(
+            self.path, "r", mmap=True, maskandscale=False
+        ) as file:  # closed: what was mapped is given back
+            raw = self._part(file.variables[self.name].data, start, stop)
         if not self.packed:
-            return raw.astype(self.dtype)
+            return raw
         out = raw.astype(np.float64)
         empty = np.isin(out, self.fill)
         out = out * (1.0 if self.scale is None else self.scale) + (0.0 if self.offset is None else self.offset)
         out[empty] = np.nan
         return out
+
+    def _part(self, array: Array, start: int, stop: int) -> Array:
+        """A copy of frames, in this machine's order of bytes."""
+        part = array[start:stop] if array.ndim == 3 else array.reshape(self.shape)[start:stop]
+        return np.array(part, dtype=np.dtype(array.dtype).newbyteorder("="))
 
 
 class _Netcdf3:
