@@ -1,6 +1,7 @@
 """Stability atlas: scenes over the whole parameter box, each a result within physical bounds or a named refusal.
 
-    python benchmarks/atlas.py --scenes 100000 --seed 1 --wall -o benchmarks/atlas.json
+    python benchmarks/atlas.py --scenes 500 --first 0 --records records.jsonl      # any number of times
+    python benchmarks/atlas.py --records records.jsonl -o benchmarks/atlas.json    # what they say together
     python benchmarks/atlas.py --check benchmarks/atlas.json --scenes 1000
     python benchmarks/atlas.py --again benchmarks/atlas.json
     python benchmarks/atlas_figure.py benchmarks/atlas.json docs/images/atlas.png
@@ -229,7 +230,7 @@ def warm():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)  # of scenes made to compile, not to be read
         for model in MODELS[1:]:
-            extra = ['network.closure="stretch"'] if model in ("manifold", "conformation") else []
+            extra = ['network.closure="stretch"'] if model in ("manifold", "two-fluid", "conformation") else []
             small = [
                 "accuracy.points=17",
                 "accuracy.strands=10",
@@ -262,19 +263,23 @@ def outcomes_of(seed, first, scenes, workers, wall=False):
         yield from pool.imap_unordered(_judge, tasks, chunksize=20)
 
 
-def campaign(seed, first, scenes, workers, wall=False):
-    """Summary of a range of scenes."""
+def plain(one):
+    """An outcome as a line of JSON."""
+    return json.dumps(one | {"said": dict(one["said"])}) + "\n"
+
+
+def summary_of(outcomes, seed, first, scenes, wall=False):
+    """Summary of the outcomes of a range of scenes."""
     letters = ["?"] * scenes
-    outcomes, reasons, warned, off, bad, slowest = Counter(), Counter(), Counter(), {}, [], (0.0, -1)
+    counts, reasons, warned, off, bad, slowest = Counter(), Counter(), Counter(), {}, [], (0.0, -1)
     spent, holding = Counter(), Counter()
     held = {pair: np.zeros((BINS, BINS, len(HOLDS)), int) for pair in PLANES}
     came = {pair: np.zeros((BINS, BINS, len(MODELS), 2), int) for pair in PLANES}
-    began = time.perf_counter()
-    for done, one in enumerate(outcomes_of(seed, first, scenes, workers, wall), 1):
+    for one in outcomes:
         asked, kind = one["asked"], one["kind"]
         model = f"auto: {one['taken']}" if asked == "auto" and kind == "result" else asked
         letters[one["index"] - first] = one["letter"]
-        outcomes[f"{model} / {kind}"] += 1
+        counts[f"{model} / {kind}"] += 1
         spent[asked] += one["seconds"]
         holding[one["holds"]] += 1
         if kind == "refused":
@@ -296,18 +301,16 @@ def campaign(seed, first, scenes, workers, wall=False):
                 continue
             held[pair][x, y, HOLDS.index(one["holds"])] += 1
             came[pair][x, y, MODELS.index(asked)] += (1, kind == "result")
-        if done % 2000 == 0:
-            print(f"{done} scenes, {len(bad)} failures, {time.perf_counter() - began:.0f} s", flush=True)
     return {
         "seed": seed,
         "first": first,
         "scenes": scenes,
-        "seconds": round(time.perf_counter() - began, 1),
+        "seconds": round(sum(spent.values()), 1),
         "clock": "wall" if wall else "processor",
         "limit": LIMIT,
         "slowest": {"seconds": round(slowest[0], 2), "index": slowest[1]},
         "seconds_by_model": {model: round(value, 1) for model, value in spent.items()},
-        "outcomes": dict(sorted(outcomes.items())),
+        "outcomes": dict(sorted(counts.items())),
         "refusals": dict(reasons.most_common(60)),
         "warned": dict(warned),
         "failed": len(bad),
@@ -371,11 +374,12 @@ def judged_again(summary):
 def main():
     """Run the campaign."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scenes", type=int, default=100_000)
+    parser.add_argument("--scenes", type=int, default=0)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=multiprocessing.cpu_count())
     parser.add_argument("--wall", action="store_true", help="limit by the wall clock, not by processor time")
+    parser.add_argument("--records", type=Path, help="outcomes, one a line: added to, and what the summary is made of")
     parser.add_argument("-o", "--out", type=Path)
     parser.add_argument("--check", type=Path, help="judge the first scenes of this summary again, and compare")
     parser.add_argument("--again", type=Path, help="judge the failures of this summary again, after mending; in place")
@@ -389,9 +393,18 @@ def main():
         failed, changed = check(json.loads(asked.check.read_text(encoding="utf-8")), asked.scenes, asked.workers)
         print(json.dumps({"failed": failed, "changed": changed}, indent=1))
         raise SystemExit(bool(failed or changed))
-    summary = campaign(asked.seed, asked.first, asked.scenes, asked.workers, asked.wall)
-    if asked.out:
-        asked.out.write_text(json.dumps(summary) + "\n", encoding="utf-8")
+    if asked.scenes:
+        with asked.records.open("a", encoding="utf-8") as file:
+            for one in outcomes_of(asked.seed, asked.first, asked.scenes, asked.workers, asked.wall):
+                file.write(plain(one))
+                file.flush()
+    if not asked.out:
+        return
+    lines = asked.records.read_text(encoding="utf-8").splitlines()
+    known = {one["index"]: one for one in map(json.loads, lines)}
+    scenes = next(i for i in range(len(known) + 1) if i not in known)  # from the first on, without a gap
+    summary = summary_of((known[i] for i in range(scenes)), asked.seed, 0, scenes, asked.wall)
+    asked.out.write_text(json.dumps(summary) + "\n", encoding="utf-8")
     keys = ("seconds", "slowest", "seconds_by_model", "outcomes", "refusals", "holds", "off", "warned", "failed")
     print(json.dumps({key: summary[key] for key in keys}, indent=1))
     for item in summary["failures"][:20]:

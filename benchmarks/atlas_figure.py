@@ -24,9 +24,9 @@ CLASSES = {  # colour and words; the order of the legend
     "conformation": ("#3a7ca5", "conformation: relaxation matters"),
     "manifold": ("#e9b44c", "manifold: slip matters"),
     "unsteady": ("#c8553d", "no steady network (chain)"),
-    "neither": ("#7d5ba6", "no model holds both"),
+    "neither": ("#7d5ba6", "two-fluid: both matter"),
 }
-FORCED = ("affine", "manifold", "conformation", "chain", "walk")
+FORCED = ("affine", "manifold", "conformation", "two-fluid", "chain", "walk")
 
 
 def _extent(summary, pair):
@@ -105,8 +105,9 @@ def main():
         f"{summary['scenes']} scenes)",
         fontsize=10.5,
     )
-    axes = lower.subplots(2, 3).ravel()
-    for axis, model in zip(axes, (*FORCED, None), strict=True):
+    axes = lower.subplots(2, 4).ravel()
+    axes[-1].set_axis_off()
+    for axis, model in zip(axes[:-1], (*FORCED, None), strict=True):
         picture = _results(axis, summary, planes[1 if model is None else 0], model)
     lower.colorbar(picture, ax=axes.tolist(), label="share with a result")
     lower.suptitle("Where a model that is asked for gives a result; the others are refused by name", fontsize=10.5)

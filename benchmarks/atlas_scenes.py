@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-MODELS = ("auto", "affine", "manifold", "conformation", "chain", "walk")
-SHARES = (0.43, 0.14, 0.16, 0.16, 0.02, 0.09)
+MODELS = ("auto", "affine", "manifold", "conformation", "chain", "walk", "two-fluid")
+SHARES = (0.41, 0.12, 0.13, 0.14, 0.02, 0.08, 0.10)
+SLIPPING = ("manifold", "chain", "two-fluid")
 CONTRADICTIONS = 0.05  # of the scenes may ask for what excludes itself
 STRANDS, STEPS, MORE_STEPS = 100, 700, 4000  # of a walk at each point, of a chain, of one whose beads are few
 
@@ -72,13 +73,22 @@ def draw(seed, index):
     if u() < 0.7:
         scene["ambient"] = {"relative_humidity": humidity}
     law = str(rng.choice(["lattice", "linear", "langevin", "fene"]))
-    if model in ("manifold", "chain"):
+    if model in SLIPPING:
         scene["network"]["force_law"] = law
     beads = 10 ** u(1.3, 2.8)
     strands = transit * radius / (kuhn * (full if quality == "theta" else phi**-0.75))  # along the jet
     if model == "chain" and u() < 0.8:  # as many joined as leave a chain of that many beads
         scene["network"]["coarse_grain"] = max(1.0, float(strands / beads))
         scene["accuracy"]["steps"] = MORE_STEPS
+    if model == "walk":
+        scene["network"]["walk_tension"] = _any(
+            rng, (0.4, 0.2, 0.2, 0.2), "affine", "manifold", "conformation", "two-fluid"
+        )
+        if scene["network"]["walk_tension"] in SLIPPING:
+            scene["network"]["force_law"] = law
+    if model == "conformation" and u() < 0.15:
+        scene["effects"]["disentanglement"] = True
+        scene["solution"]["molar_mass"] = f"{10 ** u(1, 4)!r} kg/mol"
     if u() >= CONTRADICTIONS:
         _reconcile(scene)
     return scene
@@ -118,17 +128,19 @@ def _jet(rng, radius, flow):
 def _reconcile(scene):
     """Take out what excludes itself."""
     network, effects, model = scene["network"], scene["effects"], scene["network"]["model"]
-    if (effects["relaxation"] is True and model not in ("auto", "conformation")) or (
-        effects["relaxation"] is False and model == "conformation"
+    relaxing = ("conformation", "two-fluid")
+    mover = network.get("walk_tension", "affine") if model == "walk" else model
+    if (effects["relaxation"] is True and mover not in ("auto", *relaxing)) or (
+        effects["relaxation"] is False and mover in relaxing
     ):
         effects["relaxation"] = "auto"
     if effects["radial"] is True and effects["evaporation"] is False:
         effects["evaporation"] = "auto"
     if True in (effects["evaporation"], effects["radial"]) and "ambient" not in scene:
         scene["ambient"] = {"relative_humidity": 0.4}
-    if model == "walk":
+    if model == "walk" and mover == "affine":
         network["closure"] = "force"
-    if model in ("manifold", "chain") and scene["jet"]["profile"] == "lagrangian":
+    if model == "chain" and scene["jet"]["profile"] == "lagrangian":
         network["model"] = "affine"
         del network["force_law"]
 

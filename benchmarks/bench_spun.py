@@ -2,7 +2,7 @@
 
     python benchmarks/bench_spun.py [PART ...] [-o benchmarks/bench_spun.json]
 
-Parts: orders, published, sums, whipping. Each is written to the JSON file by itself; times are processor time, to be
+Parts: orders, published, sums, whipping, whole. Each is written to the JSON file by itself; times are processor time, to be
 read as ratios within one run.
 """
 
@@ -156,7 +156,48 @@ def whipping():
     return out
 
 
-PARTS = {"orders": orders, "published": published, "sums": sums, "whipping": whipping}
+def whole():
+    """A whole jet whose charge moves, circled at the needle by 20 um and not: time means of the straight part, per cent."""
+    from test_spun_whole import _needle, _spun
+
+    from spinline.jetprofile.ehd import StraightEhdJet
+    from spinline.jetprofile.spun._chain_kernels import geometry
+    from spinline.jetprofile.spun.chain import parameters
+
+    at = np.array([2, 5, 10, 15, 20]) * 1e-3
+    needle = _needle(relaxation_time=2e-3, conductivity=0.1)
+    straight = StraightEhdJet(needle, length=needle.gap)
+    means, out = [], {"z": at.tolist()}
+    for amplitude in (20e-6, 0.0):
+        run = SpunRun.start(_spun(needle, amplitude, element_length=12e-6, longest=1e-3))
+        rows = []
+        for moment in np.arange(1, 31) * 0.2e-3:
+            run.chain.march(moment)
+            if moment < 3e-3:
+                continue
+            chain = run.chain
+            n, y = chain.n, chain.nodes
+            w = np.zeros((c.WORK, len(chain.state)))
+            geometry(n, chain.state, *parameters(chain.settings), w)
+            pull = w[c.POLYMER, :n] + 3 * w[c.SOLVENT_HERE, :n] * w[c.RATE, :n] * w[c.AREA, :n]
+            there = (np.sqrt(w[c.AREA, :n] / np.pi), pull, y[:n, c.CHARGE] / w[c.LENGTH, :n])
+            middle = (0.5 * (y[1:, c.X] + y[:-1, c.X]))[::-1]
+            rows.append([np.interp(at, middle, v[::-1]) for v in there])
+        means.append(np.mean(rows, axis=0))
+        if amplitude:
+            out["farthest off the axis, m"] = float(np.hypot(y[:, c.Y], y[:, c.Z]).max())
+    steady = np.array([straight.radius(at), straight.tension(at), straight.line_charge(at)])
+    names = ("radius", "tension", "line charge")
+    against = {
+        "bent against unbent": means[0] / means[1] - 1,
+        "unbent against the needle's (local logarithm)": means[1] / steady - 1,
+    }
+    for title, off in against.items():
+        out[title] = {name: (100 * row).round(3).tolist() for name, row in zip(names, off, strict=True)}
+    return out
+
+
+PARTS = {"orders": orders, "published": published, "sums": sums, "whipping": whipping, "whole": whole}
 
 if __name__ == "__main__":
     target = Path(sys.argv[sys.argv.index("-o") + 1]) if "-o" in sys.argv else ROOT / "benchmarks" / "bench_spun.json"

@@ -1,9 +1,11 @@
 """Random two-fluid networks over the whole box: answered and right, or refused by name; the far end of random elastic jets.
 
-    python benchmarks/draws_two_fluid.py [draws]
+    python benchmarks/draws_two_fluid.py [draws] [first]
 
-"Wrong" is checked on every answer by what it does not share with the solver: bounds, and the integrals of momentum and
-relaxation over a piece of the jet by Gauss's rule, to 1e-3 of their terms. Writes draws_two_fluid.json.
+Even draws are real jets, odd ones anything; draw i of the seed does not depend on how many are drawn. "Wrong" is checked on
+every answer by what it does not share with the solver: bounds, and the integrals of momentum and relaxation over a piece of
+the jet by Gauss's rule, to 1e-3 of their terms. Writes draws_two_fluid.json; a run that starts where the file ends is added to
+it.
 """
 
 import json
@@ -19,6 +21,8 @@ from spinline.base.errors import InputError
 from spinline.network.tension import Tension
 from spinline.network.two_fluid import two_fluid_network
 
+SEED = 20261129
+EDGES = (25, 50, 100, 200, 500, 1000, 5000, 100_000)  # of processor time, ms
 LAWS = ("linear", "lattice", "langevin", "fene")
 
 
@@ -87,41 +91,49 @@ def faults(one, profile, network):
     return ""
 
 
-def campaign(draws, realistic, seed):
-    rng, outcomes, wrong, seconds = np.random.default_rng(seed), Counter(), [], []
-    for _ in range(draws):
-        one = draw(rng, realistic)
-        begin = time.perf_counter()
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                fault = faults(one, *solve(one))
-        except InputError as error:
-            outcomes[f"refused: {error.field}"] += 1
-            continue
-        except Warning as warning:
-            outcomes["warned"] += 1
-            wrong.append({**one, "known_to": str(one["known_to"]), "fault": str(warning)})
-            continue
-        seconds.append(time.perf_counter() - begin)
-        outcomes["wrong" if fault else "answered"] += 1
-        if fault:
-            wrong.append({**one, "known_to": str(one["known_to"]), "fault": fault})
-    return {
-        "draws": draws,
-        "outcomes": dict(sorted(outcomes.items())),
-        "median_ms": round(1e3 * float(np.median(seconds)), 1),
-        "percentile_95_ms": round(1e3 * float(np.percentile(seconds, 95)), 1),
-        "wrong": wrong[:20],
-    }
+def outcome(i):
+    """What became of draw i, its processor time in ms (NaN where it is refused), and the draw where it is wrong."""
+    one = draw(np.random.default_rng((SEED, i)), i % 2 == 0)
+    begin, bad = time.process_time(), {**one, "draw": i, "known_to": str(one["known_to"])}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            solution = solve(one)
+            spent = 1e3 * (time.process_time() - begin)
+            fault = faults(one, *solution)
+    except InputError as error:
+        return f"refused: {error.field}", np.nan, None
+    except Warning as warning:
+        return "warned", np.nan, bad | {"fault": str(warning)}
+    except Exception as error:  # everything else is what the campaign looks for
+        return "failed", np.nan, bad | {"fault": f"{type(error).__name__}: {error}"}
+    return ("wrong", spent, bad | {"fault": fault}) if fault else ("answered", spent, None)
 
 
 def main():
-    draws = int(sys.argv[1]) if len(sys.argv) > 1 else 5000
+    draws = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
+    first = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    path = Path(__file__).with_suffix(".json")
+    before = json.loads(path.read_text()) if path.exists() else {}
+    before = before if first and before.get("draws") == first else {}
     two_fluid_network(lambda s: 1 + s, 3.0, coupling=10.0, relaxation_time=1.0, law=Tension.of("fene", 9.0))  # compiles
-    found = {name: campaign(draws, name == "real jets", seed) for seed, name in enumerate(("real jets", "anything"))}
-    print(json.dumps(found, indent=1))
-    Path(__file__).with_suffix(".json").write_text(json.dumps(found, indent=1) + "\n")
+    names = ("real jets", "anything")
+    counts = [Counter(before.get(name, {}).get("outcomes", {})) for name in names]
+    cost = [Counter({int(k): v for k, v in before.get(name, {}).get("ms_below", {}).items()}) for name in names]
+    wrong = list(before.get("wrong", []))
+    for i in range(first, first + draws):
+        what, spent, bad = outcome(i)
+        counts[i % 2][what] += 1
+        if np.isfinite(spent):
+            cost[i % 2][int(min(edge for edge in EDGES if spent <= edge))] += 1
+        if bad is not None:
+            wrong.append(bad)
+    found = {"seed": SEED, "draws": first + draws}
+    for name, count, spent in zip(names, counts, cost, strict=True):
+        found[name] = {"outcomes": dict(sorted(count.items())), "ms_below": {str(k): spent[k] for k in sorted(spent)}}
+    found["wrong"] = wrong
+    print(json.dumps(found))
+    path.write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@
 
 Scenes are the straight ones of the atlas (`atlas_scenes.draw`). Printed, for every effect: how many of its errors lie between
 1e-4 and 1, which both rungs can tell, and the ratio of the estimate to what leaving the effect out changes
-(`spinline.study.difference`; evaporation and cooling: and of the mean fraction; radial gradients: surface against mean). Errors that pass
-1 are "no answer" by either, and agree if both say so.
+(`spinline.study.difference`; evaporation and cooling: and of the mean fraction; radial gradients: surface against
+mean). Errors that pass 1 are "no answer" by either, and agree if both say so.
 """
 
 import argparse

@@ -12,8 +12,10 @@ standard errors of it; the scatter about the line is within `tolerance` or twice
 Uncertainty: that of the noise, from `radius_std` where given, from the residuals otherwise; and that of the departure that is
 let pass, for the part of it that is a line in ln z moves beta and is not seen. A departure is taken to be smooth (a Gaussian
 process whose correlation length is three quarters of the range), there or not with the odds given below, of any size up to
-`tolerance`; the parabola and the cubic beside the line, which are seen, weigh the sizes. Not in it: r_0, which moves k by
-1 + beta times as much.
+`tolerance`; the parabola and the cubic beside the line, which are seen, weigh the sizes. Sizes that may be far apart are no
+normal distribution: the errors are those of which 1.96 hold 95 % of it. Where the radius is a power law to far better than the tolerance,
+they are too wide for it: whether a departure is a line in ln z no sample can tell, only a smaller `tolerance`. Not in it: r_0,
+which moves k by 1 + beta times as much.
 
 References
 ----------
@@ -25,6 +27,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import erfc
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError, SpinlineWarning
@@ -36,7 +39,8 @@ _FEWEST = 6  # samples a range needs
 _MOST_REWEIGHTED = 40
 _CLEAR = 4.0  # standard errors from which the standard deviations given follow the observed radius
 _SIZES = 40  # sizes of a departure that are weighed
-_NONE = 0.2  # odds that there is none
+_OUTSIDE, _TWO_SIDED = 0.05, 1.959963984540054  # of 95 %
+_NONE = 0.25  # odds that there is none
 _SMOOTH = np.array([0.87452, 0.34544, 0.04851, 0.00418])
 """Mean squares of the first four Legendre coefficients of exp(-(u - u')^2 / (2 x 1.5^2)) on [-1, 1], u of ln z."""
 _LEAST, _MOST = 0.25, 1.0  # exponents of electrified jets, review after Eq. (31)
@@ -161,7 +165,8 @@ def fit_power_law(
         cov = cov * chi2
     noise = sigma[inside] * (1.0 if scattered else float(np.sqrt(chi2)))
     bend, _ = _departure(x[inside], y[inside], sigma[inside])
-    hidden, hides = _hidden(x[inside], y[inside] - np.polyval(line, x[inside]), noise, tol if holds else max(tol, bend))
+    left = y[inside] - np.polyval(line, x[inside])
+    hidden, hides = _hidden(x[inside], left, noise, tol if holds else max(tol, bend), float(cov[0, 0]))
     cov = cov + hides
     chi2 = chi2 if scattered else float("nan")
     outside = (groups[0] < low) | (groups[0] > high)
@@ -324,9 +329,11 @@ def _follows(x: FloatArray, std: FloatArray, off: FloatArray) -> float:
     return float(fitted[-1]) if abs(fitted[-1]) > _CLEAR * error else 0.0
 
 
-def _hidden(x: FloatArray, residual: FloatArray, sigma: FloatArray, most: float) -> tuple[float, FloatArray]:
+def _hidden(
+    x: FloatArray, residual: FloatArray, sigma: FloatArray, most: float, slope_variance: float
+) -> tuple[float, FloatArray]:
     """Root mean square of a departure as likely as not to be there, up to `most`, and the covariance of (slope, intercept)
-    that the part of it which is a line makes.
+    that the part of it which is a line makes, beside `slope_variance` of the noise.
 
     What is seen of it, parabola and cubic beside the line, weighs how large it may be.
     """
@@ -342,10 +349,26 @@ def _hidden(x: FloatArray, residual: FloatArray, sigma: FloatArray, most: float)
     sizes = most * (np.arange(_SIZES) + 0.5) / _SIZES
     logs = np.array([log_likelihood(0.0), *map(log_likelihood, sizes.tolist())])
     weights = np.exp(logs - logs.max()) * np.concatenate(([_NONE], np.full(_SIZES, (1 - _NONE) / _SIZES)))
-    square = float(np.sum(weights[1:] * sizes**2) / np.sum(weights))
+    weights /= np.sum(weights)
+    square = float(np.sum(weights[1:] * sizes**2))
     slope = 2 / (x[-1] - x[0])
     to_line = np.array([[0.0, slope], [1.0, -1 - slope * x[0]]])  # of the constant and of u
-    return float(np.sqrt(square)), square * to_line @ np.diag(_SMOOTH[:2]) @ to_line.T
+    shape = to_line @ np.diag(_SMOOTH[:2]) @ to_line.T
+    spread = slope_variance + shape[0, 0] * np.concatenate(([0.0], sizes)) ** 2
+    counted = max((_holding(weights, spread) - slope_variance) / float(shape[0, 0]), 0.0)
+    return float(np.sqrt(square)), counted * shape
+
+
+def _holding(weights: FloatArray, variances: FloatArray) -> float:
+    """Variance of the normal distribution whose 95 % are those of a mixture of normal ones about the same mean."""
+    low, high = (_TWO_SIDED * float(np.sqrt(v)) for v in (variances.min(), variances.max()))
+    if not low > 0:  # no noise at all
+        return float(np.sum(weights * variances))
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        beyond = float(np.sum(weights * erfc(middle / np.sqrt(2 * variances))))
+        low, high = (middle, high) if beyond > _OUTSIDE else (low, middle)
+    return (low / _TWO_SIDED) ** 2
 
 
 def _departure(x: FloatArray, y: FloatArray, sigma: FloatArray) -> tuple[float, float]:

@@ -55,6 +55,8 @@ class LagrangianJet:
         Where the jet came from.
     cross_velocity : ndarray, (..., element), or None
         Speed across the jet's own axis, m/s; None where the velocity is not known by components.
+    air_slip : ndarray, (..., element), or None
+        Speed along the axis against air that moves, m/s (`cross_velocity` is against it too); None in still air.
     """
 
     initial_radius: float
@@ -70,6 +72,7 @@ class LagrangianJet:
     usable: BoolArray
     attributes: dict[str, Any]
     cross_velocity: FloatArray | None = None
+    air_slip: FloatArray | None = None
 
     @classmethod
     def from_arrays(
@@ -246,7 +249,10 @@ class LagrangianJet:
             time=time if x.ndim == 2 else None,
             usable=usable,
             attributes=dict(dataset.attrs),
-            cross_velocity=_dataset_across(dataset, x, get("y"), get("z")),
+            cross_velocity=get("air_cross_slip")
+            if "air_cross_slip" in dataset
+            else _dataset_across(dataset, x, get("y"), get("z")),
+            air_slip=get("air_slip") if "air_slip" in dataset else None,
         )
 
     def at(self, time: float | None = None) -> Self:
@@ -276,6 +282,7 @@ class LagrangianJet:
             time=None,
             attributes=self.attributes | {"time": float(self.time[index])},
             cross_velocity=None if self.cross_velocity is None else self.cross_velocity[index],
+            air_slip=None if self.air_slip is None else self.air_slip[index],
             **picked,
         )
 

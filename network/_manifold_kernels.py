@@ -415,8 +415,10 @@ def march_rows(
     ----------
     flows : ndarray, (rows, 3)
         Offset, scale and exponent of V.
-    lengths, kinks, eps, rtols, targets : ndarray, (rows,)
+    lengths, kinks, eps, rtols : ndarray, (rows,)
         Initial radii; kinks of 0 are none.
+    targets : ndarray, (rows, k)
+        Stretches whose passages are wanted.
     places : ndarray, (rows, m)
         Initial radii; NaN for none.
     held : int
@@ -429,7 +431,7 @@ def march_rows(
         Trials of panels.
     stretch : ndarray, (rows, m)
         Filled; NaN throughout for a row that cannot be resolved.
-    passes : ndarray, (rows,)
+    passes : ndarray, (rows, k)
         Filled.
     """
     law = (LINEAR, math.inf, 0.0)
@@ -467,10 +469,11 @@ def march_rows(
                 break
         for m in range(places.shape[1]):
             stretch[i, m] = math.nan
-        passes[i] = math.nan
+        passes[i, :] = math.nan
         if failed >= 0:
             continue
-        passes[i] = passage(edges, panels, count, True, law, lengths[i], targets[i])
+        for m in range(targets.shape[1]):
+            passes[i, m] = passage(edges, panels, count, True, law, lengths[i], targets[i, m])
         for m in range(places.shape[1]):
             stretch[i, m] = _at(edges, panels, count, places[i, m])
 

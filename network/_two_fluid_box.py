@@ -27,6 +27,7 @@ Profile = Callable[[FloatArray], FloatArray]
 
 _MOST_NEWTON = 60
 _LARGEST_STEP = 2.0  # of ln T and of q
+_MOST_TRIES = 180
 _SHORTEST = 1e-4
 _TOLERANCE = 1e-10
 _ROUNDING = 1e-6  # of a change that does not shrink any more
@@ -80,7 +81,7 @@ class Box:
             assemble(at, h, flow, eps, slow, law, self.per_line, plain, goal, factors[BELOW:], load)
 
         residual(y)
-        damping, previous = 1.0, np.inf
+        damping, previous, tries = 1.0, np.inf, 0
         for _ in range(_MOST_NEWTON):
             matrix, pivots, failed = dgbtrf(factors, BELOW, BELOW)
             if failed:
@@ -102,12 +103,13 @@ class Box:
             while True:  # the next change, by the same matrix, must be smaller: affine invariant
                 ahead = y - damping * change
                 residual(ahead)
+                tries += 1
                 following, _ = dgbtrs(matrix, BELOW, BELOW, load, pivots)
                 following = np.clip(following * scale, -1e100, 1e100)
                 if float(following @ following) <= (1 - 0.25 * damping) ** 2 * size:
                     break
                 damping *= 0.5
-                if damping < _SHORTEST:
+                if damping < _SHORTEST or tries > _MOST_TRIES:
                     return None
             y = ahead
         return None

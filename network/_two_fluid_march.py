@@ -1,5 +1,6 @@
 """Meshes and errors of the two-fluid network: from a first mesh to a solution whose error is known."""
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +16,9 @@ _MOST_CELLS = 30_000
 _ROUNDS = 3  # of moving the mesh
 _GROWTH = 1.4  # of cells away from a layer
 _GRADED = 8  # breaks that get a graded mesh of their own
+_MOST_COARSE = 4000  # cells of a mesh that is only being moved
 _MOST_RAMPED = 200
+_SOFTER = (10.0, 1e2, 1e3, 1e4, 1e5, 1e6)  # couplings to come from
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,10 +38,12 @@ class Solved:
 class March:
     """Solves one box between the nozzle and `begin`, for any tension there; stations and breaks become nodes."""
 
-    def __init__(self, box: Box, begin: float, stations: FloatArray, breaks: FloatArray, rtol: float) -> None:
-        self.box, self.begin, self.stations, self.rtol = box, begin, np.unique(stations), rtol
+    def __init__(
+        self, box: Box, begin: float, stations: FloatArray, breaks: FloatArray, rtol: float, spring: float = 1.0
+    ) -> None:
+        self.box, self.begin, self.stations, self.rtol, self.spring = box, begin, np.unique(stations), rtol, spring
         self.breaks = np.unique(np.concatenate(([0.0], breaks, [begin])))
-        self.cells = max(_CELLS, 6 * self.breaks.size)
+        self.cells, self.delicate = max(_CELLS, 6 * self.breaks.size), False
         self.keep = np.unique(np.concatenate((self.breaks, self.stations)))
         mesh = self._first_mesh()
         self.guess = Solved(mesh, start_of(box, mesh))
@@ -64,9 +69,15 @@ class March:
         InputError
             Where Newton's method fails, or the error stays above `rtol`.
         """
+        if start is not None and self.delicate:  # how far it is from the first is all that is asked of it: the first one's mesh
+            return self._solved(thinned(np.union1d(self.guess.nodes, start.nodes), self.keep), start, end)
         now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
         for _ in range(_ROUNDS):
-            now = self._solved(remeshed(now.nodes, self._curves(now), self.cells, self.breaks), now, end)
+            nodes = remeshed(now.nodes, self._curves(now), self.cells, self.breaks)
+            state = self.box.solve(nodes, now.on(nodes), end)
+            if state is None:  # the mesh that has an answer serves: halving it says how far off it is
+                break
+            now = Solved(nodes, state)
         now = self._solved(thinned(now.nodes, self.keep), now, end)
         while True:
             finer = self._solved(halved(now.nodes), now, end)
@@ -101,27 +112,32 @@ class March:
         state = self.box.solve(nodes, guess.on(nodes), end)
         if state is None:
             rough = self._roughly(Solved(nodes, guess.on(nodes)), end)
-            state = None if rough is None else self.box.solve(nodes, rough.on(nodes), end)
+            if rough is not None:
+                state = self.box.solve(nodes, rough.on(nodes), end)
+            if rough is not None and state is None:  # too coarse a mesh for the third order
+                self.cells, self.delicate = min(2 * self.cells, _MOST_COARSE), True
+                nodes = thinned(np.union1d(nodes, rough.nodes), nodes)
+                state = self.box.solve(nodes, rough.on(nodes), end)
         if state is None:
             raise InputError(
                 "coupling",
                 "no steady two-fluid network is found (Newton's method fails)",
-                value=float(1 / self.box.eps(nodes[-1:])[0]),
+                value=float(self.spring / self.box.eps(nodes[-1:])[0]),
                 remedy="raise alpha_v or shorten the jet",
             )
         return Solved(nodes, state)
 
     def _roughly(self, guess: Solved, end: float) -> Solved | None:
         """Solution of the scheme of first order, its mesh moved, then that of third order on the last mesh."""
-        now = guess
-        state = self.box.solve(now.nodes, now.state, end, plain=True)
-        if state is None:
-            found = self._ramped(now.nodes, end)
-            if found is None:
-                return None
-            now = found
-        else:
-            now = Solved(now.nodes, state)
+        for first in (self._plain, self._ramped, self._softened):
+            now = first(guess, end)
+            found = None if now is None else self._sharpened(now, end)
+            if found is not None:
+                return found
+        return None
+
+    def _sharpened(self, now: Solved, end: float) -> Solved | None:
+        """From the scheme of first order to that of third, the mesh following."""
         for _ in range(2 * _ROUNDS):
             nodes = remeshed(now.nodes, self._curves(now), 2 * self.cells, self.breaks)
             state = self.box.solve(nodes, now.on(nodes), end)
@@ -133,9 +149,43 @@ class March:
             now = Solved(nodes, state)
         return None
 
-    def _ramped(self, nodes: FloatArray, end: float) -> Solved | None:
+    def _plain(self, guess: Solved, end: float) -> Solved | None:
+        """The scheme of first order."""
+        state = self.box.solve(guess.nodes, guess.state, end, plain=True)
+        return None if state is None else Solved(guess.nodes, state)
+
+    def _softened(self, guess: Solved, end: float) -> Solved | None:
+        """From a coupling that gives way to the one wanted: what strands at their contour bear grows as it gets stiffer."""
+        box, softer = self.box, copy(self)
+        for soft in _SOFTER:
+            softer.box = self._trial(np.array([soft, 1.0]))
+            now = softer._plain(guess, end) or softer._ramped(guess, end)
+            if now is not None:
+                break
+        else:
+            return None
+        factor, contour = 10.0, box.law.full_stretch
+        for _ in range(_MOST_RAMPED):
+            if soft == 1:
+                return now
+            ahead = max(soft / factor, 1.0)
+            softer.box = self._trial(np.array([ahead, 1.0]))
+            mesh = remeshed(now.nodes, self._curves(now), self.cells, self.breaks)
+            start = now.on(mesh)
+            if box.law.bounded:
+                start[:, 0] *= np.where(box.law.stretch(start[:, 0]) > 0.9 * contour, soft / ahead, 1.0)
+            state = softer.box.solve(mesh, start, end, plain=True)
+            if state is None:
+                factor = factor**0.5
+                if factor < 1.02:
+                    return None
+            else:
+                now, soft, factor = Solved(mesh, state), ahead, min(factor**1.5, 30.0)
+        return None
+
+    def _ramped(self, guess: Solved, end: float) -> Solved | None:
         """From strands that relax fast in a network that slips little to these, in steps of both times, the mesh following."""
-        box = self.box
+        box, nodes = self.box, guess.nodes
         v, th, eps = box.profile(nodes), box.relaxation(nodes), box.eps(nodes)
         if np.isinf(th).any():
             return None

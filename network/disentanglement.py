@@ -40,9 +40,9 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, real
 from spinline.base.errors import InputError
-from spinline.network.mesh import SolventQuality, check_quality
+from spinline.network.mesh import Mesh, SolventQuality, check_quality, network_at_rest
 
-__all__ = ["Disentangled", "disentangle", "rouse_time", "strand_fraction"]
+__all__ = ["Disentangled", "disentangle", "rouse_time", "strand_fraction", "strands_at_rest"]
 
 _EXPONENT = -0.5
 _LARGEST = 1e100
@@ -112,6 +112,13 @@ def strand_fraction(
     nu = real("entanglements_left", entanglements_left, above=0.0, most=1.0)
     value: FloatArray = phi * (np.sqrt(nu) if check_quality(solvent_quality) == "theta" else nu)
     return value
+
+
+def strands_at_rest(
+    volume_fraction: ArrayLike, entanglements_left: ArrayLike, solvent_quality: SolventQuality = "theta"
+) -> Mesh:
+    """Strands that have joined, at rest: their mesh, segments and full stretch."""
+    return network_at_rest(strand_fraction(volume_fraction, entanglements_left, solvent_quality), solvent_quality)
 
 
 def disentangle(
@@ -189,15 +196,24 @@ def disentangle(
     from spinline.network._disentangle_kernels import slopes
 
     tables = (t, rates, -np.log(slow), -np.log(fast), 1 / segments, beta, loss)
+    last = t.size - 2
+
+    def along(sample: float, y: FloatArray) -> FloatArray:
+        i = min(max(int(sample), 0), last)
+        value: FloatArray = h[i] * slopes(t[i] + (sample - i) * h[i], y, *tables)
+        return value
+
+    # over the samples' number and not over time: no step passes a sample, or a flow that follows a rest would not be seen
     found = solve_ivp(
-        lambda at, y: slopes(at, y, *tables),
-        (float(t[0]), float(t[-1])),
+        along,
+        (0.0, float(t.size - 1)),
         np.zeros(3),
         method="LSODA",
-        t_eval=t,
+        t_eval=np.arange(t.size, dtype=np.float64),
         rtol=tolerance,
         atol=tolerance,
-        first_step=min(float(h[0]), 1e-3 * float(np.min(fast))),
+        first_step=min(1.0, 1e-3 * float(np.min(fast)) / float(h[0])),
+        max_step=1.0,
     )
     room = np.full(1, np.nan)
     if found.success and np.isfinite(found.y).all():
@@ -208,7 +224,7 @@ def disentangle(
         raise InputError(
             "time",
             "cannot be followed: the strands of this history are not resolved",
-            value=float(found.t[-1]),
+            value=float(t[len(found.t) - 1]),
             remedy="sample the history more finely, or raise rouse_time",
         )
     return Disentangled(t, axial, radial, nu, (1 - 3 * nu / segments) / room)

@@ -297,8 +297,10 @@ def steady_rows(
     ----------
     flows : ndarray, (rows, 3)
         Offset, scale and exponent of each `AlgebraicFlow`.
-    lengths, kinks, eps, rtol, targets : ndarray, (rows,)
-        L and the one break (0: none), initial radii; ``c / alpha_v``; tolerance; stretch whose passage is wanted.
+    lengths, kinks, eps, rtol : ndarray, (rows,)
+        L and the one break (0: none), initial radii; ``c / alpha_v``; tolerance.
+    targets : ndarray, (rows, k)
+        Stretches whose passages are wanted.
     end : {"take-up", "free", "extended"}
         As for `steady_network`.
     places : ndarray, (rows, m)
@@ -308,10 +310,10 @@ def steady_rows(
     -------
     stretch : ndarray, (rows, m)
         w; NaN where there is no place, and throughout a row that cannot be resolved.
-    passages : ndarray, (rows,)
-        First s where w passes the target, NaN where never.
+    passages : ndarray, (rows, k)
+        First s where w passes the targets, NaN where never.
     """
-    stretch, passages = np.empty(places.shape), np.empty(len(lengths))
+    stretch, passages = np.empty(places.shape), np.empty(targets.shape)
     columns = [np.ascontiguousarray(a, dtype=np.float64) for a in (flows, lengths, kinks, eps, rtol, targets, places)]
     march: Any = kernels.march_rows
     march(

@@ -235,7 +235,7 @@ def two_fluid_network(
     kinks = real("breaks", breaks).ravel()
     eps = float(box.eps(np.array([far]))[0])
     begin = far if held == "free" else _reach(box, far, eps)
-    march = March(box, begin, np.append(at, far), kinks[(kinks > 0) & (kinks < begin)], tol)
+    march = March(box, begin, np.append(at, far), kinks[(kinks > 0) & (kinks < begin)], tol, stiffness)
     th = float(box.relaxation(np.array([begin]))[0])
     gone = float(march.guess.state[-1, 1]) if np.isfinite(th) else 0.0
     root = far_end.root_of(profile, begin, eps, chosen, log_ratio=gone, relaxation_time=th)

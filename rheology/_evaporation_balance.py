@@ -113,7 +113,7 @@ class Balance:
 
     def reynolds(self, x: FloatArray, left: FloatArray | float) -> FloatArray:
         stretch = self.path.stretch(x)
-        speed = self.path.speed(x) if self.law == "yarin" else self.path.axial(x)
+        speed = self.path.against(x, self.law == "yarin")
         if self.kept:
             return 2 * self.path.initial_radius / np.sqrt(stretch) * np.abs(left * speed - self.wind) / self.nu
         return 2 * self.path.initial_radius * np.sqrt(left / stretch) * np.abs(speed - self.wind) / self.nu

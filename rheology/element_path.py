@@ -87,7 +87,10 @@ class ElementPath:
     given : {"velocity", "radius"}
         What stays as it is when the jet loses volume.
     cross_flow : callable, optional
-        Speed of the jet across its own axis at positions (m/s): a bending jet's; None where it has none.
+        Speed of the jet across its own axis at positions (m/s), against the air where `slip` is given: a bending jet's; None
+        where it has none.
+    slip : callable, optional
+        Speed along the axis against air that moves by a field of its own (m/s): a blown jet's, which takes no wind beside it.
     """
 
     position: FloatArray
@@ -99,17 +102,24 @@ class ElementPath:
     breaks: FloatArray
     given: Given
     cross_flow: Along | None = None
+    slip: Along | None = None
 
     def across(self, position: FloatArray) -> FloatArray:
         """Speed across the axis at positions, m/s; 0 where there is none."""
         return np.zeros_like(position) if self.cross_flow is None else self.cross_flow(position)
 
     def axial(self, position: FloatArray) -> FloatArray:
-        """Speed along the axis at positions, m/s: what `across` leaves of `speed`."""
+        """Speed along the axis at positions, m/s, against moving air where there is some: what `across` leaves of `speed`."""
+        if self.slip is not None:
+            return self.slip(position)
         if self.cross_flow is None:
             return self.speed(position)
         value: FloatArray = np.sqrt(np.maximum(self.speed(position) ** 2 - self.across(position) ** 2, 0.0))
         return value
+
+    def against(self, position: FloatArray, whole: bool) -> FloatArray:
+        """Speed against the air before any wind: along the axis, or (`whole`) all of it where the air is still."""
+        return self.speed(position) if whole and self.slip is None else self.axial(position)
 
     def integral(self, integrand: Along, rtol: float = 1e-13) -> FloatArray:
         """Integral of a function of position from `start` to every position, adaptive Gauss-Legendre.
@@ -179,6 +189,7 @@ def straight_path(jet: SteadyJet, z: ArrayLike, given: Given | None = None) -> E
         exposure=lambda x: np.full_like(x, 1 / velocity),
         breaks=jet.start + radius * np.asarray(jet.kinks(), dtype=np.float64),
         given=chosen,
+        slip=getattr(jet, "slip", None),
     )
 
 
@@ -248,12 +259,20 @@ def bead_path(jet: BeadJet, *, flow_rate: float | None = None, residence_time: A
     cross = getattr(jet, "cross_velocity", None)
     blown: Along | None = None
     if known and cross is not None and np.isfinite(cross[usable]).all():
-        sideways = np.concatenate(([0.0], np.minimum(cross[usable], speeds)))  # none at the nozzle
+        most = np.inf if getattr(jet, "air_slip", None) is not None else speeds
+        sideways = np.concatenate(([0.0], np.minimum(cross[usable], most)))  # none at the nozzle
 
         def blown(x: FloatArray) -> FloatArray:
             return np.interp(x, nodes, sideways)
 
-    return ElementPath(position, 0.0, radius, jet.stretch_ratio, speed, exposure, position, "velocity", blown)
+    own = getattr(jet, "air_slip", None)
+    past: Along | None = None
+    if own is not None and np.isfinite(own[usable]).all():
+
+        def past(x: FloatArray) -> FloatArray:
+            return np.asarray(np.interp(x, position, own[usable]))
+
+    return ElementPath(position, 0.0, radius, jet.stretch_ratio, speed, exposure, position, "velocity", blown, past)
 
 
 def _positions(field: str, values: ArrayLike, start: float, end: float) -> FloatArray:

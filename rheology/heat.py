@@ -266,7 +266,7 @@ def _solve(path: ElementPath, given: Inputs, y: FloatArray, rtol: float) -> tupl
         cross = 64.0 if air[7] == 0 else 0.0
 
         def speed(x: FloatArray) -> FloatArray:
-            own = path.speed(x) if air[7] == 2 else path.axial(x)
+            own = path.against(x, bool(air[7] == 2))
             past = np.sqrt((own - wind) ** 2 + cross * path.across(x) ** 2)
             value: FloatArray = path.exposure(x) * np.cbrt(2 * r0 / np.sqrt(path.stretch(x)) * past)
             return value
@@ -283,7 +283,7 @@ def _solve(path: ElementPath, given: Inputs, y: FloatArray, rtol: float) -> tupl
 
 def _places(path: ElementPath, x: FloatArray, yarin: bool) -> FloatArray:
     pace = path.exposure(x) / path.initial_radius**2
-    return np.column_stack((path.stretch(x), path.speed(x) if yarin else path.axial(x), path.across(x), pace))
+    return np.column_stack((path.stretch(x), path.against(x, yarin), path.across(x), pace))
 
 
 def _march(
@@ -410,7 +410,7 @@ def _result(
     film = 0.5 * (kelvin + air[1])
     density = air[0] * _AIR_MASS / (8.31446261815324 * film)
     nu = thermal.air_viscosity(film) / density
-    own = velocity if transfer == "yarin" else path.axial(path.position) * (left if kept else 1.0)
+    own = velocity if transfer == "yarin" and path.slip is None else path.axial(path.position) * (left if kept else 1.0)
     along, side = 2 * radius * np.abs(own - air[5]) / nu, 2 * radius * across / nu
     schmidt = nu / (sub[:, 4:5] * (film / REFERENCE) ** 1.75)
     prandtl = thermal.air_viscosity(film) * thermal.AIR_HEAT_CAPACITY / thermal.air_conductivity(film)

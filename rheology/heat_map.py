@@ -100,10 +100,10 @@ def dry_radially_with_heat(
     still = np.array([0.0, 1.0, 0.0, evaporant.chi, 0.0, 0.0, phi0, path.initial_radius, 0.0, 1.0, float(kept)])
     amount = phi0 * path.initial_radius**2
 
-    own = path.speed if transfer == "yarin" else path.axial
+    whole = transfer == "yarin"
 
     def along(x: FloatArray) -> FloatArray:
-        return np.column_stack((path.stretch(x), own(x), path.exposure(x) / amount, path.across(x)))
+        return np.column_stack((path.stretch(x), path.against(x, whole), path.exposure(x) / amount, path.across(x)))
 
     dry = 1 / glass - 1 if np.isfinite(glass) else -np.inf
     marched = march(

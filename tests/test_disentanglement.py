@@ -69,6 +69,33 @@ def test_maxwell_is_its_limit() -> None:
     np.testing.assert_array_equal(state.entanglements_left, 1.0)
 
 
+def test_a_flow_that_follows_a_rest_is_seen() -> None:
+    """At rest nothing changes, and an integrator's steps grow: they once passed over all of the flow that came later."""
+    t, flow = np.linspace(0, 10, 101), np.linspace(0, 0.5, 21)
+    late = np.concatenate((t, 10 + flow[1:]))
+    stretch = np.exp(np.concatenate((np.zeros(101), 8 * flow[1:])))
+    rested = disentangle(late, stretch, 1.0, 0.05, segments=400.0)
+    at_once = disentangle(flow, np.exp(8 * flow), 1.0, 0.05, segments=400.0)
+    assert at_once.axial[-1] > 4
+    np.testing.assert_allclose(
+        rested.axial[-21:], at_once.axial, rtol=2e-3
+    )  # the corner between two samples is rounded
+    np.testing.assert_allclose(rested.entanglements_left[-1], at_once.entanglements_left[-1], rtol=2e-3)
+
+
+def test_the_committed_campaign_of_entanglements() -> None:
+    """Random histories of the whole box, reversals among them: nu in (0, 1] or refused, none wrong."""
+    import json
+    from pathlib import Path
+
+    found = json.loads((Path(__file__).parents[1] / "benchmarks" / "entanglements_box.json").read_text())
+    assert found["wrong"] == []
+    assert found["histories"] >= 100
+    assert found["reversals"] > 0.5 * found["histories"]
+    assert set(found["outcomes"]) <= {"answered", "answered, agrees with the equations as printed", "refused: time"}
+    assert found["outcomes"].get("refused: time", 0) < 0.01 * found["histories"]
+
+
 def test_entanglements_stay_within_0_and_1_whatever_the_flow() -> None:
     """Random histories, reversals of the flow among them; with the axial stretch in place of lam_c nu would pass 1."""
     rng = np.random.default_rng(3)

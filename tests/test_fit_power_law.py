@@ -50,11 +50,15 @@ def test_what_is_let_pass_is_in_the_errors():
 
 
 def test_committed_campaign():
-    rows = json.loads(CAMPAIGN.with_suffix(".json").read_text())["cases"]
-    assert len(rows) == 9
-    for row in rows.values():
-        assert row["k_coverage"] > 0.92
-        assert row["beta_coverage"] > 0.92
+    """95 % intervals hold the truth in 92 to 98 %, noise alone or departures that are let pass; not what is far better."""
+    found = json.loads(CAMPAIGN.with_suffix(".json").read_text())
+    assert found["draws"] == 2000
+    assert set(found["cases"]) == set(campaign().CASES)
+    for name, row in found["cases"].items():
+        far_better = "far better" in name
+        for key in ("k_coverage", "beta_coverage"):
+            assert row[key] >= 0.92
+            assert row[key] <= 0.98 or far_better
         assert abs(row["k_bias"]) < 0.1 * row["k_std"]
 
 

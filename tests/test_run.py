@@ -326,7 +326,12 @@ def test_manifold_rung_meets_the_affine_one_and_locks() -> None:
     assert linear.attrs["closure"] == "force"
     w, full = locked["network_velocity_ratio"].values, float(locked["crossover_velocity_ratio"])
     assert w.max() <= full
-    assert locked.attrs["locked_from"] < float(locked["crossover_position"])
+    # full stretch of strands with a contour: the tension of the spring that is stretched so far, 0.83 of the lattice's contour
+    crossover = float(locked["crossover_position"])
+    assert crossover < locked.attrs["locked_from"] < float(affine["crossover_position"])
+    assert np.interp(crossover, locked["z"], locked["relative_extension"]) == pytest.approx(0.83, abs=2e-3)
+    assert np.interp(crossover, linear["z"], linear["velocity_ratio"]) < 0.7 * full
+    assert float(linear["crossover_position"]) == pytest.approx(float(affine["crossover_position"]), rel=1e-5)
     flux = locked["mean_polymer_fraction"].values * w / locked["velocity_ratio"].values
     free = locked["mean_polymer_fraction"].values < 1
     np.testing.assert_allclose(flux[free], float(locked["volume_fraction"]), rtol=1e-10)

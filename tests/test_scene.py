@@ -180,6 +180,7 @@ def test_schema_describes_every_section() -> None:
         "network",
         "accuracy",
         "collector",
+        "jets",
         "mat",
     }
     assert schema["additionalProperties"] is False

@@ -332,10 +332,14 @@ def test_committed_campaigns() -> None:
 
     folder = Path(__file__).parents[1] / "benchmarks"
     draws = json.loads((folder / "draws_two_fluid.json").read_text())
-    for box in draws.values():
-        assert box["wrong"] == []
+    assert draws["wrong"] == []
+    for box in (draws["real jets"], draws["anything"]):
         assert set(box["outcomes"]) <= {"answered", "refused: coupling", "refused: rtol"}
-    assert draws["real jets"]["outcomes"]["answered"] > 0.94 * draws["real jets"]["draws"]
+    assert draws["real jets"]["outcomes"]["answered"] > 0.98 * draws["draws"] / 2
+    cost = json.loads((folder / "bench_two_fluid.json").read_text())
+    assert (
+        max(cost["beads"].values()) <= 1000
+    )  # ms of processor time; straight jets: the benchmark itself, on a quiet machine
     marches = json.loads((folder / "far_end.json").read_text())
     assert marches["jets"] == 200
     assert set(marches["outcomes"]) <= {"bracketed", "no root, flagged"}

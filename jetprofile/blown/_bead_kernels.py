@@ -53,6 +53,12 @@ def air_at(
 
 
 @njit(cache=True, error_model="numpy")
+def _spring(azz: float, arr: float, inverse: float) -> float:
+    """Factor of a strand with an end, ``(L^2 - 3)/(L^2 - tr A)``; held at 1e6 of its room."""
+    return (1 - 3 * inverse) / max(1 - (azz + 2 * arr) * inverse, 1e-6)
+
+
+@njit(cache=True, error_model="numpy")
 def rates(
     n: int,
     t: float,
@@ -98,11 +104,13 @@ def rates(
             mu = 10.0 ** (p[16] * (c1 ** p[17] - c0 ** p[17]))
             g = g_mod * mu / c_ratio
         azz, arr = e[j, 1], e[j, 2]
-        pull = area * g * (azz - arr) + math.pi * a * sigma
+        h = _spring(azz, arr, p[14])
+        pull = area * g * h * (azz - arr) + math.pi * a * sigma
         if j < landed:
             pull = 0.0
             if drawn > 1:
-                pull = max(area * g * (azz * drawn * drawn - arr / drawn), 0.0) + math.pi * a * sigma
+                z2, r2 = azz * drawn * drawn, arr / drawn
+                pull = max(area * g * _spring(z2, r2, p[14]) * (z2 - r2), 0.0) + math.pi * a * sigma
         else:
             pull += area * 3 * mu_s * rate
         x, y, z = 0.5 * (q[j, 0] + q[j + 1, 0]), 0.5 * (q[j, 1] + q[j + 1, 1]), 0.5 * (q[j, 2] + q[j + 1, 2])
@@ -145,8 +153,8 @@ def rates(
         de[j, 1] = 2 * rate * azz
         de[j, 2] = -rate * arr
         if th > 0 and math.isfinite(th):
-            de[j, 1] -= (azz - 1) / th
-            de[j, 2] -= (arr - 1) / th
+            de[j, 1] -= (h * azz - 1) / th
+            de[j, 2] -= (h * arr - 1) / th
         if drying > 0:
             wet = volume - e[j, 3]
             if wet > 0:
@@ -181,11 +189,14 @@ def elastic_step(n: int, q: FloatArray, e: FloatArray, landed: int, p: FloatArra
         if p[12] > 0:
             c = e[j, 3] / e[j, 0] / p[13]
             g *= 10.0 ** (p[16] * (min(p[13] * c, 1.0) ** p[17] - p[13] ** p[17])) / c
-        wave = math.sqrt(g * (e[j, 1] + 2 * e[j, 2]) / p[0])
+        h = _spring(e[j, 1], e[j, 2], p[14])
+        stiff = 2 * h * h * p[14] / (1 - 3 * p[14])  # of the spring: 2 dh/d(tr A)
+        wave = math.sqrt(g * (h * (e[j, 1] + 2 * e[j, 2]) + stiff * e[j, 1] ** 2) / p[0])
+        slack = 0.3 * (h + stiff * e[j, 1]) / p[2] if p[14] > 0 else 0.0
         a = math.sqrt(e[j, 0] / (math.pi * length))
         drag = 3 * p[5] * 200.0 / (p[0] * math.pi * a)  # of the air across, at a slip of 200 m/s
         dry = 30 * p[12] * (400 * a / p[6]) ** (1 / 3) * length / e[j, 0]
-        rates_ = (wave + 1e-12) / length + abs(rate) + 6 * p[3] / (p[0] * length**2) + 0.3 * drag + dry
+        rates_ = (wave + 1e-12) / length + abs(rate) + 6 * p[3] / (p[0] * length**2) + 0.3 * drag + dry + slack
         least = min(least, 1 / (rates_ + 1e-30))
     return least
 
@@ -226,7 +237,8 @@ def advance(
     filled: int,
     counts: FloatArray,
 ) -> tuple[int, float, int, int, int]:
-    """Steps up to `end` or until the landing rows are full; returns n, t, landed, rows filled, and 0, or 1 where room ran out.
+    """Steps up to `end` or until the landing rows are full; returns n, t, landed, rows filled, and 0, or 1 where room ran out,
+    2 where work did (`counts`: elements looked at, those with c_b^2 < 0, and how many may be looked at).
 
     `start`: place (3), velocity (3), volume of an element, longest element, CFL, amplitude, angular frequency of its circle.
     """
@@ -237,6 +249,8 @@ def advance(
     while t < end:
         if filled >= rows.shape[0] - 2:
             return n, t, landed, filled, 0
+        if counts[0] > counts[2]:
+            return n, t, landed, filled, 2
         dt = min(start[8] * elastic_step(n, q, e, landed, p), end - t)
         dt = min(dt, 0.25 * start[6] / p[11])  # the start feeds no more than a quarter of an element
         if dt < 1e-15 * max(end, 1e-3):

@@ -1,9 +1,10 @@
 """A blown jet that bends: beads from where bending is well posed to the collector.
 
 Elements keep their volume exactly (polymer and solvent), their conformation A_zz, A_rr; beads their place and velocity. Per
-element: tension ``f [G (A_zz - A_rr) + 3 mu_s rate] + pi a sigma``, drag along and across (`drag`), weight; vapour leaves
-with the jet's velocity, so drying changes masses and no velocity. The element at the start grows by Q dt and mixes in the
-inflow. What is laid on the collector is clamped to its moving surface and pulls; a fibre already touching never pushes.
+element: tension ``f [G h (A_zz - A_rr) + 3 mu_s rate] + pi a sigma`` (h = 1, or FENE-P's where strands have an end), drag
+along and across (`drag`), weight; vapour leaves with the jet's velocity, so drying changes masses and no velocity. The element
+at the start grows by Q dt and mixes in the inflow. What is laid on the collector is clamped to its moving surface and pulls; a
+fibre already touching never pushes.
 
 Time: SSP Runge-Kutta of third order, ``dt = CFL min l/(c + |rate| l)`` with the drag's rate in it. (Heun's method pumps
 undamped waves at each step: at CFL 0.4 it gave fibres 22 % too thin.) Elements longer than `longest` are halved.
@@ -36,11 +37,12 @@ from spinline.jetprofile.blown.straight import BlownSolution
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BeadRun", "BeadStart", "BlownBeads", "blown_beads"]
+__all__ = ["BeadRun", "BeadStart", "BeadState", "BlownBeads", "blown_beads"]
 
 _ROOM = 8192  # beads
 _ROWS = 4096  # landings between two looks
 _AIR_ROWS = 2001
+_WORK = 1e9  # elements looked at, three times a step: some five minutes
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,18 @@ class BlownBeads:
 
 
 @dataclass(frozen=True, eq=False)
+class BeadState:
+    """One moment: beads (n, 6) of place and velocity from the far end on, elements (n - 1, 4) of volume, A_zz, A_rr and
+    volume of polymer, and whether the far end lies on the collector.
+    """
+
+    time: float
+    beads: FloatArray
+    elements: FloatArray
+    landed: bool
+
+
+@dataclass(frozen=True, eq=False)
 class BeadRun:
     """A run: the jet at its end, and what has landed.
 
@@ -151,8 +165,8 @@ class BeadRun:
         m3.
     below_zero : float
         Share of the elements, over all steps, with c_b^2 < 0.
-    frames : list
-        (time, position) of stored frames.
+    states : list of BeadState
+        Stored moments.
     """
 
     time: float
@@ -167,8 +181,13 @@ class BeadRun:
     polymer_fed: float
     evaporated: float
     below_zero: float
-    frames: list[tuple[float, FloatArray]] = field(default_factory=list)
+    states: "list[BeadState]" = field(default_factory=list)
     attributes: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def frames(self) -> list[tuple[float, FloatArray]]:
+        """(time, position) of the stored moments."""
+        return [(one.time, one.beads[:, :3]) for one in self.states]
 
     @property
     def radius(self) -> FloatArray:
@@ -283,7 +302,7 @@ def blown_beads(
             solution.flow_rate,
             run.drying,
             run.polymer_fraction,
-            0.0,
+            1 / solution.extensibility if elastic and solution.extensibility else 0.0,
             far_gaussian,
             *run.hardening,
             0.0,
@@ -349,12 +368,12 @@ def _drive(
     inlet: FloatArray,
     surface: FloatArray,
     frames: int,
-) -> tuple[float, int, FloatArray, list[tuple[float, FloatArray]], FloatArray]:
+) -> tuple[float, int, FloatArray, list[BeadState], FloatArray]:
     """The loop over stored moments and full tables of landings."""
     from spinline.jetprofile.blown._bead_kernels import advance
 
-    counts, rows, parts = np.zeros(2), np.empty((_ROWS, 10)), []
-    stored: list[tuple[float, FloatArray]] = []
+    counts, rows, parts = np.array([0.0, 0.0, _WORK]), np.empty((_ROWS, 10)), []
+    stored: list[BeadState] = []
     t, landed = 0.0, 0
     for moment in np.linspace(0, run.duration, max(frames, 1) + 1)[1:]:
         while t < moment:
@@ -362,6 +381,13 @@ def _drive(
                 n, t, float(moment), q, e, flight, landed, p, table, modes, place, inlet, surface, rows, 0, counts
             )
             parts.append(rows[:filled].copy())
+            if full == 2:
+                raise InputError(
+                    "mesh",
+                    f"asks for steps so short that only {t:.4g} s are done within the work allowed",
+                    value=run.element,
+                    remedy="take longer elements, less solvent viscosity or longer strands, or begin farther down",
+                )
             if full or n < 2:
                 raise InputError(
                     "mesh",
@@ -381,7 +407,7 @@ def _drive(
                     "cfl", f"lets the run diverge at {t:.4g} s", value=run.cfl, remedy="take a smaller one"
                 )
         if frames:
-            stored.append((t, q[:n, :3].copy()))
+            stored.append(BeadState(t, q[:n].copy(), e[: n - 1].copy(), bool(landed)))
     return t, n, np.concatenate(parts) if parts else np.empty((0, 10)), stored, counts
 
 

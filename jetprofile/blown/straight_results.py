@@ -9,7 +9,7 @@ from spinline.base.checks import FloatArray, number, positive
 
 __all__ = ["BlownSolution", "Law", "StraightBlownJet", "Verdict"]
 
-Law = Literal["newton", "ucm", "oldroyd-b"]
+Law = Literal["newton", "ucm", "oldroyd-b", "fene-p"]
 Verdict = Literal["converged", "compressed", "critical", "slack"]
 
 
@@ -29,6 +29,8 @@ class BlownSolution:
         theta, s; 0 for a Newtonian solution.
     solvent_viscosity : float
         mu_s, Pa s, below the viscosity.
+    extensibility : float
+        L^2 of FENE-P, above 3; 0: the strands have no end (the other laws).
     """
 
     flow_rate: float
@@ -38,6 +40,7 @@ class BlownSolution:
     surface_tension: float
     relaxation_time: float = 0.0
     solvent_viscosity: float = 0.0
+    extensibility: float = 0.0
 
     def __post_init__(self) -> None:
         for name, unit in (("flow_rate", "m3/s"), ("radius", "m"), ("density", "kg/m3"), ("viscosity", "Pa s")):
@@ -45,6 +48,8 @@ class BlownSolution:
         number("surface_tension", self.surface_tension, least=0.0, unit="N/m")
         number("relaxation_time", self.relaxation_time, least=0.0, unit="s")
         number("solvent_viscosity", self.solvent_viscosity, least=0.0, below=self.viscosity, unit="Pa s")
+        if self.extensibility != 0:
+            number("extensibility", self.extensibility, above=3.0)
 
     @property
     def velocity(self) -> float:

@@ -47,8 +47,10 @@ def deposit(
 ) -> None:
     """Fibres on the collector from a jet's landings, or from a fitted laydown."""
     from spinline.base.files import writable
+    from spinline.scene.file import bundled_scenes, given_file
 
-    file = Path(source)
+    file = given_file(source, bundled_scenes())
+    source = str(file)
     target = out or Path(file.name if file.suffix == "" else file.stem).with_suffix(".h5")
     writable(target, force=force)
     if csv is not None:
@@ -90,7 +92,8 @@ def deposit(
             )
         if segments is None:
             record = landings_of(run or source)
-            surface = surface or _collector(kind, distance, speed, radius, float(record.position[:, 0].max()))
+            given = (kind, distance, speed, radius)
+            surface = surface or _collector(*_kept_collector(record.attributes, *given), _landed(record))
             segments = lay(record, surface)
             attributes |= {"collector_kind": surface.kind, "collector_distance": surface.distance}
             if surface.kind == "drum":
@@ -213,6 +216,34 @@ def _write(target: Path, blocks: Any, attributes: dict[str, Any], csv: Path | No
             lines += [",".join(f"{value:.9g}" for value in row) for row in table]
         write_text(csv, "\n".join(lines) + "\n", force=force)
     return sums
+
+
+def _landed(record: Any) -> float:
+    """Where the beads landed, m.
+
+    Raises
+    ------
+    InputError
+        Where none has.
+    """
+    if not len(record.position):
+        raise InputError(
+            "landings", "are none: nothing has reached the collector", remedy="run the jet longer, or nearer to it"
+        )
+    return float(record.position[:, 0].max())
+
+
+def _kept_collector(
+    kept: dict[str, Any], kind: str, distance: str | None, speed: str | None, radius: str | None
+) -> tuple[str, str | None, str | None, str | None]:
+    """Collector of the options, or the one that the jet flew to where none are given."""
+    if (kind, distance, speed, radius) != ("plate", None, None, None) or "collector_distance" not in kept:
+        return kind, distance, speed, radius
+    text = [f"{float(kept[key])!r} {unit}" if key in kept else None for key, unit in _KEPT]
+    return str(kept["collector_kind"]), text[0], text[1], text[2]
+
+
+_KEPT = (("collector_distance", "m"), ("collector_speed", "m/s"), ("collector_radius", "m"))
 
 
 def _collector(

@@ -30,7 +30,7 @@ def jet(
     force: ForceOption = False,
     set_: SetOption = None,
 ) -> None:
-    """The straight jet of a needle's settings: radius, current, tension, and whether there is one."""
+    """The straight jet of a needle's settings, or of a gas nozzle's: radius, tension, and whether there is one."""
     from spinline.base.errors import InputError
     from spinline.base.files import writable
     from spinline.scene.needle import NeedleJet
@@ -38,13 +38,18 @@ def jet(
     from spinline.setup.needle import needle_jet
 
     loaded = load(scene, None, None, set_)
+    if loaded.jet.profile == "blown":
+        from spinline.cli.blown import show_blown
+
+        show_blown(loaded, figure, csv, json=json, force=force)
+        return
     if not isinstance(loaded.jet, NeedleJet):
         raise InputError(
             "jet.profile",
             "is not computed from a needle's settings",
             value=loaded.jet.profile,
-            allowed='"needle"',
-            remedy="`spinline run` shows any jet; `spinline scenes` lists those of a needle",
+            allowed='"needle", "blown"',
+            remedy="`spinline run` shows any jet; `spinline scenes` lists those of a needle and of a gas nozzle",
         )
     for file in (figure, csv):
         if file is not None:

@@ -28,7 +28,9 @@ def register(app: typer.Typer) -> None:
 def spin(
     source: Annotated[
         str,
-        typer.Argument(metavar="SCENE", help='Scene with profile = "spun", its bundled name, or a JETSPIN input.dat.'),
+        typer.Argument(
+            metavar="SCENE", help='Scene with profile = "spun" or "blown", its bundled name, or a JETSPIN input.dat.'
+        ),
     ],
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="Jet file, netCDF. Default: SCENE's name with .nc.")
@@ -57,6 +59,13 @@ def spin(
 
     if seeds < 1:
         raise InputError("--seeds", "must be 1 or more", value=seeds)
+    blown = _blown_scene(source, set_, flow_rate, time, quick)
+    if blown is not None:
+        from spinline.cli.blown import spin_blown
+
+        files = {"figure": figure, "movie": movie, "vtk": vtk, "xyz": xyz}
+        spin_blown(blown, out, seeds, frames, files, json=json, force=force, resume=resume)
+        return
     settings, end, notes, title = _settings(source, set_, flow_rate, law, quick, time)
     stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
     target = out or Path(f"{stem or 'jet'}.nc")
@@ -72,6 +81,23 @@ def spin(
         answers.append(_answer(jet, name))
         say(json_.dumps(answers[-1]) if json else _words(answers[-1]))
     _extras(jet, figure, movie, vtk, xyz, force or resume)
+
+
+def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time: Text, quick: bool) -> Any:
+    """The scene, where its jet is a blown one; else None."""
+    if Path(source).name == "input.dat" or Path(source).suffix == ".dat":
+        return None
+    from spinline.scene.blown import BlownJetSection
+
+    changes = [*(overrides or []), *([f"jet.time={time}"] if time is not None else [])]
+    scene = load(source, None, None, overrides)
+    if not isinstance(scene.jet, BlownJetSection):
+        return None
+    if flow_rate is not None:
+        raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
+    if quick:
+        raise InputError("--quick", "is for spun jets", remedy='--set "jet.element_length=..." takes longer elements')
+    return load(source, None, None, changes)
 
 
 def _settings(
@@ -103,7 +129,7 @@ def _settings(
             raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
         scene = load(source, None, None, overrides)
         if not isinstance(scene.jet, SpunJet):
-            raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed="spun")
+            raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"')
         settings, end, title = spun_settings(scene.jet, build_solution(scene)), scene.jet.time.value, scene.title
     if time is not None:
         end = parse(time, "time", "--time").value

@@ -8,7 +8,7 @@ import numpy as np
 from spinline.base.errors import InputError
 from spinline.base.units import Measured
 from spinline.fit.model import OF_NEEDLE, ForwardModel
-from spinline.network_models.registry import RUNGS, cheapest
+from spinline.network_models.registry import RUNGS, cheapest, rung_in
 from spinline.scene.file import HyperbolicJet, PowerLawJet, Scene
 from spinline.scene.needle import NeedleJet
 from spinline.setup.context import Context
@@ -70,7 +70,7 @@ def forward_model(
         own["relaxation_time"] = solution.relaxation_time
     if asked.network.coupling is not None:
         own["coupling"] = asked.network.coupling.value
-    rung = RUNGS[context.scene.network.model]
+    rung = rung_in(context.scene.network)
     if rung.sampled:
         notes += (f"the fit runs network.model = {rung.name!r} ({rung.cost}) for every trial",)
     return ForwardModel(
@@ -113,10 +113,10 @@ def _asked(
     if evaporation is False:
         update["radial"] = False
     network, model, able = scene.network, scene.network.model, cheapest(["relaxation"])
-    if relaxation and model in RUNGS and not RUNGS[model].relaxes and able is not None:
+    if relaxation and model in RUNGS and not rung_in(network).relaxes and able is not None:
         notes = (f"network.model = {model!r} has no relaxation: the fit takes {able.name!r}",)
         network = network.model_copy(update={"model": able.name})
-    if relaxation is False and model in RUNGS and RUNGS[model].relaxes:
+    if relaxation is False and model in RUNGS and rung_in(network).relaxes:
         update.pop("relaxation")  # the rung is relaxation
     if "coupling" in values:
         network = network.model_copy(update={"coupling": Measured(values["coupling"])})

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 
@@ -160,6 +162,31 @@ class Rung:
         """What is odd about a scene that it takes."""
         return []
 
+    def under(self, mover: "Rung") -> "Rung":
+        """Itself, unless it needs another rung to say what its strands bear."""
+        return self
+
+    def strand_tension(self, context: "Context", fields: dict[str, FloatArray], network: Network | None) -> FloatArray:
+        """Axial force ``f = F b/(k_B T)`` on a strand, in the shape of the stretch; of a network that moves with the jet.
+
+        inf where strands are at their contour.
+        """
+        from spinline.network.state import network_state
+
+        n, lam = context.scene.network, fields["strand_stretch"]
+        known = np.isfinite(lam)
+        force = np.full(lam.shape, np.nan)
+        left = fields.get("entanglements_left")
+        force[known] = network_state(
+            lam[known],
+            lam[known],
+            context.solution.volume_fraction,
+            entanglements_left=None if left is None else left[known],
+            closure=n.closure_used,
+            solvent_quality=n.solvent_quality,
+        ).conformation.force
+        return force
+
     def solve(self, context: "Context") -> Network | None:
         """The network along a straight jet; None where it moves with the solution.
 
@@ -179,14 +206,14 @@ class Rung:
             Usable rows, this rung named in its scene.
         places : ndarray, (rows, m)
             Where the stretch is wanted, m; NaN for nowhere.
-        target : ndarray, (rows,)
-            A stretch.
+        target : ndarray, (rows, k)
+            Stretches.
 
         Returns
         -------
         stretch : ndarray, (rows, m)
             NaN throughout a row that has to be run by itself.
-        passages : ndarray, (rows,)
+        passages : ndarray, (rows, k)
             Where the stretch first passes the target, initial radii; NaN where never.
         """
         return None

@@ -53,10 +53,7 @@ class SlippingRung(Rung):
         """What slips and pulls where the network does not move with the solution."""
         assert network is not None
         solution, course = context.solution, course_of(context.frames[-1])
-        if context.straight:
-            tension = network.tension(along(context, network, fields["z"]))
-        else:
-            tension = solved_on(context, network, lambda one, s: one.tension(s))
+        tension = _tension(context, fields, network)
         r0 = context.jet.initial_radius
         slip = fields["velocity_ratio"] - fields["network_velocity_ratio"]
         # c = 3 is the Gaussian strand, f_0 = 3 / V_S
@@ -72,6 +69,11 @@ class SlippingRung(Rung):
             "scission": force > BOND_STRENGTH,
         }
         return found
+
+    def strand_tension(self, context: "Context", fields: dict[str, FloatArray], network: Network | None) -> FloatArray:
+        """``f_0 T``, T by the scene's force law."""
+        assert network is not None
+        return 3 / context.rest.full_stretch * _tension(context, fields, network)
 
     def scalars(self, context: "Context", network: Network | None) -> dict[str, Any]:
         """How much the far end decides."""
@@ -108,3 +110,10 @@ class SlippingRung(Rung):
         assert network is not None
         held = {"network_end": context.scene.network.end} if hasattr(network, "far_end_effect") else {}
         return held | {"locked_from": network.locked_from * context.jet.initial_radius, "inertia": network.inertia}
+
+
+def _tension(context: "Context", fields: dict[str, FloatArray], network: Network) -> FloatArray:
+    """T along the jet, over that at rest."""
+    if context.straight:
+        return network.tension(along(context, network, fields["z"]))
+    return solved_on(context, network, lambda one, s: one.tension(s))

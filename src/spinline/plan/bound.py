@@ -2,7 +2,7 @@
 
 With ``d = eps V'`` at its largest the stretch changes by ``1.1 d`` at most, the core's fraction by ``2 f`` times that with f up
 to that of compaction, the orientation by 1.3 times, the place of a crossover by ``1/(2 beta)`` times. A crossover near the end
-of what the plan looks at, 0.9 of the jet, could come or go: such rows are left to the plan itself.
+of the jet could come or go: such rows are left to the plan itself.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ def surely_simplest(batch: Batch, *targets: FloatArray) -> BoolArray:
     slip = batch.of("network.spring") / alpha * jets.steepest(batch.length)
     compact = compaction_velocity_ratio(phi, quality) * rest_force(phi, quality)[0]
     sure = (slip < _MOST_SLIP) & (MARGIN * (3.5 * compact + 5) * slip < batch.of("accuracy.rtol"))
-    end = jets.velocity_ratio(np.atleast_1d(0.9 * batch.length))
+    end = jets.velocity_ratio(np.atleast_1d(batch.length))
     for target in targets:
         v = np.maximum(target, 1e-300)
         sure = sure & (v > _NEAR_REST) & (np.abs(np.log(v / end)) > 3 * slip + 1e-6)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spinline.network_models.registry import RUNGS, cheapest, simplest
+from spinline.network_models.registry import RUNGS, cheapest, rung_in, simplest
 from spinline.network_models.rung import Rung
 from spinline.plan.effects import EFFECTS, SWITCHED
 from spinline.plan.estimates import MARGIN, Estimate
@@ -127,12 +127,12 @@ def plan_of(context: Context, numbers: EffectNumbers | None = None) -> Plan:
     scene = context.scene
     rtol, asked = scene.accuracy.rtol, scene.network.model
     if asked in RUNGS:
-        RUNGS[asked].require(context)
+        rung_in(scene.network).require(context)
     known = numbers_of(context) if numbers is None else numbers
     effects = tuple(effect.estimate(context, known) for effect in EFFECTS)
     errors = {effect.name: effect.error for effect in effects}
     wanted = _choice(scene, errors, rtol)
-    rung = wanted if asked == "auto" else RUNGS[asked]
+    rung = wanted if asked == "auto" else rung_in(scene.network)
     on = _switched_on(scene, errors, rtol)
     used = {
         effect.name

@@ -1,7 +1,7 @@
 """What each effect would change in a scene's answer, from the scene's own numbers, before anything is solved.
 
-An estimate is the change of the reported quantities (`difference`) over the first nine tenths of the jet, by the first term
-that the effect adds:
+An estimate is the change of the reported quantities (`difference`) along the whole jet, by the first term that the effect
+adds:
 
 * elastic coupling: ``w = V + eps V V' + eps^2 (2 V V'^2 + V^2 V'')``, ``eps = c / alpha_v``
 * inertia: the same with -I for eps
@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 MARGIN = 1.2  # on every estimate, before it is compared with rtol
-_KEPT = 0.9  # of the jet, as in `difference`
+_LOCKED = 0.9  # of the jet: what locks beyond is its end
 _POINTS = 201
 UNSTEADY = 0.25  # eps V' from which the series of the slip says nothing
 
@@ -91,7 +91,7 @@ def inertia_effect(context: Context, inertia: float) -> Estimate:
 def extensibility_effect(context: Context) -> Estimate:
     """Contour length of the strands, as the network as a whole feels it."""
     full, jet = context.rest.full_stretch, context.line
-    z = _grid(context, 1.0)
+    z = _grid(context)
     v = jet.velocity_ratio(z)
     number = float(v.max()) / full
     name, symbol = "finite extensibility", "V/V_S at the end"
@@ -102,7 +102,7 @@ def extensibility_effect(context: Context) -> Estimate:
     first = int(np.flatnonzero(room <= 0)[0])
     passes = _passage(z - jet.start, v, full)  # where a network that overstretches does
     later = passes / (z[max(first, 1)] - jet.start) - 1
-    error = float(max(full / v[first] - 1, later)) if z[first] < _KEPT * z[-1] else 0.0
+    error = float(max(full / v[first] - 1, later)) if z[first] < _LOCKED * z[-1] else 0.0
     held = cheapest([name])
     finer = "" if held is None else f': see model = "{held.name}" with a force_law'
     words = (
@@ -118,7 +118,7 @@ def _stiffer(context: Context, full: float) -> float:
 
     scene, jet, alpha = context.scene, context.line, context.coupling.alpha
     law = "lattice" if scene.network.force_law == "linear" else scene.network.force_law
-    z = _grid(context, _KEPT)
+    z = _grid(context)
     spring = Tension.of(law, full)
     v = jet.velocity_ratio(z)
     _, compliance = spring.state(spring.tension(v))
@@ -139,7 +139,7 @@ def relaxation_effect(context: Context, deborah: float) -> Estimate:
     name, symbol = "relaxation", "De"
     if theta is None:
         return Estimate(name, symbol, float("nan"), float("nan"), "solution.relaxation_time is not given")
-    z = _grid(context, _KEPT)
+    z = _grid(context)
     v, time = jet.velocity_ratio(z), jet.residence_time(z)
     try:
         model: Model = constitutive_model(context.scene, context.material, context.rest.full_stretch)
@@ -165,7 +165,7 @@ def saturation_effect(context: Context) -> Estimate:
 
     n, v, phi = (
         context.scene.network,
-        context.line.velocity_ratio(_grid(context, 1.0)),
+        context.line.velocity_ratio(_grid(context)),
         context.solution.volume_fraction,
     )
     state = affine_network(v, phi, closure=n.closure_used, solvent_quality=n.solvent_quality)
@@ -181,7 +181,7 @@ def _slip(context: Context, eps: float) -> tuple[float, float]:
         return 0.0, 0.0
     if np.isnan(eps):
         return eps, eps
-    z, jet = _grid(context, _KEPT), context.line
+    z, jet = _grid(context), context.line
     v = jet.velocity_ratio(z)
     slope = jet.strain_rate(z) * jet.initial_radius / jet.initial_velocity
     number = float(np.abs(eps) * slope.max())
@@ -229,8 +229,6 @@ def change(state: NetworkState, reference: NetworkState) -> float:
     )
 
 
-def _grid(context: Context, share: float) -> FloatArray:
+def _grid(context: Context) -> FloatArray:
     """Places along the jet, fine at the nozzle, its kinks among them."""
-    jet = context.line
-    end = jet.start + share * (context.length - jet.start)
-    return np.clip(context.grid(_POINTS, share), jet.start, end)
+    return np.clip(context.grid(_POINTS), context.line.start, context.length)

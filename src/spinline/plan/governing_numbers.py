@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["EffectNumbers", "coupling_error", "deborah_number", "effect_numbers", "numbers_of"]
 
 _NAN = float("nan")
-_PLACES = 201
+_PLACES = 401  # as many as a run has: dryness of a thin jet changes within the first of them
 
 
 @dataclass(frozen=True)

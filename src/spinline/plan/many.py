@@ -16,7 +16,7 @@ from spinline.setup.batch import Batch
 
 __all__ = ["slipping_rows"]
 
-_KEPT, _POINTS = 0.9, 201  # as in `estimates`
+_POINTS = 201  # as in `estimates`
 _NEAR = 1e-8  # of what decides: closer, the row plans for itself
 _TOGETHER = 64  # rows, so that their arrays stay in the cache
 
@@ -81,7 +81,7 @@ def _places(batch: Batch) -> FloatArray:
     """Places as `estimates` takes them, (rows, points + 1), m: those of `spinline.setup.grid.jet_grid` with its kink."""
     jets = batch.jets
     r0 = np.broadcast_to(jets.initial_radius, (batch.rows,))
-    end = np.broadcast_to(_KEPT * batch.length, (batch.rows,))
+    end = np.broadcast_to(batch.length, (batch.rows,))
     kink = np.broadcast_to(jets.onset, (batch.rows,)) * r0
     scale = np.where(kink > 0, np.minimum(kink, r0), r0)
     share = np.linspace(0.0, 1.0, _POINTS)

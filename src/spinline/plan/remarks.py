@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.network.concentration import compaction_velocity_ratio
-from spinline.network_models.registry import rung_of
+from spinline.network_models.registry import rung_in
 from spinline.plan.choice import Plan, plan_of, resolved
 from spinline.plan.plausible import implausible
 from spinline.plan.switches import choose_effects
@@ -48,7 +48,7 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     """
     scene, solution, rest = context.scene, context.solution, context.rest
     n, effects = scene.network, context.effects
-    rung = rung_of(n.model)
+    rung = rung_in(n)
     rung.check(context)
     phi = solution.volume_fraction
     remarks = [*implausible(context), *rung.remarks(context)]

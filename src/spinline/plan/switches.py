@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.base.errors import InputError
-from spinline.network_models.registry import RUNGS, cheapest, simplest
+from spinline.network_models.registry import RUNGS, cheapest, rung_in, simplest
 from spinline.plan.effects import EFFECTS, SWITCHED
 from spinline.plan.estimates import MARGIN
 from spinline.setup.context import Context
@@ -29,7 +29,7 @@ def choose_effects(context: Context, numbers: "EffectNumbers | None" = None) -> 
         Where an effect is asked for and its data are missing, or the model cannot hold it.
     """
     scene, model = context.scene, context.scene.network.model
-    rung = RUNGS.get(model)
+    rung = rung_in(scene.network) if model in RUNGS else None
     relaxes = rung is not None and rung.relaxes
     _refuse(context, relaxes)
     reasons = {effect.switch: effect.idle(context) for effect in SWITCHED}

@@ -201,10 +201,11 @@ def _state(result: "xr.Dataset | NamedArrays", index: int) -> str:
         return float(result[name].values[index])
 
     fraction = f"has a polymer volume fraction of {at('core_polymer_fraction'):.3g}"
+    width = f"{at('radial_contraction'):.3g}" if at("radial_contraction") >= 1e-3 else "less than a thousandth"
     core = "is compact polymer" if bool(result["compacted"].values[index]) else fraction
     return (
         f"the strands are at {at('relative_extension'):.3g} of their contour, oriented O = {at('orientation'):.3g}, "
-        f"contracted to {at('radial_contraction'):.3g}; the network's radius is {1e6 * at('network_radius'):.3g} µm in a "
+        f"contracted to {width}; the network's radius is {1e6 * at('network_radius'):.3g} µm in a "
         f"jet of {1e6 * at('radius'):.3g} µm, and its core {core} "
         f"(solution: {float(result['volume_fraction']):.3g})"
     )

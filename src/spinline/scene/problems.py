@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 from spinline.base.errors import InputError
 from spinline.base.units import Measured
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection
-from spinline.scene.mat_sections import CollectorSection, MatSection
+from spinline.scene.mat_sections import CollectorSection, JetsSection, MatSection
 from spinline.scene.sections import (
     JET_SECTIONS,
     AccuracySection,
@@ -134,6 +134,7 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
         "network": NetworkSection,
         "accuracy": AccuracySection,
         "collector": CollectorSection,
+        "jets": JetsSection,
         "mat": MatSection,
     }
     section = key.rpartition(".")[0]

@@ -8,8 +8,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from spinline.base.units import Measured
 from spinline.rheology.constitutive import ConstitutiveLaw
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection, add_law, refusal
+from spinline.scene.blown import BlownJetSection
 from spinline.scene.jets import HyperbolicJet, JetspinJet, LagrangianJetFile, PowerLawJet, TableJet
-from spinline.scene.mat_sections import CollectorSection, MatSection
+from spinline.scene.mat_sections import CollectorSection, JetsSection, MatSection
 from spinline.scene.needle import NeedleJet
 from spinline.scene.quantities import (
     Concentration,
@@ -113,7 +114,7 @@ class SolutionSection(Section):
 
 
 JetSection = Annotated[
-    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet,
+    PowerLawJet | HyperbolicJet | NeedleJet | TableJet | JetspinJet | LagrangianJetFile | SpunJet | BlownJetSection,
     Field(discriminator="profile"),
 ]
 
@@ -126,6 +127,7 @@ JET_SECTIONS: dict[str, type[Section]] = {
     "jetspin": JetspinJet,
     "lagrangian": LagrangianJetFile,
     "spun": SpunJet,
+    "blown": BlownJetSection,
 }
 
 
@@ -144,6 +146,7 @@ class NetworkSection(Section):
     """``[network]``: model of the network, and its parameters."""
 
     model: Literal["auto", "affine", "manifold", "conformation", "two-fluid", "chain", "walk"] = "auto"
+    walk_tension: Literal["affine", "manifold", "conformation", "two-fluid", "chain"] = "affine"
     closure: Literal["auto", "force", "stretch"] = "auto"
     spring: Number = Measured(3.0, 0.0, "3")
     drag_viscosity: Annotated[Literal["solvent", "solution"] | Viscosity, Field(union_mode="left_to_right")] = "solvent"
@@ -157,6 +160,12 @@ class NetworkSection(Section):
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 
+    @model_validator(mode="after")
+    def _tension_is_walked(self) -> Self:
+        if "walk_tension" in self.model_fields_set and self.model != "walk":
+            raise refusal("walk_tension", f'is of model = "walk", and model is "{self.model}"; take that, or drop it')
+        return self
+
     @property
     def closure_used(self) -> Literal["force", "stretch"]:
         """What "auto" stands for: "stretch" where a slipping network has a law with a contour, else "force".
@@ -165,7 +174,8 @@ class NetworkSection(Section):
         """
         if self.closure != "auto":
             return self.closure
-        return "stretch" if MODELS.get(self.model, False) and self.force_law != "linear" else "force"
+        mover = self.walk_tension if self.model == "walk" else self.model
+        return "stretch" if MODELS.get(mover, False) and self.force_law != "linear" else "force"
 
 
 class AccuracySection(Section):
@@ -195,6 +205,7 @@ class Scene(Sheet):
     network: NetworkSection = NetworkSection()
     accuracy: AccuracySection = AccuracySection()
     collector: CollectorSection | None = None
+    jets: JetsSection | None = None
     mat: MatSection | None = None
 
 
@@ -216,5 +227,7 @@ def add_model(name: str, slips: bool) -> None:
     """Let ``network.model`` be another rung."""
     MODELS[name] = slips
     NetworkSection.model_fields["model"].annotation = Literal["auto", *MODELS]  # type: ignore[assignment]
+    movers = tuple(one for one in MODELS if one != "walk")
+    NetworkSection.model_fields["walk_tension"].annotation = Literal[*movers]  # type: ignore[assignment]
     NetworkSection.model_rebuild(force=True)
     Scene.model_rebuild(force=True)

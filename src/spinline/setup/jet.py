@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from spinline.base.errors import InputError
 from spinline.jetprofile.given_jet import complete
 from spinline.rheology.solution import Solution
+from spinline.scene.blown import BlownJetSection
 from spinline.scene.file import (
     HyperbolicJet,
     JetspinJet,
@@ -126,6 +127,12 @@ def _spun(section: SpunJet, scene: Scene, solution: Solution) -> "LagrangianJet"
     return build_spun(section, scene, solution)
 
 
+def _blown(section: BlownJetSection, scene: Scene, solution: Solution) -> "StraightJet | LagrangianJet":
+    from spinline.setup.blown import build_blown
+
+    return build_blown(section, scene, solution)
+
+
 def _moment(section: LagrangianJetFile | JetspinJet, beads: "LagrangianJet") -> "LagrangianJet":
     """All moments of a bead jet, or the one that is asked for."""
     if section.time == "all":
@@ -159,4 +166,5 @@ _BUILDERS: dict[type[Section], Builder] = {
     JetspinJet: _jetspin,
     LagrangianJetFile: _lagrangian,
     SpunJet: _spun,
+    BlownJetSection: _blown,
 }

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError
-from spinline.deposit.collectors import Belt, Drum, Plate, collector
+from spinline.deposit.collectors import Belt, Drum, Plate
 from spinline.deposit.frames import landings_from_table
 from spinline.deposit.landing import LandingRecord, laid_by
 from spinline.deposit.mat import MatOptions
 from spinline.deposit.segments import Segments
 from spinline.deposit.surrogate import Laydown, surrogate_fibre
 from spinline.scene.mat_file import MatScene
-from spinline.scene.mat_sections import CollectorSection, LaydownSection, MatSection
+from spinline.scene.mat_sections import LaydownSection, MatSection
+from spinline.setup.collector import collector_of, landings_alone
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "collector_of",
     "laid_file",
+    "landings_alone",
     "landings_of",
     "lay_scene",
     "laydown_of",
@@ -35,17 +37,6 @@ __all__ = [
 ]
 
 Surface = Plate | Belt | Drum
-
-
-def collector_of(section: CollectorSection) -> Surface:
-    """Collector of a scene."""
-    return collector(
-        section.kind,
-        section.distance.value,
-        speed=section.speed.value if section.speed else None,
-        rotation=section.rotation,
-        radius=section.radius.value if section.radius else None,
-    )
 
 
 def laydown_of(section: LaydownSection) -> Laydown:
@@ -127,8 +118,12 @@ def rows_of(scene: MatScene) -> int:
     return scene.jets.count * max(round(law.speed * scene.collector.time.value / step), 1)
 
 
-def scene_jet(source: str | Path, overrides: Sequence[str]) -> tuple[Path | None, Surface | None, MatOptions | None]:
-    """Bead run, collector and options of a scene that has a ``[jet]``; (None, None, None) for one of laydown alone.
+def scene_jet(
+    source: str | Path, overrides: Sequence[str]
+) -> tuple[Path | LandingRecord | None, Surface | None, MatOptions | None]:
+    """Bead run (or landings, of a jet that is blown for it), collector and options of a scene that has a ``[jet]``.
+
+    (None, None, None) for one of laydown alone.
 
     Raises
     ------
@@ -143,22 +138,41 @@ def scene_jet(source: str | Path, overrides: Sequence[str]) -> tuple[Path | None
     from spinline.scene.file import load_scene
 
     scene = load_scene(source, overrides)
+    if scene.jet.profile == "blown":
+        return _blown(scene), _surface_of(scene), options_of(scene.mat) if scene.mat else None
     path = getattr(scene.jet, "path", None)
     if scene.jet.profile not in ("jetspin", "lagrangian") or path is None:
         raise InputError(
             "jet.profile",
             "has no beads that land",
             value=scene.jet.profile,
-            remedy="take a bead jet that ran to its collector, or give [laydown] in place of [jet]",
+            remedy="`spinline spin` it first and give the file it writes"
+            if scene.jet.profile == "spun"
+            else "take a bead jet that ran to its collector, or give [laydown] in place of [jet]",
         )
+    surface = _surface_of(scene)
+    place = Path(path) if Path(path).is_absolute() else scene.folder / path
+    return place, surface, options_of(scene.mat) if scene.mat else None
+
+
+def _surface_of(scene: Any) -> Surface:
     if scene.collector is None:
         raise InputError("collector", "is missing", remedy='add [collector] with kind = "plate" and its distance')
-    place = Path(path) if Path(path).is_absolute() else scene.folder / path
-    return place, collector_of(scene.collector), options_of(scene.mat) if scene.mat else None
+    return collector_of(scene.collector)
 
 
-def laid_file(source: str | Path) -> Segments | None:
+def _blown(scene: Any) -> LandingRecord:
+    """Landings of the jets of a blown scene, run here."""
+    from spinline.setup.blown import blown_dataset
+    from spinline.setup.build import build_solution
+
+    return LandingRecord.from_dataset(landings_alone(blown_dataset(scene, build_solution(scene))))
+
+
+def laid_file(source: str | Path | LandingRecord) -> Segments | None:
     """Fibres of a jet file whose run had its own collector; None for anything else."""
+    if isinstance(source, LandingRecord):
+        return None
     path = Path(source)
     if path.suffix != ".nc" or not path.exists():
         return None
@@ -168,7 +182,7 @@ def laid_file(source: str | Path) -> Segments | None:
     return laid_by(data) if "deposit" in data.dims else None
 
 
-def landings_of(source: str | Path) -> LandingRecord:
+def landings_of(source: str | Path | LandingRecord) -> LandingRecord:
     """Landings of a JETSPIN run (its ``bead.dat``) or of a file with the dimension `landing`.
 
     Raises
@@ -176,6 +190,8 @@ def landings_of(source: str | Path) -> LandingRecord:
     InputError
         Where there are none.
     """
+    if isinstance(source, LandingRecord):
+        return source
     path = Path(source)
     if path.is_dir():
         path = path / "bead.dat"
@@ -203,4 +219,4 @@ def _with_landings(path: Path) -> "xr.Dataset":
             value=", ".join(map(str, data.dims)),
             remedy="run the jet until it reaches its collector, with its landings kept",
         )
-    return data
+    return landings_alone(data)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from spinline.network_models.registry import rung_of, simplest
+from spinline.network_models.registry import rung_in, simplest
 from spinline.network_models.rung import Network
 from spinline.plan.choice import Plan
 from spinline.plan.governing_numbers import coupling_error
@@ -76,7 +76,7 @@ def attributes_of(
             "Greenfeld et al., Phys. Rev. E 84, 041806 (2011); Eqs. (31)-(40) of the review in the docs"
             f"; polymer data: {context.solution.polymer.source}"
         ),
-        **rung_of(model).attributes(context, network),
+        **rung_in(scene.network).attributes(context, network),
         **_jet(context, plan),
     }
 

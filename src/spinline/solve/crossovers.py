@@ -10,6 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.power_law import PowerLaw
 from spinline.network.crossover import crossover_velocity_ratio, extension_velocity_ratio
+from spinline.network.tension import Tension
 from spinline.network_models.rung import Network
 from spinline.network_models.steady import Networks
 from spinline.scene.file import Scene
@@ -119,22 +120,28 @@ def passage(context: Context, velocity_ratio: float) -> Crossover:
 
 
 def slipping_passages(context: Context, network: Network, target: float) -> list[Crossover]:
-    """First places, one a moment, where the stretch of a network that slips passes a value."""
+    """First places, one a moment, where the strands of a network that slips are stretched by a value.
+
+    Beyond the contour of strands that have one: where they bear the tension of the spring that is stretched so far.
+    """
     moments = network.moments if isinstance(network, Networks) else [network]
     return [_slipping_passage(frame, one, target) for frame, one in zip(context.frames, moments, strict=True)]
 
 
 def _slipping_passage(context: Context, network: Network, target: float) -> Crossover:
-    nan, jet = float("nan"), context.jet
-    if context.scene.network.force_law != "linear" and target >= context.rest.full_stretch:
-        words = "strands of this force law come to their contour and do not pass it: see crossover_extension"
-        return Crossover(nan, nan, nan, nan, nan, words)
-    s = network.first_passage(target)
+    nan, jet, full = float("nan"), context.jet, context.rest.full_stretch
+    stretch = target
+    if target >= full:  # strands with a contour do not pass it: they bear there what a spring of that stretch bears
+        law = Tension.of(context.scene.network.force_law, full)
+        stretch = float(law.stretch(target))
+    s = network.first_passage(stretch)
     if np.isnan(s):
-        return Crossover(nan, nan, nan, nan, nan)
+        most = float(network.stretch(np.linspace(0.0, network.length, 201)).max())
+        words = f"the network, as it slips, is stretched w = {most:.6g} at most; it takes {stretch:.6g}"
+        return Crossover(target, nan, nan, nan, nan, words)
     place = min(jet.start + s * jet.initial_radius, jet.end)
     radius = float(jet.radius(place))
-    return Crossover(float(jet.velocity_ratio(place)), place, radius, radius / jet.initial_radius, place)
+    return Crossover(target, place, radius, radius / jet.initial_radius, place)
 
 
 def odd_places(context: Context, found: dict[str, list[Crossover]]) -> list[str]:
@@ -145,7 +152,7 @@ def odd_places(context: Context, found: dict[str, list[Crossover]]) -> list[str]
     r0, first = jet.initial_radius, float(jet.velocity_ratio(jet.start))
     for name, places in found.items():
         words, place = name.replace("_", " by "), places[0]
-        if np.isnan(place.position):
+        if np.isnan(place.position) or place.position == jet.start:
             if first > place.velocity_ratio > 1:
                 remarks.append(
                     f"{words} lies before the profile: its first sample, at {1e3 * jet.start:.4g} mm, is past it "

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
 from spinline.drying.along_jet import Dried, dry, dry_cooling, element_path, first_passage
-from spinline.network_models.registry import rung_of
+from spinline.network_models.registry import rung_in
 from spinline.network_models.variables import strand_conformation
 from spinline.setup.context import Context
 from spinline.setup.grid import jet_grid
@@ -132,7 +132,7 @@ def follow(
     if slipping is not None:
         w = np.exp(np.interp(x, place[known], np.log(slipping[known])))
     if context.effects.relaxation:
-        relaxed = rung_of(context.scene.network.model).relax(context, _held(history, arrest))
+        relaxed = rung_in(context.scene.network).relax(context, _held(history, arrest))
         attributes["constitutive_model"] = relaxed.words
         w = relaxed.stretch if slipping is None else w  # of a network that slips strands have relaxed already
         fields |= relaxed.fields
@@ -283,7 +283,7 @@ def _frozen(context: Context, along: Along, dried: Dried, arrest: Arrest) -> Fro
     found = freeze(
         along, places, arrest.fraction, arrest.why, lambda w: strand_conformation(context, w), arrest.never, exact
     )
-    slips = exact is not None and rung_of(context.scene.network.model).slips
+    slips = exact is not None and rung_in(context.scene.network).slips
     nan = float("nan")
     grown = arrest.crystallinity
     solid = {

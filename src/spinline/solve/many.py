@@ -55,35 +55,33 @@ def _moving_numbers(batch: Batch) -> dict[str, FloatArray]:
 
 
 def _slipping_numbers(batch: Batch, rung: Rung) -> dict[str, FloatArray]:
-    """Of networks of their own velocity: Eq. (38) is asked of the jet, the extension of the network."""
+    """Of networks of their own velocity: both criteria are asked of their strands."""
     jets, length = batch.jets, np.broadcast_to(batch.length, (batch.rows,))
-    full, target = batch_targets(batch)
-    place, radius, _ = passages(jets, full, length)
-    place, reached = np.broadcast_to(place, (batch.rows,)), np.broadcast_to(np.isfinite(place), (batch.rows,))
-    solved = rung.rows(batch, np.stack((place, length), axis=1), target)
-    stretch, passed = (np.full((batch.rows, 2), np.nan), np.full(batch.rows, np.nan)) if solved is None else solved
-    later = np.minimum(passed * jets.initial_radius, jets.end)
-    late = np.isnan(later)
-    ratio = jets.velocity_ratio(np.where(late, 0.0, later))
-    passing = np.where(late, np.nan, jets.initial_radius / np.sqrt(ratio))
+    wanted = np.stack([np.broadcast_to(v, (batch.rows,)) for v in batch_targets(batch)], axis=1)
+    solved = rung.rows(batch, np.stack((np.zeros(batch.rows), length), axis=1), wanted)
+    stretch, passed = (np.full((batch.rows, 2), np.nan) for _ in range(2)) if solved is None else solved
     found: dict[str, FloatArray] = {"volume_fraction": batch.volume_fraction}
-    for name, at, thin, v in (
-        ("crossover", place, radius, full),
-        ("crossover_extension", later, passing, np.where(late, np.nan, ratio)),
-    ):
+    late = np.isnan(passed)
+    for i, name in enumerate(("crossover", "crossover_extension")):
+        place = np.minimum(passed[:, i] * jets.initial_radius, jets.end)
+        ratio = jets.velocity_ratio(np.where(late[:, i], 0.0, place))
+        radius = np.where(late[:, i], np.nan, jets.initial_radius / np.sqrt(ratio))
         found |= {
-            f"{name}_position": at,
-            f"{name}_radius": thin,
-            f"{name}_radius_ratio": thin / jets.initial_radius,
-            f"{name}_velocity_ratio": v,
+            f"{name}_position": place,
+            f"{name}_radius": radius,
+            f"{name}_radius_ratio": radius / jets.initial_radius,
+            f"{name}_velocity_ratio": wanted[:, i],
         }
-    there = np.where(reached, jets.velocity_ratio(np.where(reached, place, 0.0)), 1.0)
+    reached = ~late[:, 0]
+    there = np.where(reached, jets.velocity_ratio(np.where(reached, found["crossover_position"], 0.0)), 1.0)
     usable = stretch[:, 1] > 0
-    middle = np.where(usable & reached, stretch[:, 0], 1.0)
+    middle = np.where(
+        passed[:, 0] > 0, wanted[:, 0], stretch[:, 0]
+    )  # no contour: stretched by the target, or more at the nozzle
+    middle = np.where(usable & reached, middle, 1.0)
     at_end = _network(batch, batch.end_stretch, np.where(usable, stretch[:, 1], 1.0))
     found = _summary(batch, found, reached, _network(batch, there, middle), at_end)
-    solved_rows = usable & (~reached | (stretch[:, 0] > 0))
-    return {name: np.where(solved_rows, column, np.nan) for name, column in found.items()}
+    return {name: np.where(usable, column, np.nan) for name, column in found.items()}
 
 
 def _summary(
@@ -108,7 +106,7 @@ def batch_profiles(batch: Batch, names: Sequence[str], z: FloatArray) -> dict[st
     rung = rung_of(batch.scene.network.model) if batch.scene.network.model in RUNGS else simplest()
     moved = None
     if rung.slips:
-        solved = rung.rows(batch, z, np.full(batch.rows, np.nan))
+        solved = rung.rows(batch, z, np.full((batch.rows, 0), np.nan))
         moved = np.full(z.shape, np.nan) if solved is None else solved[0]
         moved = np.where(moved > 0, moved, 1.0)  # of rows that are not used
     fields = {"z": z, **_network(batch, ratio, moved), "stretch_ratio": ratio}

@@ -17,6 +17,7 @@ _REASONS = (
     (r"(frozen|skin|core)_(position|time|radius|stretch|extension|orientation|relaxed)", "not glass in this jet"),
     (r"arrest_.*", "the jet does not become solid within its length"),
     (r"crystallinity", "crystallisation is not followed in time: it is at equilibrium, or not considered"),
+    (r"bending_start", "bending waves cannot travel anywhere on the straight part"),
     (r"bending_onset.*", "bending waves have not grown so far within the gap"),
     (r"vitrification_fraction", "the polymer does not turn to glass at this temperature"),
     (r"strand_force", "the contour is reached: the force of an ideal strand has no bound there"),

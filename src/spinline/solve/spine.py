@@ -12,7 +12,7 @@ import numpy as np
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.named_arrays import NamedArrays
-from spinline.network_models.registry import cheapest, rung_of, simplest
+from spinline.network_models.registry import cheapest, rung_in, simplest
 from spinline.network_models.rung import Network
 from spinline.plan.choice import Plan, plan_of, resolved
 from spinline.plan.remarks import examine, remarks_of
@@ -98,7 +98,7 @@ def solved(scene: Scene) -> NamedArrays:
     result, same = _solved(scene)
     remarks = str(result.attrs["warnings"]).splitlines()
     uncertain = uncertain_inputs(scene)
-    if uncertain and rung_of(same.network.model).sampled:
+    if uncertain and rung_in(same.network).sampled:
         remarks.append(f'uncertain inputs are not followed through model = "{same.network.model}": take another')
     elif uncertain:
         numbers, said = propagated(same, result, lambda moved: _solved(moved)[0])
@@ -109,7 +109,7 @@ def solved(scene: Scene) -> NamedArrays:
             result.attrs["bands"] = f"68 and 95 % of {same.accuracy.draws} draws of the uncertain inputs"
         result.attrs["uncertain_inputs"] = ", ".join(f"{key} = {value.text}" for key, value in uncertain.items())
         remarks += said
-    remarks += explain(result, sampled=rung_of(same.network.model).sampled)
+    remarks += explain(result, sampled=rung_in(same.network).sampled)
     result.attrs["warnings"] = "\n".join(remarks)
     return result
 
@@ -191,7 +191,7 @@ def _network(context: Context, plan: Plan | None) -> tuple[Context, Network | No
 
     Where strands slip and relax and no such network is found, they relax alone, and the remark says so.
     """
-    rung = rung_of(context.scene.network.model)
+    rung = rung_in(context.scene.network)
     if not rung.slips:
         return context, None, []
     try:

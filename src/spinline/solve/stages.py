@@ -12,7 +12,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.sorting import ascending
-from spinline.network_models.registry import rung_of
+from spinline.network_models.registry import rung_in
 from spinline.network_models.rung import Network
 from spinline.network_models.slipping import BOND_STRENGTH
 from spinline.network_models.variables import lateral_variables, network_motion, network_variables
@@ -91,14 +91,14 @@ def solve_stages(
     InputError
         Where a stage cannot be computed.
     """
-    rung = rung_of(context.scene.network.model)
+    rung = rung_in(context.scene.network)
     wanted = {} if bare else targets(context)
     found = {name: [passage(frame, target) for frame in context.frames] for name, target in wanted.items()}
     network = rung.solve(context) if rung.slips and network is None else network
     remarks: list[str] = []
     if network is not None and not bare:
         remarks += rung.solved_remarks(context, network)
-        for name in ("crossover", "crossover_extension") if rung.relaxes else ("crossover_extension",):
+        for name in wanted:
             found[name] = slipping_passages(context, network, wanted[name])
     if places is None and context.straight:
         places = default_places(context, [moments[0].position for moments in found.values()])

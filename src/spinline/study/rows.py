@@ -27,7 +27,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.base.files import stamp
 from spinline.jetprofile.straight import StraightJet
-from spinline.network_models.registry import RUNGS, rung_of
+from spinline.network_models.registry import RUNGS, rung_in
 from spinline.scene.file import Scene, scene_from_dict
 from spinline.scene.keys import placed
 from spinline.setup.build import build_solution
@@ -246,7 +246,7 @@ def _uncertainties(solved: Solved, task: Task, found: Mapping[str, float]) -> di
     """Standard uncertainties from the inputs', by the rung that was taken, and how far they were followed."""
     if not task.uncertain:
         return {}
-    if rung_of(solved.scene.network.model).sampled:
+    if rung_in(solved.scene.network).sampled:
         return {STD_FLAG: 2.0}
 
     def again(scene: Scene) -> dict[str, float]:

@@ -59,9 +59,9 @@ class Disentanglement(Effect):
 
     def check(self, context: Context) -> None:
         """Only strands that move with the solution, and chains whose entanglements are known."""
-        from spinline.network_models.registry import RUNGS, cheapest
+        from spinline.network_models.registry import cheapest, rung_in
 
-        rung, able = RUNGS[context.scene.network.model], cheapest(["relaxation"])
+        rung, able = rung_in(context.scene.network), cheapest(["relaxation"])
         if not rung.relaxes or rung.slips:
             raise InputError(
                 "effects.disentanglement",

@@ -41,10 +41,10 @@ class LateralTime(Effect):
         f = context.lateral_time
         if np.isnan(f):
             return self._nothing(f"alpha_v is {context.coupling.words}")
-        n, jet = context.scene.network, context.line
+        n, jet = context.scene.network, context.line  # Eq. (39) is of the force closure, at V
         v = np.array([1.0, float(jet.velocity_ratio(context.lateral_place))])
         walk = affine_network(
-            v, context.solution.volume_fraction, closure=n.closure_used, solvent_quality=n.solvent_quality
+            v, context.solution.volume_fraction, closure="force", solvent_quality=n.solvent_quality
         ).conformation.radial_contraction
         q = float(walk[1] / walk[0]) if walk[0] > 0 else float("nan")
         slow = 1.0 if f < 1 else float(lateral_limit(max(q, 1e-300), v[1]))
