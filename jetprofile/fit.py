@@ -13,9 +13,9 @@ Uncertainty: that of the noise, from `radius_std` where given, from the residual
 let pass, for the part of it that is a line in ln z moves beta and is not seen. A departure is taken to be smooth (a Gaussian
 process whose correlation length is three quarters of the range), there or not with the odds given below, of any size up to
 `tolerance`; the parabola and the cubic beside the line, which are seen, weigh the sizes. Sizes that may be far apart are no
-normal distribution: the errors are those of which 1.96 hold 95 % of it. Where the radius is a power law to far better than the tolerance,
-they are too wide for it: whether a departure is a line in ln z no sample can tell, only a smaller `tolerance`. Not in it: r_0,
-which moves k by 1 + beta times as much.
+normal distribution: the errors are those of which 1.96 hold 95 % of it. Where the radius is a power law to far better than the
+tolerance, they are too wide for it: whether a departure is a line in ln z no sample can tell, only a smaller `tolerance`.
+Not in it: r_0, which moves k by 1 + beta times as much.
 
 References
 ----------

@@ -69,7 +69,9 @@ class March:
         InputError
             Where Newton's method fails, or the error stays above `rtol`.
         """
-        if start is not None and self.delicate:  # how far it is from the first is all that is asked of it: the first one's mesh
+        if (
+            start is not None and self.delicate
+        ):  # how far it is from the first is all that is asked of it: the first one's mesh
             return self._solved(thinned(np.union1d(self.guess.nodes, start.nodes), self.keep), start, end)
         now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
         for _ in range(_ROUNDS):

@@ -64,7 +64,7 @@ def potential_matrix(
 @njit(cache=True, error_model="numpy")
 def local_level(i: int, p: FloatArray, w: FloatArray) -> float:
     """The local logarithm's part of an element's own potential, V/C; none beyond the cone."""
-    rest = 1.0 - w[SHARE, i] ** 2
+    rest: float = 1.0 - w[SHARE, i] ** 2
     if rest == 0.0:
         return rest
     value: float = rest * 2.0 * p[COUPLING] * math.log(p[LOG_LENGTH] / math.sqrt(w[AREA, i] / math.pi)) / w[LENGTH, i]
