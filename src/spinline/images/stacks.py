@@ -159,7 +159,8 @@ def open_stack(
         raise
     except Exception as error:  # what a library makes of damaged bytes
         reason = "damaged" if isinstance(error, IndexError) else _first_line(error)
-        raise InputError(key, f"cannot be read ({reason})", value=source) from None
+        remedy = "copy the file again: it may be cut short; or save it as TIFF or npy"
+        raise InputError(key, f"cannot be read ({reason})", value=source, remedy=remedy) from None
     if reader.dtype.kind not in "uif":
         raise InputError(key, "holds no real numbers", value=str(reader.dtype), allowed="integers or floats")
     total = reader.shape[0]
@@ -192,7 +193,7 @@ def open_stack(
 
 def natural(name: str) -> list[tuple[int, int, str]]:
     """Key that sorts names by the numbers in them: frame_2 before frame_10."""
-    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", name) if part]
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in re.split(r"(\d+)", name) if part]
 
 
 def _first_line(error: Exception) -> str:
