@@ -97,7 +97,8 @@ def pair_noise(
         good &= ~_stuck(first[part], second[part])
         if good.sum() < 16:
             continue
-        if np.ptp(a[good]) == 0.0 or np.ptp(b[good]) == 0.0 or bool((a[good] == b[good]).all()):
+        raw_a, raw_b = first[part][good], second[part][good]
+        if np.ptp(raw_a) == 0.0 or np.ptp(raw_b) == 0.0 or bool((raw_a == raw_b).all()):
             still.append(float(a[good].mean()))  # a frame was lost or copied, or all are alike
             continue
         mean_a, mean_b = float(a[good].mean()), float(b[good].mean())

@@ -58,7 +58,9 @@ class Packing:
     def _as(self, kind: np.dtype[Any]) -> Callable[[float], float]:
         """A raw number as a type holds it: rounded to a float of 32 bits, or without its sign."""
         if kind.kind == "f":
-            return lambda value: float(np.asarray(value).astype(kind)) if abs(value) < float(np.finfo(kind).max) else value
+            return lambda value: (
+                float(np.asarray(value).astype(kind)) if abs(value) < float(np.finfo(kind).max) else value
+            )
         if self.unsigned and kind.kind == "u":
             return lambda value: value + 2.0 ** (8 * kind.itemsize) if -np.inf < value < 0.0 else value
         return lambda value: value
@@ -111,6 +113,9 @@ def _numbers(name: str, value: Any, key: str, source: str) -> list[float]:
     packs = name in ("scale_factor", "add_offset")
     if not numbers or (packs and not np.isfinite(numbers).all()) or (name == "valid_range" and len(numbers) != 2):
         raise InputError(
-            key, f"has an attribute {name} that is no number", value=f"{source}: {value}", remedy="mend or remove the attribute"
+            key,
+            f"has an attribute {name} that is no number",
+            value=f"{source}: {value}",
+            remedy="mend or remove the attribute",
         )
     return numbers

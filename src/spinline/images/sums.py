@@ -4,7 +4,8 @@ A frame, or a row of it, that holds one number throughout is none: software that
 frames bright enough that chance does not do that, they are left out and counted. A pixel that is negative in whole numbers,
 or not a number, is invalid in that frame; one at the highest number of its type in every frame, with dark neighbours, is marked
 by the detector, not bright, and so is one at the highest or second highest number of whole numbers of 31 or 32 bits, in
-whatever type the frames are stored. A zero where most frames are lit is a part of a frame that was lost. Two frames that are the same to the last bit are one, copied.
+whatever type the frames are stored. A zero where most frames are lit is a part of a frame that was lost. Two frames that are
+the same to the last bit are one, copied.
 """
 
 from collections.abc import Callable, Iterator
@@ -29,7 +30,14 @@ _WIDE = 16  # pixels of a row that is judged
 _LOOKED_AT = 5  # frames that say how bright a stack is
 _CHECKED = ("counts", "flat", "flat_after", "dark", "transmission", "absorbance")
 _LIT = 50.0  # counts: no pixel that has so many is at 0 by chance
-_MARKS = (2.0**31 - 2, 2.0**31 - 1, 2.0**31, 2.0**32 - 2, 2.0**32 - 1, 2.0**32)  # the last of each as 32-bit floats keep it
+_MARKS = (
+    2.0**31 - 2,
+    2.0**31 - 1,
+    2.0**31,
+    2.0**32 - 2,
+    2.0**32 - 1,
+    2.0**32,
+)  # the last of each as 32-bit floats keep it
 _NO_COUNT = 1e15  # fill values: more than can be counted
 _FEW = 4  # values below 0: marks; more are noise about a dark that was taken off
 _MOST_MARKED = 0.2  # of a frame
@@ -299,7 +307,9 @@ def _no_measurement(block: Array, look: _Look) -> BoolArray | None:
             under &= block == np.floor(block)
         invalid = under if under.any() else None
     if block.dtype.itemsize >= 4 and block.size and bool((block >= _MARKS[0]).any()):
-        high = np.isin(block, np.asarray(_MARKS)) | (block >= _NO_COUNT if kind == "f" else block >= np.iinfo(block.dtype).max)
+        high = np.isin(block, np.asarray(_MARKS)) | (
+            block >= _NO_COUNT if kind == "f" else block >= np.iinfo(block.dtype).max
+        )
         invalid = high if invalid is None else invalid | high
     if look.lit is not None:
         gone = (block == 0) & look.lit

@@ -215,8 +215,7 @@ def open_file(path: Path, inside: str | None, key: str) -> FrameReader:
         For a file of no known kind, or what its format refuses.
     """
     known = formats().values()
-    suffix = path.suffix.lower()
-    candidates = [form for form in known if suffix in form.suffixes]
+    candidates = [form for form in known if path.name.lower().endswith(form.suffixes)]
     with path.open("rb") as file:
         head = file.read(_HEAD)
     if not head:

@@ -22,10 +22,14 @@ class _Variable:
 
         self.path = path
         with netcdf_file(path, "r", mmap=True, maskandscale=False) as file:
-            self._look(file, inside, key)
+            attributes, kind = self._look(file, inside, key)  # nothing of the file is held on to
+        source = f"{path.name}:/{self.name}"
+        self.packing = packing_of(attributes.get, key, source)
+        self.dtype: np.dtype[Any] = kind if self.packing is None else np.dtype(np.float64)
+        self.account = Account(source, "" if self.packing is None else "unpacked by its attributes")
 
-    def _look(self, file: Any, inside: str | None, key: str) -> None:
-        """Find the variable and what it is packed by."""
+    def _look(self, file: Any, inside: str | None, key: str) -> tuple[dict[str, Any], np.dtype[Any]]:
+        """Find the variable: its attributes, and its type."""
         path = self.path
         names = [name for name, v in file.variables.items() if len(v.shape) >= 2]
         wanted = inside.strip("/") if inside else key if key in names else names[0] if len(names) == 1 else ""
@@ -40,10 +44,8 @@ class _Variable:
         self.name = wanted
         variable = file.variables[wanted]
         self.shape = frames_shape(tuple(variable.shape), key, path.name)
-        self.packing = packing_of(lambda name: getattr(variable, name, None), key, f"{path.name}:/{wanted}")
-        packed = self.packing is not None
-        self.dtype: np.dtype[Any] = np.dtype(np.float64) if packed else np.dtype(variable.data.dtype).newbyteorder("=")
-        self.account = Account(f"{path.name}:/{wanted}", "unpacked by its attributes" if packed else "")
+        kind = np.dtype(variable.data.dtype).newbyteorder("=")
+        return {**variable._attributes}, kind
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
@@ -75,7 +77,10 @@ class _Netcdf3:
         with path.open("rb") as file:
             if file.read(4) == b"CDF\x05":
                 raise InputError(
-                    key, "is netCDF of the 64-bit data kind (CDF-5)", value=path.name, remedy="nccopy -k nc4 makes netCDF-4 of it"
+                    key,
+                    "is netCDF of the 64-bit data kind (CDF-5)",
+                    value=path.name,
+                    remedy="nccopy -k nc4 makes netCDF-4 of it",
                 )
         return _Variable(path, inside, key)
 
