@@ -33,6 +33,7 @@ McIlroy, Olmsted, Polymer 123, 376 (2017), for nu; Dolata et al., arXiv:2407.048
 J. Polym. Sci. B 51, 1377 (2013), for jets.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -204,17 +205,19 @@ def disentangle(
         return value
 
     # over the samples' number and not over time: no step passes a sample, or a flow that follows a rest would not be seen
-    found = solve_ivp(
-        along,
-        (0.0, float(t.size - 1)),
-        np.zeros(3),
-        method="LSODA",
-        t_eval=np.arange(t.size, dtype=np.float64),
-        rtol=tolerance,
-        atol=tolerance,
-        first_step=min(1.0, 1e-3 * float(np.min(fast)) / float(h[0])),
-        max_step=1.0,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of a march that fails, which is refused by name below
+        found = solve_ivp(
+            along,
+            (0.0, float(t.size - 1)),
+            np.zeros(3),
+            method="LSODA",
+            t_eval=np.arange(t.size, dtype=np.float64),
+            rtol=tolerance,
+            atol=tolerance,
+            first_step=min(1.0, 1e-3 * float(np.min(fast)) / float(h[0])),
+            max_step=1.0,
+        )
     room = np.full(1, np.nan)
     if found.success and np.isfinite(found.y).all():
         axial, radial, nu = np.exp(found.y)

@@ -8,6 +8,7 @@ import pytest
 import spinline as sl
 import spinline.jetprofile.blown as blown
 from spinline.base.errors import InputError
+from spinline.base.units import Measured
 from spinline.jetprofile.blown.straight_jet import BlownJet
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.rheology.element_path import bead_path, straight_path
@@ -69,9 +70,7 @@ def test_a_newtonian_scene_is_the_reference_case():
     assert jet.settings.solution.relaxation_time == 0
     assert jet.solved.bending_start == pytest.approx(1.1e-3, rel=0.05)
     pressed = load_scene("pan12-blown", ["jet.law=newton"])
-    made = pressed.jet.model_copy(
-        update={"air_velocity": None, "pressure_ratio": sl.scene.file.Measured(1.2, 0.0, "1.2")}
-    )
+    made = pressed.jet.model_copy(update={"air_velocity": None, "pressure_ratio": Measured(1.2, 0.0, "1.2")})
     gas = build_jet(pressed.model_copy(update={"jet": made}), build_solution(pressed)).settings.air
     assert gas.exit_velocity == pytest.approx(172.9125, abs=1e-3)
 

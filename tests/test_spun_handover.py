@@ -108,10 +108,15 @@ def handed():
 
 
 def test_chain_stays_on_the_straight_jet(handed):
-    """Radius, tension and line charge within 1e-3 at 3.2, 5 and 10 mm after 16 ms; second order."""
+    """Radius, tension and line charge within 1e-3 at 3.2, 5 and 10 mm after 16 ms; second order.
+
+    The order is that of the line charge: the radius is within 5e-5 of it with 25 elements already, where errors of either sign
+    cancel.
+    """
     off = [np.abs(_sampled(chain) / _truth() - 1) for chain in handed]
-    assert off[1].max() < 1e-4  # 4.6e-5
-    assert (off[0][0] / off[1][0]).min() > 3.2
+    assert off[0][0].max() < 1e-4  # 4.5e-5
+    assert off[1].max() < 1e-4  # 9.6e-5, of the tension
+    assert (off[0][2] / off[1][2]).min() > 3.2  # 4.3, 4.0, 3.9
     assert _sampled(handed[1])[0, 1:] == pytest.approx(
         [19.669373e-6, 14.329697e-6], rel=2e-5
     )  # another prototype's, 50 elements

@@ -253,7 +253,7 @@ def blown_dataset(
         if first is None:
             first = bead_frames(jet, run)
     whole = records[0] if len(records) == 1 else _beside(records)
-    whole = whole.rename({name: f"landing_{name}" for name in whole.data_vars})
+    whole = whole.rename_vars({name: f"landing_{name}" for name in whole.data_vars})
     below = float(np.mean([one.attrs["below_zero_wave_speed"] for one in records]))
     whole.attrs |= {"jets": len(records), "below_zero_wave_speed": below}
     return xr.merge([whole, first], combine_attrs="override").assign_attrs(
