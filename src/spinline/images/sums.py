@@ -267,13 +267,15 @@ def _in_order(pool: ThreadPoolExecutor, work: Callable[[int], _Piece], items: ra
 class _Look:
     """Whether frames are so bright that no row is of one number by chance; and so noisy that no two are alike by chance.
 
-    `below`: what is under 0 is a mark, no noise; `lit`: pixels that are not at 0 by chance.
+    `below`: what is under 0 is a mark, no noise; `lit`: pixels that are not at 0 by chance; `most`: from here on a
+    float is a fill value.
     """
 
     bright: bool
     noisy: bool
     below: bool = True
     lit: BoolArray | None = None
+    most: float = _NO_COUNT
 
 
 def _bright(stack: Stack) -> _Look:
@@ -294,24 +296,30 @@ def _bright(stack: Stack) -> _Look:
         first = frame if first is None else first
     bright = max(levels) > (0.0 if stack.key in ("transmission", "absorbance") else _BRIGHT)
     most = lit > len(picked) // 2 if len(picked) > 2 else np.zeros(lit.shape, dtype=np.bool_)
-    return _Look(bright, bright and not alike, _are_marks(np.concatenate(below)), most if most.any() else None)
+    return _Look(
+        bright,
+        bright and not alike,
+        _are_marks(np.concatenate(below)),
+        most if most.any() else None,
+        max(_NO_COUNT, 1e3 * max(levels)),
+    )
 
 
 def _no_measurement(block: Array, look: _Look) -> BoolArray | None:
     """Numbers of a piece of bright frames that are marks, or zeros where light was lost."""
     invalid = None
     kind = block.dtype.kind
-    if kind in "if" and look.below:
+    low = block.min()  # NaN where there is one: then all is looked at
+    if kind in "if" and look.below and not low >= 0:
         under = block < 0
         if kind == "f":
             under &= block == np.floor(block)
         invalid = under if under.any() else None
-    if block.dtype.itemsize >= 4 and block.size and bool((block >= _MARKS[0]).any()):
-        high = np.isin(block, np.asarray(_MARKS)) | (
-            block >= _NO_COUNT if kind == "f" else block >= np.iinfo(block.dtype).max
-        )
+    if block.dtype.itemsize >= 4 and not block.max() < _MARKS[0]:
+        high = np.isin(block, np.asarray(_MARKS))
+        high |= block >= look.most if kind == "f" else block >= np.iinfo(block.dtype).max
         invalid = high if invalid is None else invalid | high
-    if look.lit is not None:
+    if look.lit is not None and not low > 0:
         gone = (block == 0) & look.lit
         if gone.any():
             invalid = gone if invalid is None else invalid | gone
