@@ -14,6 +14,7 @@ from spinline.base.errors import InputError
 from spinline.images.noise import pair_noise
 from spinline.images.stacks import open_stack
 from spinline.images.sums import sum_frames
+from spinline.images.transmission import as_transmission
 from spinline.radiography.reduce import reduce_images
 
 pytestmark = pytest.mark.usefixtures("quiet")
@@ -255,3 +256,25 @@ def test_compressed_files_are_refused_by_name_and_masks_may_be_true_and_false(tm
     assert np.array_equal(open_stack("mask.npy", "bad_pixels", tmp_path).read(0, 1)[0], FRAMES[0] > 50)
     with pytest.raises(InputError, match="no real numbers"):
         open_stack("mask.npy", "counts", tmp_path)
+
+
+@pytest.mark.parametrize("key", ["transmission", "absorbance"])
+@pytest.mark.parametrize("mark", [np.nan, -1.0, -9999.0, 1e30])
+def test_marks_among_transmissions(tmp_path, key, mark) -> None:
+    truth = np.random.default_rng(3).normal(np.linspace(0.05, 1.0, 60), 0.005, (4, 20, 60))
+    frames = truth if key == "transmission" else -np.log(truth.clip(1e-3))
+    frames[:, 5:8, 20:23] = mark
+    np.save(tmp_path / "a.npy", frames)
+    total = sum_frames(as_transmission(open_stack("a.npy", key, tmp_path)))
+    seen = total.exposures > 0
+    assert int((~seen).sum()) == 9
+    assert total.total[seen] == pytest.approx(
+        truth.clip(1e-3).sum(axis=0)[seen], abs=1e-9 if key == "absorbance" else 0.05
+    )
+
+
+@pytest.mark.parametrize("key", ["transmission", "absorbance"])
+def test_counts_are_no_transmissions(tmp_path, key) -> None:
+    np.save(tmp_path / "a.npy", np.random.default_rng(3).poisson(5000.0, (4, 20, 60)).astype(np.uint16))
+    with pytest.raises(InputError, match=rf"holds no {key}s.*name raw frames counts"):
+        as_transmission(open_stack("a.npy", key, tmp_path))

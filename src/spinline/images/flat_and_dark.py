@@ -15,6 +15,7 @@ from spinline.images.noise import PairNoise, pair_noise
 from spinline.images.sources import opened, part_of, slices, spoken, stack_of
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, sample_frames, sum_frames
+from spinline.images.transmission import as_transmission
 from spinline.scene.images_file import Images, Source
 
 __all__ = ["Fields", "build_fields", "linear", "mean_part", "open_counts", "slices"]
@@ -84,8 +85,8 @@ def open_counts(images: Images) -> Stack:
     """Stack of the frames with the jet."""
     key, source = images.source
     stack = stack_of(images, source, key, images.part)
-    if key == "absorbance":
-        stack = replace(stack, turned=lambda block: np.exp(-np.asarray(block, dtype=np.float64)))
+    if key in ("transmission", "absorbance"):
+        stack = as_transmission(stack)
     shape = stack.reader.shape
     if shape[-1] in (3, 4) and shape[0] > 4:
         raise InputError(
