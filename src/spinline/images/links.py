@@ -69,5 +69,5 @@ def stays_home(group: Any, inside: str, key: str, depth: int = 0) -> None:
                     stays_home(other, path, key, depth + 1)
         try:
             group = group[part]
-        except (KeyError, OSError):
+        except (KeyError, OSError, RuntimeError):
             return

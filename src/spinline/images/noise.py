@@ -84,15 +84,23 @@ def pair_noise(
     variance = level = 0.0
     samples = 0
     used: list[int] = []
+    still: list[float] = []
     lags = np.zeros((2 * (_REACH + _BEYOND) + 1,) * 2)
     weight = np.zeros_like(lags)
     for i in pairs.tolist():
         first, second = np.asarray(stack.read(i, i + 2), dtype=np.float64)
         off = np.broadcast_to(np.asarray(dark, dtype=np.float64), first.shape)[part]
+        seen = np.isfinite(first) & np.isfinite(second)
+        first, second = np.where(seen, first, np.nan), np.where(seen, second, np.nan)
         a, b = first[part] - off, second[part] - off
-        good = np.isfinite(a) & np.isfinite(b)
-        if good.sum() < 16 or (np.ptp(a[good]) == 0.0) != (np.ptp(b[good]) == 0.0):
-            continue  # too few, or one of the frames was lost
+        good = seen[part]
+        good &= ~_stuck(first[part], second[part])
+        if good.sum() < 16:
+            continue
+        raw_a, raw_b = first[part][good], second[part][good]
+        if np.ptp(raw_a) == 0.0 or np.ptp(raw_b) == 0.0 or bool((raw_a == raw_b).all()):
+            still.append(float(a[good].mean()))  # a frame was lost or copied, or all are alike
+            continue
         mean_a, mean_b = float(a[good].mean()), float(b[good].mean())
         ratio = mean_a / mean_b if mean_a > 0 and mean_b > 0 and abs(mean_a / mean_b - 1) < 0.5 else 1.0
         d = np.where(good, a - ratio * b, 0.0)
@@ -110,11 +118,18 @@ def pair_noise(
         if min(d.shape) >= _LEAST:
             _add_lags(np.where(near, d, 0.0) / np.sqrt(scale), near.astype(np.float64), lags, weight)
     if not samples:
-        return None
+        return PairNoise(0.0, still[0], 1, 0.0, np.nan) if still else None
     # squares of two differences that share a frame are correlated by 1/4
     repeated = 1.0 + 0.5 * float((np.diff(used) == 1).sum()) / len(used)
     power, std, along = _power(lags, weight, variance / samples, repeated)
     return PairNoise(variance / samples, level / samples, int(samples / repeated), power, std, along)
+
+
+def _stuck(first: FloatArray, second: FloatArray) -> BoolArray:
+    """Pixels that hold one number in both frames, far from the others': marks, and dead pixels."""
+    level = float(np.nanmedian(first)) if np.isfinite(first).any() else 0.0
+    same = (first == second) & ((first > 3.0 * level) | (first < level / 3.0)) if level > 5.0 else first != first
+    return np.asarray(same if same.mean() < 0.5 else np.zeros_like(same))
 
 
 def _near(d: FloatArray, good: BoolArray) -> BoolArray:

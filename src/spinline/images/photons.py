@@ -28,6 +28,7 @@ __all__ = ["lone_outliers", "photons_frame", "residual_outliers"]
 _MOST_PHOTONS = 1e15  # differences of single photons are lost in a float beyond
 _SAME_EXPOSURE = 0.1  # of the beam's level: drift, no other exposure
 _SMOOTH, _FAR = 0.003, 6.0  # beside the jet's own shadow
+_SURELY, _MOST_DEAD = 50.0, 0.2  # counts, and share of the frame
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 
 
@@ -65,8 +66,10 @@ def photons_frame(
     saturated = _saturated(images, summed)
     each = np.where(seen, summed.total / np.where(seen, exposures, 1.0), 0.0)  # counts of one exposure
     _require_light(each, fields.dark, seen)
+    dead = seen & (summed.total == 0.0) & (exposures * fields.dark > _SURELY)  # 0 where the dark alone is more
+    dead &= dead.mean() < _MOST_DEAD
     light = linear(each - fields.dark, fields.nonlinearity, fields.level)
-    bad = fields.bad | saturated | ~seen
+    bad = fields.bad | saturated | ~seen | dead
     flat = _flat_of_frame(fields, light, bad, moment)
     bad |= ~(flat > 0)
     if bad.all():
@@ -97,7 +100,7 @@ def photons_frame(
         counts, dark = counts - lowest, dark - lowest
     counts, signal, dark = (np.where(bad, 0.0, a / extra) for a in (counts, signal, dark))
     piled = 0 if images.saturation is not None else summed.piled_up()
-    marked = float(summed.marked.sum()) if summed.marked.size else 0.0
+    marked = float(((summed.marked if summed.marked.size else False) | dead).sum())
     facts = {
         "bad_pixels": float(bad.sum()),
         "saturated_pixels": float(saturated.sum()),

@@ -7,6 +7,7 @@ numbers in their names, each with as many frames as it holds. Nothing is loaded 
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -159,8 +160,9 @@ def open_stack(
         raise
     except Exception as error:  # what a library makes of damaged bytes
         reason = "damaged" if isinstance(error, IndexError) else _first_line(error)
-        raise InputError(key, f"cannot be read ({reason})", value=source) from None
-    if reader.dtype.kind not in "uif":
+        remedy = "copy the file again: it may be cut short; or save it as TIFF or npy"
+        raise InputError(key, f"cannot be read ({reason})", value=source, remedy=remedy) from None
+    if reader.dtype.kind not in ("uifb" if key == "bad_pixels" else "uif"):
         raise InputError(key, "holds no real numbers", value=str(reader.dtype), allowed="integers or floats")
     total = reader.shape[0]
     wanted = range(total)[frames] if frames is not None else range(total)
@@ -192,7 +194,7 @@ def open_stack(
 
 def natural(name: str) -> list[tuple[int, int, str]]:
     """Key that sorts names by the numbers in them: frame_2 before frame_10."""
-    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", name) if part]
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in re.split(r"(\d+)", name) if part]
 
 
 def _first_line(error: Exception) -> str:
@@ -220,6 +222,24 @@ def _open(source: str, key: str, folder: Path) -> FrameReader:
     return open_file(path, inside, key)
 
 
+def _gaps(names: list[str], key: str) -> list[str]:
+    """What is said where names count up by ones, and a few of their numbers are not there."""
+    split = [re.split(r"(\d+)", name) for name in names]
+    first, last = split[0], split[-1]
+    apart = [i for i in range(1, len(first), 2) if i < len(last) and int(first[i]) != int(last[i])]
+    if len(apart) != 1 or any(len(parts) != len(first) for parts in split):
+        return []
+    numbers = [int(parts[apart[0]]) for parts in split]
+    steps = np.diff(np.asarray(numbers, dtype=np.float64))
+    gone = int((steps - 1.0).clip(0.0).sum())
+    if gone == 0 or 2 * int((steps == 1.0).sum()) < steps.size or gone > len(names):
+        return []
+    lost = next(a + 1 for a, b in pairwise(numbers) if b > a + 1)
+    return [
+        f"{key}: names of the files count from {numbers[0]} to {numbers[-1]}, and {gone} are not there, the first {lost}"
+    ]
+
+
 class _Files:
     """Many files one after the other."""
 
@@ -245,6 +265,7 @@ class _Files:
             self.dtype = np.result_type(self.dtype, reader.dtype)
             missing += [sum(counts) + j for j in reader.account.missing]
             counts.append(reader.shape[0])
+        remarks += _gaps([file.name for file in files], key)
         self.bounds = np.cumsum([0, *counts])
         self.shape = (int(self.bounds[-1]), *first.shape[1:])
         self.account = Account(

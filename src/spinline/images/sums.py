@@ -3,7 +3,9 @@
 A frame, or a row of it, that holds one number throughout is none: software that loses frames writes zeros in their place. In
 frames bright enough that chance does not do that, they are left out and counted. A pixel that is negative in whole numbers,
 or not a number, is invalid in that frame; one at the highest number of its type in every frame, with dark neighbours, is marked
-by the detector, not bright. Two frames that are the same to the last bit are one, copied.
+by the detector, not bright, and so is one at the highest or second highest number of whole numbers of 31 or 32 bits, in
+whatever type the frames are stored. A zero where most frames are lit is a part of a frame that was lost. Two frames that are
+the same to the last bit are one, copied.
 """
 
 from collections.abc import Callable, Iterator
@@ -26,7 +28,19 @@ _PILE_FROM = 100.0  # counts; below, a few values are all there are
 _BRIGHT = 5.0  # counts over the lowest, a median over the frame: from here on no row is of one number by chance
 _WIDE = 16  # pixels of a row that is judged
 _LOOKED_AT = 5  # frames that say how bright a stack is
-_CHECKED = ("counts", "flat", "flat_after", "transmission", "absorbance")
+_CHECKED = ("counts", "flat", "flat_after", "dark", "transmission", "absorbance")
+_LIT = 50.0  # counts: no pixel that has so many is at 0 by chance
+_MARKS = (
+    2.0**31 - 2,
+    2.0**31 - 1,
+    2.0**31,
+    2.0**32 - 2,
+    2.0**32 - 1,
+    2.0**32,
+)  # the last of each as 32-bit floats keep it
+_NO_COUNT = 1e15  # fill values: more than can be counted
+_FEW = 4  # values below 0: marks; more are noise about a dark that was taken off
+_MOST_MARKED = 0.2  # of a frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +109,7 @@ class FrameSum:
         for which, words in (
             (self.lost, "hold one number throughout (dropped frames) and are left out"),
             (self.copies, "are copies of the frame before and are left out"),
-            (self.torn, "have rows of one number throughout (torn frames), which are left out"),
+            (self.torn, "have rows of one number throughout (torn frames), or patches of zeros, which are left out"),
         ):
             if which:
                 said.append(f"{stack.key}: {len(which)} of {self.frames} frames {words}: {_listed(which)}")
@@ -203,20 +217,41 @@ def _finished(stack: Stack, so_far: FrameSum) -> FrameSum:
 def _marked(dtype: np.dtype[Any], so_far: FrameSum) -> BoolArray:
     """Pixels that are no measurement in any frame: below 0, or at the highest number of the type amid dark neighbours."""
     seen = so_far.exposures > 0
-    never = ~seen | (so_far.highest < 0)
-    if dtype.kind not in "ui":
-        return np.asarray(never)
-    top = float(np.iinfo(dtype).max)
-    at_top = (so_far.highest >= top) & (so_far.total >= top * np.maximum(so_far.exposures, 1) * (1.0 - 1e-12)) & seen
-    if not at_top.any():
-        return np.asarray(never)
-    if dtype.itemsize >= 4:
-        return np.asarray(never | at_top)
+    negative = seen & (so_far.highest < 0)
+    never = ~seen | (negative if _are_marks(so_far.highest[negative]) else False)
+    limit = float(np.iinfo(dtype).max) if dtype.kind in "ui" else np.inf
+    stuck = seen & (so_far.total >= so_far.highest * np.maximum(so_far.exposures, 1) * (1.0 - 1e-12))
+    for _ in range(_FEW):  # a detector may have more than one mark
+        rest = stuck & ~never
+        top = float(so_far.highest[seen & ~never].max(initial=-np.inf))
+        at_top = rest & (so_far.highest == top)
+        if not at_top.any() or not (top >= limit or _may_mark(top, so_far.frames)):
+            break
+        sure = top >= limit and dtype.itemsize >= 4
+        if not sure and (not _stands_alone(at_top, so_far.highest, seen & ~never) or at_top.mean() > _MOST_MARKED):
+            break
+        never = never | at_top
+    return np.asarray(never)
+
+
+def _are_marks(below: FloatArray) -> bool:
+    """Whether numbers below 0 are marks: few values, and whole."""
+    values = np.unique(below)
+    return values.size <= _FEW
+
+
+def _may_mark(top: float, frames: int) -> bool:
+    """Whether a number is a type's highest or second highest, as other types keep it."""
+    least = 254.0 if frames > 1 else 4094.0  # one frame may hold such a number by chance
+    return top >= least and any(float(np.log2(top + more)).is_integer() for more in (0.0, 1.0, 2.0))
+
+
+def _stands_alone(at_top: BoolArray, highest: FloatArray, seen: BoolArray) -> bool:
+    """Whether the pixels around those at the top are dark."""
     from scipy.ndimage import binary_dilation
 
     around = binary_dilation(at_top, np.ones((3, 3), dtype=np.bool_)) & ~at_top & seen
-    dim = around.any() and float(np.median(so_far.highest[around])) < 0.5 * top
-    return np.asarray(never | at_top) if dim else np.asarray(never)
+    return bool(around.any()) and float(np.median(highest[around])) < 0.5 * float(highest[at_top].max())
 
 
 def _in_order(pool: ThreadPoolExecutor, work: Callable[[int], _Piece], items: range, ahead: int) -> Iterator[_Piece]:
@@ -230,10 +265,17 @@ def _in_order(pool: ThreadPoolExecutor, work: Callable[[int], _Piece], items: ra
 
 @dataclass(frozen=True)
 class _Look:
-    """Whether frames are so bright that no row is of one number by chance; and so noisy that no two are alike by chance."""
+    """Whether frames are so bright that no row is of one number by chance; and so noisy that no two are alike by chance.
+
+    `below`: what is under 0 is a mark, no noise; `lit`: pixels that are not at 0 by chance; `most`: from here on a
+    float is a fill value.
+    """
 
     bright: bool
     noisy: bool
+    below: bool = True
+    lit: BoolArray | None = None
+    most: float = _NO_COUNT
 
 
 def _bright(stack: Stack) -> _Look:
@@ -242,14 +284,46 @@ def _bright(stack: Stack) -> _Look:
         return _Look(False, False)
     picked = np.unique(np.linspace(0, stack.frames - 1, _LOOKED_AT).astype(int)).tolist()
     levels, first, alike = [], None, True
+    below: list[FloatArray] = []
+    lit = np.zeros((stack.rows, stack.columns), dtype=np.int8)
     for i in picked:
         frame = np.asarray(stack.read(i, i + 1)[0], dtype=np.float64)
         valid = frame[np.isfinite(frame) & (frame >= 0)]
         levels.append(float(np.median(valid) - valid.min()) if valid.size and np.ptp(valid) > 0 else 0.0)
+        below.append(np.unique(frame[frame < 0])[: 2 * _FEW])
+        lit += frame > _LIT
         alike &= first is None or bool(np.array_equal(first, frame, equal_nan=True))
         first = frame if first is None else first
     bright = max(levels) > (0.0 if stack.key in ("transmission", "absorbance") else _BRIGHT)
-    return _Look(bright, bright and not alike)
+    most = lit > len(picked) // 2 if len(picked) > 2 else np.zeros(lit.shape, dtype=np.bool_)
+    return _Look(
+        bright,
+        bright and not alike,
+        _are_marks(np.concatenate(below)),
+        most if most.any() else None,
+        max(_NO_COUNT, 1e3 * max(levels)),
+    )
+
+
+def _no_measurement(block: Array, look: _Look) -> BoolArray | None:
+    """Numbers of a piece of bright frames that are marks, or zeros where light was lost."""
+    invalid = None
+    kind = block.dtype.kind
+    low = block.min()  # NaN where there is one: then all is looked at
+    if kind in "if" and look.below and not low >= 0:
+        under = block < 0
+        if kind == "f":
+            under &= block == np.floor(block)
+        invalid = under if under.any() else None
+    if block.dtype.itemsize >= 4 and not block.max() < _MARKS[0]:
+        high = np.isin(block, np.asarray(_MARKS))
+        high |= block >= look.most if kind == "f" else block >= np.iinfo(block.dtype).max
+        invalid = high if invalid is None else invalid | high
+    if look.lit is not None and not low > 0:
+        gone = (block == 0) & look.lit
+        if gone.any():
+            invalid = gone if invalid is None else invalid | gone
+    return invalid
 
 
 def _piece(stack: Stack, block: Array, start: int, look: _Look, before: Array | None) -> _Piece:
@@ -274,8 +348,13 @@ def _piece(stack: Stack, block: Array, start: int, look: _Look, before: Array | 
                     remedy="leave that frame out",
                 )
             invalid = ~finite
-    elif block.dtype.kind == "i" and look.bright and bool((block < 0).any()):
-        invalid = block < 0  # counts are never negative: -1 and -2 are marks
+    marks = _no_measurement(block, look) if look.bright else None
+    if marks is not None:
+        if look.lit is not None:
+            patches = ((block == 0) & look.lit).sum(axis=(1, 2)) >= _WIDE
+            more = start + np.flatnonzero(patches)
+            torn = tuple(sorted({*torn, *more.tolist()} - {*lost, *copies}))
+        invalid = marks if invalid is None else invalid | marks
     if rows is not None and rows.any():
         out = np.broadcast_to(rows[:, :, None], block.shape)
         invalid = out if invalid is None else invalid | out

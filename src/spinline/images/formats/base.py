@@ -215,18 +215,19 @@ def open_file(path: Path, inside: str | None, key: str) -> FrameReader:
         For a file of no known kind, or what its format refuses.
     """
     known = formats().values()
-    suffix = path.suffix.lower()
-    candidates = [form for form in known if suffix in form.suffixes]
+    candidates = [form for form in known if path.name.lower().endswith(form.suffixes)]
     with path.open("rb") as file:
         head = file.read(_HEAD)
     if not head:
         raise InputError(key, "is an empty file", value=path.name, remedy="copy it again")
     mine = [form for form in candidates if form.owns(head)] or [form for form in known if form.owns(head)] or candidates
     if not mine:
+        packed = head.startswith((b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd"))
         raise InputError(
             key,
             "is of no known kind",
             value=path.name,
+            remedy="it is compressed: unpack it" if packed else "save it as TIFF or npy",
             allowed=", ".join(sorted({s for form in known for s in form.suffixes})) + ", or a pattern",
         )
     return mine[0].open(path, inside, key)

@@ -19,6 +19,7 @@ import numpy as np
 from spinline.base.errors import InputError
 from spinline.images.formats.base import Account, Array, FrameReader, frames_shape, needs
 from spinline.images.links import linked_file, stays_home
+from spinline.images.packing import packing_of
 
 __all__ = ["FORMAT"]
 
@@ -64,7 +65,7 @@ class _Datasets:
                 )
         self.datasets, self.bounds = datasets, np.cumsum([0, *(shape[0] for shape in shapes)])
         self.picked = picked
-        self.packing = [_packing(d) for d in datasets]
+        self.packing = [packing_of(d.attrs.get, key, source) for d in datasets]
         packed = any(p is not None for p in self.packing)
         kinds = {d.dtype for d in datasets}
         self.dtype: np.dtype[Any] = np.dtype(np.float64) if packed else np.result_type(*kinds)
@@ -91,7 +92,7 @@ class _Datasets:
                 continue
             raw = dataset[...] if dataset.ndim < 3 else _leading(dataset, a - low, b - low)
             block = np.asarray(raw).reshape(-1, *self.shape[1:])
-            parts.append(block if packing is None else _unpacked(block, *packing))
+            parts.append(block if packing is None else packing.unpacked(block))
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
@@ -101,36 +102,6 @@ def _leading(dataset: Any, start: int, stop: int) -> Array:
     long = next((i for i, n in enumerate(dataset.shape[:-2]) if n > 1), 0)
     axes[long] = slice(start, stop)
     return np.asarray(dataset[tuple(axes)])
-
-
-def _packing(dataset: Any) -> tuple[float, float, list[float]] | None:
-    """Scale, offset and fill values of a packed variable; None for a plain one."""
-    given = {n: dataset.attrs.get(n) for n in ("scale_factor", "add_offset", "_FillValue", "missing_value")}
-    if all(value is None for value in given.values()):
-        return None
-    numbers: dict[str, float] = {}
-    for name, value in given.items():
-        if value is None:
-            continue
-        try:
-            numbers[name] = float(np.ravel(np.asarray(value, dtype=np.float64))[0])
-        except (TypeError, ValueError, IndexError):
-            raise InputError(
-                "counts",
-                f"has an attribute {name} that is no number",
-                value=value,
-                remedy="mend or remove the attribute",
-            ) from None
-    fill = [numbers[name] for name in ("_FillValue", "missing_value") if name in numbers]
-    return numbers.get("scale_factor", 1.0), numbers.get("add_offset", 0.0), fill
-
-
-def _unpacked(block: Array, scale: float, offset: float, fill: list[float]) -> Array:
-    out = block.astype(np.float64)
-    empty = np.isin(out, [value for value in fill if np.isfinite(value)])
-    out = out * scale + offset
-    out[empty] = np.nan
-    return out
 
 
 def _walk(file: Any, key: str) -> tuple[dict[str, Any], list[str]]:
@@ -152,7 +123,7 @@ def _walk(file: Any, key: str) -> tuple[dict[str, Any], list[str]]:
             link = group.get(name, getlink=True)
             try:
                 thing = group[name]
-            except (KeyError, OSError):
+            except (KeyError, OSError, RuntimeError):
                 broken.append(_lost(link, here))
                 continue
             if isinstance(thing, h5py.Dataset):
@@ -180,7 +151,7 @@ def _resolve(file: Any, path: Path, inside: str, key: str) -> list[Any]:
         thing = file[inside]
         for name in thing if isinstance(thing, h5py.Group) else ():
             stays_home(thing, name, key)
-    except (KeyError, OSError, ValueError):
+    except (KeyError, OSError, ValueError, RuntimeError):
         found, broken = _walk(file, key)
         mine = [words for words in broken if words.startswith("/" + inside.strip("/") + " ") or inside in words]
         if mine:
@@ -188,7 +159,7 @@ def _resolve(file: Any, path: Path, inside: str, key: str) -> list[Any]:
                 key,
                 "is a link that leads nowhere",
                 value=f"{path.name}: {mine[0]}",
-                remedy="copy the file it names beside it",
+                remedy="copy the file it names beside it, or name the dataset itself",
             ) from None
         raise InputError(
             key, f"is not a dataset of {path.name}", value=inside, allowed=", ".join(_large(found)) or "none"
@@ -202,6 +173,9 @@ def _resolve(file: Any, path: Path, inside: str, key: str) -> list[Any]:
     signal = _signal(thing)
     if signal is not None:
         return [signal]
+    inner = [d for d in map(thing.get, thing) if isinstance(d, h5py.Dataset) and d.ndim >= 2]
+    if len(inner) == 1:
+        return inner
     raise InputError(key, f"is a group of {path.name}, no dataset", value=inside, allowed=", ".join(thing) or "none")
 
 
@@ -224,12 +198,12 @@ def _large(found: dict[str, Any]) -> list[str]:
 
 
 def _numbered(found: dict[str, Any]) -> list[Any]:
-    """Datasets of like frames whose names are a word and a number, in the order of the numbers; none where there is one."""
-    groups: dict[tuple[str, tuple[int, ...]], list[tuple[int, Any]]] = {}
+    """Datasets whose names are a word and a number, in the order of the numbers; none where there is one."""
+    groups: dict[str, list[tuple[int, Any]]] = {}
     for name, dataset in found.items():
         match = _NUMBERED.match(name)
         if match and dataset.ndim >= 2:
-            groups.setdefault((match["stem"], dataset.shape[-2:]), []).append((int(match["number"]), dataset))
+            groups.setdefault(match["stem"], []).append((int(match["number"]), dataset))
     many = [part for part in groups.values() if len(part) > 1]
     return [dataset for _, dataset in sorted(many[0], key=lambda pair: pair[0])] if len(many) == 1 else []
 
@@ -345,6 +319,7 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
     import h5py
 
     given = np.zeros(frames, dtype=np.bool_)
+    path = Path(dataset.file.filename)  # that of a link's target, where its sources are looked for
     for source in dataset.virtual_sources():
         here = source.file_name in (".", "")
         name = Path(dataset.file.filename) if here else path.parent / source.file_name
@@ -358,7 +333,15 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
                 value=f"{path.name} -> {source.file_name}",
                 remedy=f"copy {Path(source.file_name).name} beside {path.name}",
             )
-        file = dataset.file if here else h5py.File(name, "r")
+        try:
+            file = dataset.file if here else h5py.File(name, "r")
+        except OSError:
+            raise InputError(
+                key,
+                "is a virtual dataset, and a file that it refers to is damaged or cut short",
+                value=f"{path.name} -> {source.file_name}",
+                remedy=f"copy {Path(source.file_name).name} again",
+            ) from None
         part = file.get(source.dset_name)
         if not isinstance(part, h5py.Dataset):
             raise InputError(
@@ -374,7 +357,9 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
             given[:] = not lost
             continue
         has = part.shape[0] if part.ndim >= 3 else 1
-        wanted = max(last[0] + 1, high[0] - low[0] + 1 if first[0] == 0 else 0)
+        each = int(np.prod([b - a + 1 for a, b in zip(low[1:], high[1:], strict=True)]))
+        number = max(int(source.vspace.get_select_npoints()) // each, 1) if dataset.ndim >= 3 else 1
+        wanted = max(last[0] + 1, number if first[0] == 0 else 0)
         if part.ndim >= 3 and has < wanted:
             raise InputError(
                 key,
@@ -382,7 +367,7 @@ def _unmapped(dataset: Any, path: Path, key: str, frames: int, depth: int) -> se
                 value=f"{path.name} -> {source.file_name}:{source.dset_name}, {has} of {wanted}",
                 remedy="copy the source again, or name the sources themselves by a pattern",
             )
-        step = max((high[0] - low[0]) // max(last[0] - first[0], 1), 1) if part.ndim >= 3 else 1
+        step = max((high[0] - low[0]) // max(number - 1, 1), 1)
         at = first[0] if part.ndim >= 3 else 0
         for offset, frame in enumerate(range(low[0], min(high[0] + 1, frames), step)):
             given[frame] |= at + offset < has and at + offset not in lost

@@ -7,6 +7,7 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.images.formats.base import Account, Array, FrameReader, frames_shape
+from spinline.images.packing import packing_of
 
 __all__ = ["FORMAT"]
 
@@ -21,10 +22,14 @@ class _Variable:
 
         self.path = path
         with netcdf_file(path, "r", mmap=True, maskandscale=False) as file:
-            self._look(file, inside, key)
+            attributes, kind = self._look(file, inside, key)  # nothing of the file is held on to
+        source = f"{path.name}:/{self.name}"
+        self.packing = packing_of(attributes.get, key, source)
+        self.dtype: np.dtype[Any] = kind if self.packing is None else np.dtype(np.float64)
+        self.account = Account(source, "" if self.packing is None else "unpacked by its attributes")
 
-    def _look(self, file: Any, inside: str | None, key: str) -> None:
-        """Find the variable and what it is packed by."""
+    def _look(self, file: Any, inside: str | None, key: str) -> tuple[dict[str, Any], np.dtype[Any]]:
+        """Find the variable: its attributes, and its type."""
         path = self.path
         names = [name for name, v in file.variables.items() if len(v.shape) >= 2]
         wanted = inside.strip("/") if inside else key if key in names else names[0] if len(names) == 1 else ""
@@ -39,17 +44,8 @@ class _Variable:
         self.name = wanted
         variable = file.variables[wanted]
         self.shape = frames_shape(tuple(variable.shape), key, path.name)
-        found = {
-            name: getattr(variable, name, None)
-            for name in ("scale_factor", "add_offset", "_FillValue", "missing_value")
-        }
-        self.scale = None if found["scale_factor"] is None else float(found["scale_factor"])
-        self.offset = None if found["add_offset"] is None else float(found["add_offset"])
-        self.fill = [float(np.ravel(v)[0]) for v in (found["_FillValue"], found["missing_value"]) if v is not None]
-        packed = self.scale is not None or self.offset is not None or bool(self.fill)
-        self.dtype: np.dtype[Any] = np.dtype(np.float64) if packed else np.dtype(variable.data.dtype).newbyteorder("=")
-        self.packed = packed
-        self.account = Account(f"{path.name}:/{wanted}", "unpacked by its attributes" if packed else "")
+        kind = np.dtype(variable.data.dtype).newbyteorder("=")
+        return {**variable._attributes}, kind
 
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`."""
@@ -59,13 +55,7 @@ class _Variable:
             self.path, "r", mmap=True, maskandscale=False
         ) as file:  # closed: what was mapped is given back
             raw = self._part(file.variables[self.name].data, start, stop)
-        if not self.packed:
-            return raw
-        out = raw.astype(np.float64)
-        empty = np.isin(out, self.fill)
-        out = out * (1.0 if self.scale is None else self.scale) + (0.0 if self.offset is None else self.offset)
-        out[empty] = np.nan
-        return out
+        return raw if self.packing is None else self.packing.unpacked(raw)
 
     def _part(self, array: Array, start: int, stop: int) -> Array:
         """A copy of frames, in this machine's order of bytes."""
@@ -80,10 +70,18 @@ class _Netcdf3:
 
     def owns(self, head: bytes) -> bool:
         """Whether a file begins as classic netCDF does."""
-        return head[:3] == b"CDF" and head[3:4] in (b"\x01", b"\x02")
+        return head[:3] == b"CDF" and head[3:4] in (b"\x01", b"\x02", b"\x05")
 
     def open(self, path: Path, inside: str | None, key: str) -> FrameReader:
         """Open a variable."""
+        with path.open("rb") as file:
+            if file.read(4) == b"CDF\x05":
+                raise InputError(
+                    key,
+                    "is netCDF of the 64-bit data kind (CDF-5)",
+                    value=path.name,
+                    remedy="nccopy -k nc4 makes netCDF-4 of it",
+                )
         return _Variable(path, inside, key)
 
 

@@ -18,6 +18,7 @@ __all__ = ["FORMAT"]
 _COLOURS = (3, 4)
 _CENTIMETRE, _INCH = 3, 2
 _SEPARATE = 2
+_LOSSY, _BITS = (6, 7), 8  # JPEG; of more bits it may be without loss
 _UNITS = {"um": 1e-6, "µm": 1e-6, "\\u00b5m": 1e-6, "micron": 1e-6, "mm": 1e-3, "nm": 1e-9, "m": 1.0, "cm": 1e-2}
 _LEAST, _MOST = 1e-9, 2e-3  # m, of a pixel that is no default of an editor
 
@@ -122,11 +123,22 @@ class _Tiff:
                 value=f"{path.name}: pages of shape {shape}",
                 remedy="give the detector's raw frames, (frame, z, x) or (z, x)",
             )
+        if int(pages[mine[0]].compression) in _LOSSY and pages[mine[0]].bitspersample == _BITS:  # type: ignore[union-attr]
+            raise InputError(
+                key,
+                "is compressed as JPEG: what it keeps are no counts",
+                value=path.name,
+                remedy="give the detector's raw frames",
+            )
         if dtype == "None" or len(shape) != 2:
             raise InputError(key, "holds pages that are no images", value=f"{path.name}: shape {shape}")
-        others = {s: len(i) for (s, _), i in kinds.items() if i is not mine}
+        others = {
+            " x ".join(map(str, s)) + (f", {kind}" if kind != dtype else ""): len(i)
+            for (s, kind), i in kinds.items()
+            if i is not mine
+        }
         said = tuple(
-            f"{path.name} holds {count} more page{'s' * (count > 1)} of shape {' x '.join(map(str, other))}: not read"
+            f"{path.name} holds {count} more page{'s' * (count > 1)} of shape {other}: not read"
             for other, count in others.items()
         )
         one: Any = pages[mine[0]]
