@@ -494,7 +494,7 @@ def test_axis_fraction_is_second_order() -> None:
 
 
 def test_a_sample_of_the_box_is_replayed() -> None:
-    """200 cases of benchmarks/heat_box.py: no failure, and every letter the committed one."""
+    """1,000 cases of the 100,000 of benchmarks/heat_box.py: no failure, and every letter the committed one."""
     import importlib.util
     import json
     from pathlib import Path
@@ -505,7 +505,7 @@ def test_a_sample_of_the_box_is_replayed() -> None:
     spec.loader.exec_module(box)
     said = json.loads(file.with_suffix(".json").read_text())
     assert said["counts"].get("!", 0) == 0
-    assert said["cases"] >= 40_000
+    assert said["cases"] == 100_000
     letters = "".join(said["letters"])
-    changed = [i for i in range(200) if box.case(i) != letters[i]]
-    assert len(changed) <= 1, changed  # of a case that rounding decides
+    changed = [i for i in range(1000) if box.case(i) != letters[i]]
+    assert len(changed) <= 2, changed  # of cases that rounding decides
