@@ -246,13 +246,13 @@ def judged(tables: dict[str, Any]) -> str:
     """What becomes of a scene, in a word and its reason."""
     import numpy as np
 
-    from spinline.base.errors import InputError
+    from spinline.base.errors import InputError, SpinlineWarning
     from spinline.scene.file import scene_from_dict
     from spinline.solve.spine import solved
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+            warnings.simplefilter("ignore", SpinlineWarning)
             warnings.simplefilter("error", RuntimeWarning)
             result = solved(scene_from_dict(tables))
     except InputError as error:

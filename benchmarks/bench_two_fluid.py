@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import spinline as sl
+from spinline.base.errors import SpinlineWarning
 from spinline.network.tension import Tension
 from spinline.network.two_fluid import two_fluid_network
 from spinline.network_models.steady import course_of
@@ -56,7 +57,7 @@ def spent(seen, law, theta, end):
 
 
 def main():
-    warnings.simplefilter("ignore")
+    warnings.simplefilter("ignore", SpinlineWarning)
     found = {"straight": {}, "beads": {}}
     for law in LAWS:
         seen, tension = course("peo5-water", law)

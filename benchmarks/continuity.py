@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import spinline as sl
+from spinline.base.errors import SpinlineWarning
 
 SLOW, SOFT, SHORT = "solution.relaxation_time=60 ms", "network.coupling=800", "jet.length=3 mm"
 SWEEPS = {  # key, low, high, unit, further settings
@@ -56,7 +57,7 @@ def scene(name, value, *more):
 
 def solved(one):
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("ignore", SpinlineWarning)
         return sl.run(one)
 
 

@@ -550,8 +550,6 @@ def test_a_sample_of_the_campaign_of_random_settings_replays() -> None:
     from pathlib import Path
 
     folder = Path(__file__).parents[1] / "benchmarks"
-    if not folder.exists():
-        pytest.skip("no benchmarks beside the tests")
     spec = importlib.util.spec_from_file_location("ehd_settings", folder / "ehd_settings.py")
     campaign = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(campaign)
