@@ -80,3 +80,23 @@ def test_another_nozzles_radius(beads):
     assert "125 um, the first element's 0.625 um, 200 times less" in remark
     (remark,) = implausible(beads(radius='radius = "62.5 um"'))
     assert "a diameter for a radius?" in remark
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("jet.voltage=0.9 MV", "air breaks down"),
+        ("jet.flow_rate=1e-15 m3/s", "check its unit"),
+        ("jet.gap=1 mm", "check its unit"),
+        ("solution.concentration=90 wt%", "no solution"),
+        ("jet.voltage=20 kV", ""),
+    ],
+)
+def test_a_recipe_that_nobody_spins_is_said(change, words):
+    from spinline.recipe import fibre, load_recipe
+    from spinline.recipe.outside import outside_remarks
+
+    sheet = load_recipe("pan-dmf", [change])
+    said = outside_remarks(sheet.recipe())
+    assert any(words in one for one in said) if words else said == ()
+    assert set(said) <= set(fibre(sheet, shares=False).remarks)

@@ -11,6 +11,7 @@ from spinline.base.errors import InputError
 from spinline.recipe.believe import Recipe, believe
 from spinline.recipe.constants import CONSTANTS
 from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
+from spinline.recipe.outside import outside_remarks
 from spinline.recipe.regime import Regime, regime_of
 
 __all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
@@ -145,7 +146,7 @@ def predict(
         charge_density=float(np.median(found.charge_density)),
         trade={"terminal": terminal} if rung == "race" else {"race": race},
         borrowed=borrowed,
-        remarks=(*_remarks(regime, far), *_pores(recipe, believed)),
+        remarks=(*outside_remarks(recipe), *_remarks(regime, far), *_pores(recipe, believed)),
         landing_fraction=float(np.median(found.thinning.volume_fraction)),
         laying_speed=float(recipe.flow_rate * believed.volume_fraction / (np.pi * (median / 2) ** 2)),
     )
