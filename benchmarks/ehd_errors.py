@@ -94,7 +94,9 @@ def summary(rows: list[dict[str, object]]) -> dict[str, object]:
             "most": float(ratio.max()),
             "beyond a factor of 2": int(np.sum((ratio < 0.5) | (ratio > 2))),
         }
-    moved = [abs(one["radius_by_four_times_the_mesh"] / one["radius"][1] - 1) for one in jets if one["radius"][1] > 1e-10]
+    moved = [
+        abs(one["radius_by_four_times_the_mesh"] / one["radius"][1] - 1) for one in jets if one["radius"][1] > 1e-10
+    ]
     return result | {"radius: true error by a mesh half as fine, off by at most": max(moved), "rows": rows}
 
 

@@ -1,9 +1,10 @@
 """Electrified jets of random settings over the whole box: a jet, or a named verdict, and never the wrong branch.
 
 Each jet that comes out is checked by the three tests (thins everywhere, under tension everywhere, twice the mesh moves u
-by less than 1 %) and for what pulls it (`end_pull`), and reached again by other ways: the upwind equations alone, on another
-mesh; and, where the relaxation time is long, the forces raised at a short one and the time then lengthened. A jet that
-passes every test must be the same by all of them. Settings 0 to 499 are drawn at random; 1000 to 1031 are the corners of the box of K, mu, V, Q and De.
+by less than 1 %) and for what its end makes of it (`end_pull`), and reached again by other ways: the upwind equations
+alone, on another mesh; and, where the relaxation time is long, the forces raised at a short one and the time then
+lengthened. What passes every test must be the same jet by all of them. Settings 0 to 499 are drawn at random; 1000 to 1031
+are the corners of the box of K, mu, V, Q and De.
 
     python benchmarks/ehd_settings.py [seconds]        # goes on where ehd_settings.json ends, for so long
 """
@@ -19,7 +20,7 @@ import numpy as np
 from spinline.base.errors import InputError
 from spinline.jetprofile.ehd import NeedleSettings, NoSteadyJet, StraightEhdJet
 from spinline.jetprofile.ehd.boundary_value import OutOfWork, halved, interpolate, newton
-from spinline.jetprofile.ehd.end_pull import end_share
+from spinline.jetprofile.ehd.end_pull import LIMIT, NECK, end_pull
 from spinline.jetprofile.ehd.solver import _Search, thins
 
 BOX = {
@@ -91,7 +92,7 @@ def other_ways(settings: NeedleSettings, charge: bool) -> dict[str, tuple[float,
             continue
         if done is None or done.why or not thins(done.problem, done.discrete):
             continue
-        if end_share(done.problem, done.discrete) < 1:
+        if not end_pull(done.problem, done.discrete).rules:
             y = done.discrete.y
             found[way] = float(settings.current_scale * np.exp(y[0, 3])), float(y[0, 1])
     return found
@@ -124,7 +125,7 @@ def row(index: int) -> dict[str, object]:
         "thins": thins(problem, found),
         "mesh_moves_u": float(np.abs(twice.y[::2, 0] - found.y[:, 0]).max()) if twice.converged else None,
         "error": jet.residual,
-        "end_share": jet.end_share,
+        "end": [jet.end_pull.share, jet.end_pull.neck],
         "again": again,
         "poor": [one.name for one in jet.verdicts if not one.good],
     }
@@ -134,16 +135,20 @@ def summary(rows: list[dict[str, object]]) -> dict[str, object]:
     seconds = np.array([one["seconds"] for one in rows])
     jets = [one for one in rows if one["verdict"] == "jet"]
     again = {one["index"]: max(one["again"].values()) for one in jets if one["again"]}
-    passed = [one for one in jets if one["thins"] and one["mesh_moves_u"] is not None and one["mesh_moves_u"] < 0.01]
+    tested = [one for one in jets if "thins" in one]  # the first rows were run without this column
+    passed = [one for one in tested if one["thins"] and one["mesh_moves_u"] is not None and one["mesh_moves_u"] < 0.01]
     return {
         "number": len(rows),
+        "run_before_the_second_of_the_other_ways": sum(one.get("earlier", False) for one in rows),
         "verdicts": dict(Counter(one["verdict"] for one in rows).most_common()),
         "searches_behind_the_verdicts": {
-            name: dict(Counter(one["search"] for one in rows if one["verdict"] == name).most_common())
+            name: dict(
+                Counter(one["search"] for one in rows if one["verdict"] == name and "search" in one).most_common()
+            )
             for name in sorted({one["verdict"] for one in rows if "search" in one})
         },
-        "jets_that_pass_the_three_tests": f"{len(passed)} of {len(jets)}",
-        "end_share_above_half": [one["index"] for one in jets if one["end_share"] > 0.5],
+        "jets_that_pass_the_three_tests": f"{len(passed)} of {len(tested)}",
+        "made_by_their_end": [one["index"] for one in jets if one["end"][0] > LIMIT or one["end"][1] > NECK],
         "reached_again": {way: sum(way in one["again"] for one in jets) for way in ("upwind", "time")},
         "furthest_apart": max(again.values(), default=None),
         "apart_by_more_than_1e-3": [index for index, told in again.items() if told > 1e-3],
@@ -156,17 +161,17 @@ def summary(rows: list[dict[str, object]]) -> dict[str, object]:
 
 def main() -> None:
     path = Path(__file__).with_suffix(".json")
-    rows = json.loads(path.read_text())["rows"] if path.exists() else []
+    rows = {one["index"]: one for one in json.loads(path.read_text())["rows"]} if path.exists() else {}
     until = time.monotonic() + (float(sys.argv[1]) if len(sys.argv) > 1 else np.inf)
-    done = {one["index"] for one in rows}
-    for index in INDICES:
+    # first what was never run, then what was run before the second of the other ways was there
+    for index in sorted(INDICES, key=lambda index: index in rows):
         if time.monotonic() > until:
             break
-        if index in done:
+        if not rows.get(index, {"earlier": True}).get("earlier"):
             continue
-        rows.append(row(index))
-        print(rows[-1], flush=True)
-        path.write_text(json.dumps(summary(sorted(rows, key=lambda one: one["index"])), indent=1) + "\n")
+        rows[index] = row(index)
+        print(rows[index], flush=True)
+        path.write_text(json.dumps(summary([rows[one] for one in sorted(rows)]), indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -29,11 +29,11 @@ from spinline.jetprofile.ehd.boundary_value import (
     spline,
 )
 from spinline.jetprofile.ehd.continuation import Path, distance, follow
-from spinline.jetprofile.ehd.end_pull import LIMIT, end_share
+from spinline.jetprofile.ehd.end_pull import end_pull
 from spinline.jetprofile.ehd.equations import rates
 from spinline.jetprofile.ehd.settings import NeedleSettings
 
-__all__ = ["Solved", "between", "raise_pull", "solve", "thins"]
+__all__ = ["Solved", "between", "errors_of", "raise_pull", "solve", "thins"]
 
 _COARSE = 161
 _UPWIND = 321
@@ -120,14 +120,14 @@ class _Search:
     def ascend(self, charge: bool, predicted: bool, upwind: bool) -> Discrete | None:
         """The top of the path of rising pull, by the order-4 equations or, those lost, by the upwind ones.
 
-        A long relaxation time may put the thread that nothing pulls on the stretched side already, where its end winds it up:
-        the pull is then raised at a short time too.
+        A long relaxation time may put the thread that nothing pulls on the stretched side already, where its end makes it: the
+        pull is then raised at a short time too.
         """
         found = self.climb(charge, predicted, 1.0, upwind)
         if not self.settings.polymer or self.settings.deborah <= _SLACK:
             return found
         problem = self.problem(charge=charge, predicted=predicted)
-        if found is not None and not self.wound_up(problem, found):
+        if found is not None and not end_pull(problem, found).rules:
             return found
         slack, told = _SLACK / self.settings.deborah, (self.folded, self.time_share)
         try:
@@ -137,14 +137,10 @@ class _Search:
             if found is None:
                 raise
             longer = None
-        if found is not None and (longer is None or not thins(problem, longer)):
+        if found is not None and (longer is None or not thins(problem, longer) or end_pull(problem, longer).rules):
             self.folded, self.time_share = told
             return found
         return longer
-
-    def wound_up(self, problem: Problem, found: Discrete) -> bool:
-        """Whether the end of a thinning thread, not field and weight, pulls it: another may exist that starts from a coil."""
-        return thins(problem, found) and end_share(problem, found) > LIMIT
 
     def lengthen(self, loose: Discrete, charge: bool, predicted: bool, slack: float) -> Discrete | None:
         """From a short relaxation time to its own at the full pull; a fold on the way is a limit of the relaxation time."""
@@ -232,7 +228,7 @@ class _Search:
             coarse = newton(problem, s, interpolate(fine.s, fine.y, s))
             fine = newton(problem, halved(s), interpolate(s, coarse.y, halved(s))) if coarse.converged else coarse
             if fine.converged:
-                error = _errors(problem, fine) or _moved(problem, coarse, fine)
+                error = errors_of(problem, fine) or _moved(problem, coarse, fine)
                 worst = max(error["radius"], error["current"])
                 result = Solved(problem, fine, error, "mesh" if worst * 15 > 0.005 else "")
                 if worst <= tolerance:
@@ -251,7 +247,7 @@ def thins(problem: Problem, found: Discrete) -> bool:
     return bool(tension.min() > 0 and rate.min() > -_FLAT * max(1.0, float(rate.max())))
 
 
-def _errors(problem: Problem, fine: Discrete) -> dict[str, float] | None:
+def errors_of(problem: Problem, fine: Discrete) -> dict[str, float] | None:
     """Errors at four places an interval, by two Newton steps on twice the mesh (one matrix); None where that is singular.
 
     Halving the mesh once more, and no extrapolation of what the last halving changed: where the unknowns bend sharply the
@@ -310,6 +306,8 @@ def solve(
             charge = near.problem.charge
             if found is not None and not charge:
                 found, charge = search.with_relaxation(found, predicted=False)
+            if found is not None and end_pull(search.problem(charge=charge, predicted=False), found).rules:
+                found, direct = None, False  # its end makes it: perhaps another thread is there
     except OutOfWork:
         pass
     try:

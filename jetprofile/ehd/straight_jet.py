@@ -13,11 +13,12 @@ from spinline.base.quadrature import gauss
 from spinline.jetprofile.ehd.bending import BendingOnset, bending_onset
 from spinline.jetprofile.ehd.boundary_value import spline
 from spinline.jetprofile.ehd.capillary import capillary_growth
-from spinline.jetprofile.ehd.end_pull import end_share
+from spinline.jetprofile.ehd.end_pull import SLACK, EndPull, end_pull
 from spinline.jetprofile.ehd.equations import rates
 from spinline.jetprofile.ehd.settings import NeedleSettings
 from spinline.jetprofile.ehd.solver import Solved, solve, thins
 from spinline.jetprofile.ehd.verdicts import Verdict, judge
+from spinline.jetprofile.ehd.whole_line import whole_line
 from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["NoSteadyJet", "StraightEhdJet"]
@@ -69,8 +70,8 @@ class StraightEhdJet(StraightJet):
     needle_potential : float
         Potential in V that the jet has at the needle beyond the needle's own: 0 with a predicted current; with a given
         one, what the setup lacks (or has too much).
-    end_share : float
-        Share of the tension at the needle that the condition at the end makes (`end_pull`).
+    end_pull : EndPull
+        What the condition at the end makes of the jet.
     error : dict
         Estimated relative errors of radius, current, tension.
     residual : float
@@ -99,6 +100,16 @@ class StraightEhdJet(StraightJet):
         super().__init__(settings.radius, settings.flow_rate)
         self.settings = settings
         found = solve(settings, tolerance=tolerance, near=None if near is None else near.solved)
+        if settings.log == "slender" and not found.why:
+            found = whole_line(settings, found)
+            if found.why:
+                raise NoSteadyJet(
+                    "unresolved",
+                    "the charge of the whole line does not settle on this jet",
+                    1.0,
+                    'log = "local"',
+                    found.why,
+                )
         self._adopt(found)
         reach = settings.end_position
         if length is not None:
@@ -118,9 +129,9 @@ class StraightEhdJet(StraightJet):
         self._s = s
         if not thins(found.problem, found.discrete):
             raise _refusal(settings, found)
-        self.end_share = end_share(found.problem, found.discrete)
-        if self.end_share >= 1:
-            raise _wound_up(self.end_share)
+        self.end_pull = end_pull(found.problem, found.discrete)
+        if self.end_pull.share > SLACK:
+            raise _wound_up(self.end_pull.share)
         self.error, self.residual = found.error, max(found.error.values())
         self.current = float(settings.current_scale * np.exp(y[0, 3]))
         self.needle_potential = 0.0
@@ -275,7 +286,7 @@ class StraightEhdJet(StraightJet):
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The numbers that decide, each with its sentence."""
-        return _verdicts(self.settings, self.solved, self.end_share)
+        return _verdicts(self.settings, self.solved, self.end_pull)
 
     @property
     def model(self) -> str:
@@ -308,7 +319,7 @@ def _along(found: Solved) -> tuple[FloatArray, FloatArray, FloatArray]:
     return _evaluate(found, found.discrete.s, found.discrete.y)
 
 
-def _verdicts(x: NeedleSettings, found: Solved, share_of_end: float) -> tuple[Verdict, ...]:
+def _verdicts(x: NeedleSettings, found: Solved, pulled: EndPull) -> tuple[Verdict, ...]:
     s, u = found.discrete.s, found.discrete.y[:, 0]
     _, share, pull = _along(found)
     z, ratio = s * x.radius, np.exp(u)
@@ -336,14 +347,14 @@ def _verdicts(x: NeedleSettings, found: Solved, share_of_end: float) -> tuple[Ve
         relaxation_length=0.5 * p[5] * p[3] * ratio * x.radius,
         full_stretch=float(stretch),
         fold=fold,
-        share_of_end=share_of_end,
+        end=pulled,
     )
 
 
 def _wound_up(share: float) -> NoSteadyJet:
     text = (
-        f"the condition at the end, not field or weight, pulls the only thread found (its tension at the needle goes as the "
-        f"strain rate set there to the power {share:.3g}): it would have to be wound up"
+        f"{100 * min(share, 1.0):.0f} % of the tension at the needle is made by the condition at the end, not by field or "
+        "weight: the only thread found would have to be wound up"
     )
     return NoSteadyJet("end", text, 1.0, "a higher voltage, a longer jet.end, or a shorter relaxation time")
 
