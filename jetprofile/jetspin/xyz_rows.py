@@ -5,7 +5,6 @@ them. Each number is read as an integer of 1e-5, so that it equals ``float(text)
 rows at a time are turned on their side, and every column of characters is one array.
 """
 
-
 import numpy as np
 from numpy.typing import NDArray
 
