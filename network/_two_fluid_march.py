@@ -43,7 +43,7 @@ class March:
     ) -> None:
         self.box, self.begin, self.stations, self.rtol, self.spring = box, begin, np.unique(stations), rtol, spring
         self.breaks = np.unique(np.concatenate(([0.0], breaks, [begin])))
-        self.cells, self.delicate = max(_CELLS, 6 * self.breaks.size), False
+        self.cells = max(_CELLS, 6 * self.breaks.size)
         self.keep = np.unique(np.concatenate((self.breaks, self.stations)))
         mesh = self._first_mesh()
         self.guess = Solved(mesh, start_of(box, mesh))
@@ -62,18 +62,16 @@ class March:
         return thinned(nodes[(nodes >= 0) & (nodes <= self.begin)], self.breaks)
 
     def solve(self, end: float, start: Solved | None = None) -> Solved:
-        """Solution with the tension `end` where the march begins.
+        """Solution with the tension `end` where the march begins; with a `start`, on its mesh, of no known error.
 
         Raises
         ------
         InputError
             Where Newton's method fails, or the error stays above `rtol`.
         """
-        if (
-            start is not None and self.delicate
-        ):  # how far it is from the first is all that is asked of it: the first one's mesh
+        if start is not None:  # how far it is from the first is all that is asked of it: the first one's mesh
             return self._solved(thinned(np.union1d(self.guess.nodes, start.nodes), self.keep), start, end)
-        now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
+        now = self._solved(self.guess.nodes, self.guess, end)
         for _ in range(_ROUNDS):
             nodes = remeshed(now.nodes, self._curves(now), self.cells, self.breaks)
             state = self.box.solve(nodes, now.on(nodes), end)
@@ -117,7 +115,7 @@ class March:
             if rough is not None:
                 state = self.box.solve(nodes, rough.on(nodes), end)
             if rough is not None and state is None:  # too coarse a mesh for the third order
-                self.cells, self.delicate = min(2 * self.cells, _MOST_COARSE), True
+                self.cells = min(2 * self.cells, _MOST_COARSE)
                 nodes = thinned(np.union1d(nodes, rough.nodes), nodes)
                 state = self.box.solve(nodes, rough.on(nodes), end)
         if state is None:
