@@ -20,7 +20,7 @@ from spinline.network._two_fluid_kernels import newton
 from spinline.network.force_laws import law_code
 from spinline.network.tension import Tension
 
-__all__ = ["Box", "halved", "refined", "remeshed", "start_of", "thinned"]
+__all__ = ["Box", "halved", "refined", "remeshed", "split", "start_of", "thinned"]
 
 Profile = Callable[[FloatArray], FloatArray]
 
@@ -106,6 +106,19 @@ def halved(s: FloatArray) -> FloatArray:
     """Nodes, and the middles of all cells but those that rounding would not let halve."""
     middle = 0.5 * (s[1:] + s[:-1])
     fresh: FloatArray = np.sort(np.concatenate((s, middle[np.diff(s) > 1e-13 * s[-1]])))
+    return fresh
+
+
+def split(s: FloatArray, times: FloatArray) -> FloatArray:
+    """Nodes of cells halved so many times (rounded up, three at most), as far as rounding lets them."""
+    h = np.diff(s)
+    depth = np.ceil(times.clip(0, 3)).astype(int)
+    parts = [s]
+    for k in (1, 2, 3):
+        cells = (depth >= k) & (h > 2**k * 1e-13 * s[-1])
+        shares = np.arange(1, 2**k, 2) / 2**k
+        parts.append((s[:-1, np.newaxis] + h[:, np.newaxis] * shares)[cells].ravel())
+    fresh: FloatArray = np.sort(np.concatenate(parts))
     return fresh
 
 

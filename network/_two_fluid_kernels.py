@@ -1,4 +1,4 @@
-"""Compiled loops of the two-fluid box scheme: residual and Jacobian by rows, Newton's method. What it solves stands in `two_fluid`."""
+"""Compiled loops of the two-fluid box scheme: residual and Jacobian, Newton's method. What it solves stands in `two_fluid`."""
 
 import math
 
