@@ -4,9 +4,7 @@
 
 For every paper the chain is calibrated on the others (`spindb_calibrate.py`; three minutes in all), and every figure is
 of papers that their constants have not seen. Beside it, on the same rows and leaving out the same papers: one number for
-all, ridge regression in logarithms, and a random forest (where scikit-learn is installed). The rungs share the constants
-that `race` was calibrated with; `offset` is the factor after one more number a rung, the median of the other papers' bias.
-`lagrangian` stands on its own subset (`spindb_lagrangian.py`, whose result is read), with the others beside it there. Factor:
+all, ridge regression in logarithms, and a random forest (where scikit-learn is installed). Factor:
 ``exp(median over papers of the paper's median |ln(predicted/measured)|)`` over distinct settings; `mean` is the same
 with the mean over papers, which moves less from one choice of papers to the next.
 """
@@ -103,7 +101,7 @@ def elasticities(rows, y, predicted, paper):
     return found
 
 
-def one_known(mats_only, everything, folds, draws=512):
+def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "settings")):
     """Errors of the others when one experiment of a paper is known, each in turn; beside it, the others said equal to it.
 
     Per paper the median over the known ones of the median error of the others (`factor`, the measure of the published
@@ -113,7 +111,7 @@ def one_known(mats_only, everything, folds, draws=512):
     z = normals(draws)
     usual = even(z)
     found = {}
-    for over in ("rows", "mats", "settings"):
+    for over in overs:
         data = everything if over == "rows" else mats_only
         each = {
             name: []
@@ -172,17 +170,24 @@ def one_known(mats_only, everything, folds, draws=512):
             for name, inside in zip(("68", "95"), np.mean(hits, axis=0), strict=True):
                 each[name].append(inside)
         factor = {name: float(np.exp(np.median(values))) for name, values in each.items() if name not in ("68", "95")}
-        rng, chain = np.random.default_rng(0), np.array(each["chain"])
-        again = np.exp([np.median(rng.choice(chain, chain.size)) for _ in range(4000)])
-        factor["chain, 68 and 95 % over papers"] = np.quantile(again, (0.16, 0.84, 0.025, 0.975)).round(3).tolist()
-        factor["share of resampled papers at 1.30 or less"] = float(np.mean(again <= 1.30))
         found[over] = {
             "papers": len(each["68"]),
             **factor,
+            **again(np.array(each["chain"])),
             "coverage_68": float(np.mean(each["68"])),
             "coverage_95": float(np.mean(each["95"])),
         }
     return found
+
+
+def again(errors):
+    """What other papers of the same kind would give: the factor over papers drawn anew."""
+    rng = np.random.default_rng(0)
+    drawn = np.exp([np.median(rng.choice(errors, errors.size)) for _ in range(4000)])
+    return {
+        "over papers, 68 and 95 %": np.quantile(drawn, (0.16, 0.84, 0.025, 0.975)).round(3).tolist(),
+        "share of them at 1.30 or less": float(np.mean(drawn <= 1.30)),
+    }
 
 
 def central(data, settings):
@@ -286,51 +291,15 @@ def fold(data, papers):
 def predicted(data, folds, draws=2048):
     """Quantiles of ln d of every setting by its paper's constants, (setting, 5), by rung."""
     z = normals(draws)
-    found = {"terminal": [], "race": [], "envelope": []}
+    found = {"race": [], "terminal": []}
     for recipe, paper in zip(data.recipes, data.paper, strict=True):
         believed = believe(recipe, folds[paper])[0]
         spins = spun(believed, z, constants=folds[paper])
         race = spins.log_diameter
         alone = np.log(2 * np.sqrt(believed.volume_fraction) * spins.thinning.radius)
-        loops = spun(believed, z, constants=folds[paper], rung="envelope").log_diameter
-        found["terminal"].append(np.quantile(race - alone + np.log(spins.terminal), QUANTILES))
         found["race"].append(np.quantile(race, QUANTILES))
-        found["envelope"].append(np.quantile(loops, QUANTILES))
+        found["terminal"].append(np.quantile(race - alone + np.log(spins.terminal), QUANTILES))
     return {rung: np.array(values) for rung, values in found.items()}
-
-
-def by_beads(data, y, rungs):
-    """The rungs side by side on the settings that were spun bead by bead, each shifted by the other papers' bias too."""
-    path = Path(__file__).with_name("spindb_lagrangian.json")
-    if not path.exists():
-        return {}
-    done = json.loads(path.read_text(encoding="utf-8"))["experiments"]
-    spun_ = {int(key): one for key, one in done.items() if "fibre_diameter" in one}
-    index = np.array(sorted(spun_))
-    logs = {"lagrangian": np.log([spun_[i]["fibre_diameter"] for i in index])}
-    logs |= {rung: q[index, 2] for rung, q in rungs.items()}
-    answer = {"experiments": len(done), "spun": len(index), "refused": len(done) - len(index)}
-    answer["cpu_seconds_median"] = float(np.median([spun_[i]["cpu_seconds"] for i in index]))
-    answer["charge_carried_median"] = float(np.median([spun_[i]["carried"] for i in index]))
-    for rung, log_d in logs.items():
-        middle, mean = over_papers(np.abs(log_d - y[index]), data.paper[index])
-        answer[rung] = {
-            "factor": middle,
-            "mean": mean,
-            "bias": float(np.exp(np.median(log_d - y[index]))),
-            "offset": after_offset(log_d - y[index], data.paper[index]),
-        }
-    return answer
-
-
-def after_offset(off, paper):
-    """Factor when each paper's predictions are moved by the median of the other papers' biases."""
-    bias = {p: np.median(off[paper == p]) for p in np.unique(paper)}
-    each = []
-    for p in bias:
-        others = np.median([bias[q] for q in bias if q != p])
-        each.append(np.median(np.abs(off[paper == p] - others)))
-    return float(np.exp(np.median(each)))
 
 
 def scored(q, y, paper):
@@ -345,8 +314,7 @@ def scored(q, y, paper):
     rng = np.random.default_rng(0)
     drawn = np.exp([np.median(rng.choice(each, each.size)) for _ in range(4000)])
     spread = np.quantile(drawn, (0.16, 0.84)).round(3).tolist()
-    offset = after_offset(q[:, 2] - y, paper)
-    return {"factor": middle, "factor_68": spread, "mean": mean, "bias": bias, "offset": offset, **inside}
+    return {"factor": middle, "factor_68": spread, "mean": mean, "bias": bias, **inside}
 
 
 def ten_folds(data, y):
@@ -365,13 +333,7 @@ def judge(path, known=None):
     y = np.array([data.log_d[data.setting == s].mean() for s in range(len(data.rows))])
     folds = known or {p: fold(data, [p]) for p in papers}
     answer = {"settings": len(y), "mats": len(data.log_d), "papers": len(papers), "rungs": {}}
-    quantiles = predicted(data, folds)
-    answer["by beads"] = by_beads(data, y, quantiles)
-    apart = quantiles["envelope"][:, 2] - quantiles["race"][:, 2]
-    answer["envelope over race, 5 to 95 %"] = (
-        np.exp(np.quantile(apart, (0.05, 0.25, 0.5, 0.75, 0.95))).round(3).tolist()
-    )
-    for rung, q in quantiles.items():
+    for rung, q in predicted(data, folds).items():
         answer["rungs"][rung] = scored(q, y, data.paper)
         if rung == "race":
             answer["elasticities"] = elasticities(data.rows, y, q[:, 2], data.paper)

@@ -2,7 +2,7 @@
 
     python benchmarks/spindb_lagrangian.py ../shared/data/spindb/experiments.csv --minutes 10
 
-goes on where it stopped (`spindb_lagrangian.json`); `spindb.py --keep-folds` puts the rungs side by side on what is done. Each
+goes on where it stopped (`spindb_lagrangian.json`); `spindb_rungs.py` puts the rungs side by side on what is done. Each
 costs 10 s to two minutes of processor time. Which ones: the setting in the middle of each paper's, then the first of its
 others; what cannot be spun keeps its reason.
 """

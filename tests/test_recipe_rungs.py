@@ -24,7 +24,7 @@ PAN = Recipe(
     mass_fraction=0.10,
     usual_fraction=0.1,
 )
-COMMITTED = json.loads((Path(__file__).parents[1] / "benchmarks" / "spindb.json").read_text(encoding="utf-8"))
+COMMITTED = json.loads((Path(__file__).parents[1] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("rung", ["terminal", "envelope"])
@@ -105,13 +105,16 @@ def test_rungs_are_named(spinline):
 
 
 def test_the_committed_rungs_stand_side_by_side():
-    assert {"terminal", "race", "envelope"} <= set(COMMITTED["rungs"])
-    for found in COMMITTED["rungs"].values():
-        assert found["offset"] > 1
-    race, envelope = COMMITTED["rungs"]["race"], COMMITTED["rungs"]["envelope"]
-    assert abs(np.log(envelope["factor"] / race["factor"])) < 0.1
-    low, high = COMMITTED["one known"]["rows"]["chain, 68 and 95 % over papers"][:2]
-    assert low < COMMITTED["one known"]["rows"]["chain"] < high
+    """`benchmarks/spindb_rungs.py`, with the constants of the folds of `benchmarks/spindb.py`."""
+    rungs = COMMITTED["rungs"]
+    assert set(rungs) == {"terminal", "race", "envelope"}
+    assert abs(np.log(rungs["envelope"]["factor"] / rungs["race"]["factor"])) < 0.1
+    assert rungs["race"]["factor"] < rungs["terminal"]["factor"]
+    ratio = COMMITTED["envelope over race, 5 25 50 75 95 %"]
+    assert 0.8 < ratio[0] < ratio[4] < 1.25
+    known = COMMITTED["one known"]
+    low, high = known["over papers, 68 and 95 %"][:2]
+    assert low < known["chain"] < high
 
 
 def test_points_that_nobody_spins_say_so():
