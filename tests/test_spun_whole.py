@@ -25,7 +25,9 @@ from spinline.setup.spun_start import conducting
 
 def _system(n, conductivity=1e-2, cone=0.0):
     s = _settings("hybrid", near=8)
-    s = replace(s, grid=replace(s.grid, cone=cone, log_length=0.05), loads=replace(s.loads, image=True, metal=True, tip=1e-4))
+    s = replace(
+        s, grid=replace(s.grid, cone=cone, log_length=0.05), loads=replace(s.loads, image=True, metal=True, tip=1e-4)
+    )
     y = _bent(n, 5e-4)
     p, k = parameters(s)
     w = np.zeros((c.WORK, n + 4))
@@ -141,7 +143,9 @@ def test_whole_jet_is_a_jet(whole):
     jet = to_dataset(whole[0])
     assert jet.attrs["current"] > 0
     line = (jet["charge"] / jet["element_length"]).values[-1]
-    assert np.nanmax(line) == pytest.approx(2.6e-8, rel=0.05)
+    assert np.nanmax(line) == pytest.approx(
+        2.3e-8, rel=0.05
+    )  # still the straight jet's: the whole line's comes in 20 ms
     assert np.isfinite(jet["deposit_radius"].values).all()
 
 

@@ -3,7 +3,7 @@
 Every element turns with ``omega = t x dv/l + w t``, w its spin about its own axis. At a node
 ``M = (pi r^4/4) [G m + 3 mu_s dOmega/ds]``, dOmega the difference of the two omegas beside it; with `VISCOUS`
 ``M = (3 mu pi r^4/4) dOmega/ds``; with `ELASTIC` m is the moment of a Maxwell thread under tension,
-``dm/dt = (2 A_zz + A_rr) dOmega/ds + omega x m + 2 edot m - m/theta``. Twist about the axis is resisted with 2 mu instead of 3 mu,
+``dm/dt = (2 A_zz + A_rr) dOmega/ds + omega x m + 2 edot m - m/theta``. Twist about the axis is resisted with 2 mu, not 3 mu,
 and without inertia, so that every w follows from the velocities. A thread that turns as a whole has no dOmega: it is not
 resisted, and forces and torques are those of a dissipation that does not see it, so both sum to zero.
 
@@ -45,7 +45,7 @@ LOOSE = 1e-9  # resistance to spin as a whole, of that to twist: no thread is tw
 
 @njit(cache=True, error_model="numpy")
 def _turn(i: int, w: FloatArray, j: FloatArray) -> float:
-    """d(dOmega)/d(velocities and spins) at node i to `j` (3, 11), columns v_(i-1), w_(i-1), v_i, w_i, v_(i+1); arc of the node."""
+    """d(dOmega)/d(velocities and spins) at node i to `j` (3, 11), by v_(i-1), w_(i-1), v_i, w_i, v_(i+1); the node's arc."""
     for a in range(3):
         for b in range(11):
             j[a, b] = 0.0
@@ -59,7 +59,8 @@ def _turn(i: int, w: FloatArray, j: FloatArray) -> float:
                 j[a, at + 4 * node + c] += way * w[TX + b, e]
                 j[a, at + 4 * node + b] -= way * w[TX + c, e]
             j[a, at + 3] = sign * w[TX + a, e]
-    return 0.5 * (w[LENGTH, i] + w[LENGTH, i - 1])
+    arc: float = 0.5 * (w[LENGTH, i] + w[LENGTH, i - 1])
+    return arc
 
 
 @njit(cache=True, error_model="numpy")
@@ -169,6 +170,32 @@ def _add(
 
 
 @njit(cache=True, error_model="numpy")
+def _divide(size: int, band: FloatArray, u: FloatArray) -> bool:
+    """Solve by Cholesky's factor, in place; False where the system is not positive."""
+    for a in range(size):  # Cholesky, in place
+        for d in range(min(a, WIDTH), -1, -1):
+            b = a - d
+            total = band[a, d]
+            for c in range(max(0, a - WIDTH), b):
+                total -= band[a, a - c] * band[b, b - c]
+            if d > 0:
+                band[a, d] = total / band[b, 0]
+            elif total > 0.0:
+                band[a, 0] = math.sqrt(total)
+            else:
+                return False
+    for a in range(size):
+        for d in range(1, min(a, WIDTH) + 1):
+            u[a] -= band[a, d] * u[a - d]
+        u[a] /= band[a, 0]
+    for a in range(size - 1, -1, -1):
+        for d in range(1, min(size - 1 - a, WIDTH) + 1):
+            u[a] -= band[a + d, d] * u[a + d]
+        u[a] /= band[a, 0]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
 def bent_stage(
     n: int,
     gh: float,
@@ -192,26 +219,8 @@ def bent_stage(
                     if row + d < size:
                         band[row + d, d] = 0.0
                 band[row, 0], u[row] = 1.0, y[i, VX + a]
-    for a in range(size):  # Cholesky, in place
-        for d in range(min(a, WIDTH), -1, -1):
-            b = a - d
-            total = band[a, d]
-            for c in range(max(0, a - WIDTH), b):
-                total -= band[a, a - c] * band[b, b - c]
-            if d > 0:
-                band[a, d] = total / band[b, 0]
-            elif total > 0.0:
-                band[a, 0] = math.sqrt(total)
-            else:
-                return False
-    for a in range(size):
-        for d in range(1, min(a, WIDTH) + 1):
-            u[a] -= band[a, d] * u[a - d]
-        u[a] /= band[a, 0]
-    for a in range(size - 1, -1, -1):
-        for d in range(1, min(size - 1 - a, WIDTH) + 1):
-            u[a] -= band[a + d, d] * u[a + d]
-        u[a] /= band[a, 0]
+    if not _divide(size, band, u):
+        return False
     for i in range(n):
         for a in range(3):
             push[i, a] = (u[4 * i + a] - y[i, VX + a]) / gh

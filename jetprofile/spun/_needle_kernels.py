@@ -1,8 +1,8 @@
 """Charge that the thread induces on its metal needle, compiled.
 
-The needle is a grounded hyperboloid as far as the jet's charge goes (its own charge at its voltage is in the applied field), cut
-into rings whose potentials of each other are known (`needle.rings`): ``Q = -A^-1 B q``, B the potential of the elements' charges
-at the rings, mirrored in the plate. The thread's potential falls by ``B^T A^-1 B q``: a matrix that only takes away energy.
+For the jet's charge the needle is a grounded hyperboloid (its own charge at its voltage is in the applied field), cut into
+rings whose potentials of each other are known (`needle.rings`): ``Q = -A^-1 B q``, B the potential of the elements' charges at
+the rings, mirrored in the plate. The thread's potential falls by ``B^T A^-1 B q``: a matrix that only takes energy away.
 """
 
 import numpy as np
@@ -68,9 +68,7 @@ def _of_feed(n: int, y: FloatArray, p: FloatArray, tables: FloatArray, level: Fl
 
 
 @njit(cache=True, error_model="numpy")
-def needle_matrix(
-    n: int, y: FloatArray, p: FloatArray, tables: FloatArray, w: FloatArray, matrix: FloatArray
-) -> None:
+def needle_matrix(n: int, y: FloatArray, p: FloatArray, tables: FloatArray, w: FloatArray, matrix: FloatArray) -> None:
     """Takes the needle's part off P."""
     count = int(tables[0, RINGS])
     if count == 0:

@@ -45,8 +45,7 @@ def rings(gap: float, tip: float) -> tuple[FloatArray, FloatArray, FloatArray]:
 
     def ring(up: FloatArray, at: float, other: FloatArray) -> FloatArray:
         total = (at + other) ** 2 + up**2
-        value: FloatArray = 2 / np.pi * ellipkm1(((at - other) ** 2 + up**2) / total) / np.sqrt(total)
-        return value
+        return np.asarray(2 / np.pi * ellipkm1(((at - other) ** 2 + up**2) / total) / np.sqrt(total), dtype=np.float64)
 
     radius = wide(depth)
     level = np.empty((COUNT, COUNT))
@@ -60,5 +59,5 @@ def rings(gap: float, tip: float) -> tuple[FloatArray, FloatArray, FloatArray]:
             share = (width[:, None] * weights).ravel()
             near, far = ring(depth[i] - s, radius[i], wide(s)), ring(2 * gap + depth[i] + s, radius[i], wide(s))
             level[i, j] = share @ (near - far)
-    inverse: FloatArray = np.linalg.inv(0.5 * (level + level.T))
-    return depth, radius, 0.5 * (inverse + inverse.T)
+    inverse = np.linalg.inv(0.5 * (level + level.T))
+    return depth, radius, np.asarray(0.5 * (inverse + inverse.T), dtype=np.float64)
