@@ -119,3 +119,26 @@ def test_waves_of_an_elastic_thread():
         chain.march(part * period)
         found.append(float(chain.nodes[:, c.VX + 1] @ wave / (wave @ wave)) / 1e-6)
     assert found == pytest.approx([0.0, -1.0, 1.0], abs=0.01)
+
+
+def test_march_comes_back_and_can_be_stopped():
+    """Thousands of steps: the compiled march returns on its way, so that an interrupt is heard; the result is the same."""
+
+    class Stop(Exception):
+        pass
+
+    def stop(time):
+        raise Stop
+
+    s = _settings("viscous", speed=1e-3)
+    s = replace(s, inlet=replace(s.inlet, length=60 * STEP), grid=replace(s.grid, fixed_step=1e-6))
+    whole, seen = start_cylinder(s), []
+    whole.march(4e-3, progress=seen.append)
+    assert len(seen) > 2
+    assert seen[-1] == 4e-3
+    stopped = start_cylinder(s)
+    with pytest.raises(Stop):
+        stopped.march(4e-3, progress=stop)
+    assert 0 < stopped.time < 4e-3
+    stopped.march(4e-3)
+    assert np.array_equal(stopped.nodes, whole.nodes)
