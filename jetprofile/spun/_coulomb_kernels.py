@@ -131,9 +131,9 @@ def _ripple_slopes(
     c, by_l, by_a = ripple(li, lj, 0.5 * (ai + aj))
     ei, ej = qi / li, qj / lj
     apart = ei - ej
-    own = 0.25 * apart * apart * by_l
+    own, rise = apart * apart * by_l / (li + lj) ** 2, c * apart
     less = 0.25 * apart * apart * by_a if k[PRESSURE] == 1 else 0.0
-    return own - c * apart * ei / li - less * ai / li, own + c * apart * ej / lj - less * aj / lj
+    return own * lj * lj - rise * ei / li - less * ai / li, own * li * li + rise * ej / lj - less * aj / lj
 
 
 @njit(cache=True, error_model="numpy")

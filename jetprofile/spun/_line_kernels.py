@@ -63,13 +63,14 @@ def point_pair(e: float, u: float, a2: float) -> tuple[float, float, float]:
 
 @njit(cache=True, error_model="numpy")
 def ripple(li: float, lj: float, a2: float) -> tuple[float, float, float]:
-    """C of the energy ``C (e_i - e_j)^2/2`` of neighbours whose line charges differ, and its slopes with (L_i + L_j)/2 and a^2.
+    """C of the energy ``C (e_i - e_j)^2/2`` of neighbours whose line charges differ, and its slopes with L and a^2.
 
     A softened line hardly sees ripples shorter than its radius, ``K_0(k a)``, and would let them grow; the charge on a tube
     does, ``I_0(k a) K_0(k a) -> 1/(2 k a)``. ``C = L^2 exp(-L^2/a^2)/(4 pi a)`` gives the shortest ripple of short elements the
-    energy of a tube's; elements twice as long as their radius have none of it.
+    energy of a tube's; elements twice as long as their radius have none of it. L is the harmonic mean: an
+    element that vanishes where the jet lands takes its part with it.
     """
-    long = 0.5 * (li + lj)
+    long = 2.0 * li * lj / (li + lj)
     c = long * long * math.exp(-long * long / a2) / (4.0 * math.pi * math.sqrt(a2))
     by_l = 2.0 * c * (1.0 / long - long / a2)
     by_a = c / a2 * (long * long / a2 - 0.5)

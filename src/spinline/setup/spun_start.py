@@ -116,6 +116,7 @@ def _downstream(settings: SpunSettings, jet: "StraightEhdJet", position: float) 
         repulsion="hybrid",
         pressure=True,
         feed_lines=tuple(zip(cuts[1:].tolist(), steps.tolist(), strict=True)),
+        settle=SETTLE,
     )
     loads = replace(settings.loads, gap=gap, needle_at=-position, image=True, metal=True)
     if loads.kind == "table":
