@@ -1,6 +1,6 @@
 """Stability atlas: scenes over the whole parameter box, each a result within physical bounds or a named refusal.
 
-    python benchmarks/atlas.py --scenes 500 --first 0 --records records.jsonl      # any number of times
+    python benchmarks/atlas.py --scenes 500 --first 0 --records records.jsonl      # any number of times, from where it ended
     python benchmarks/atlas.py --records records.jsonl -o benchmarks/atlas.json    # what they say together
     python benchmarks/atlas.py --check benchmarks/atlas.json --scenes 1000
     python benchmarks/atlas.py --again benchmarks/atlas.json
@@ -381,6 +381,7 @@ def check(summary, scenes, workers=1, skip=0, which=None):
         count = min(scenes, summary["scenes"] - skip)
         ones = outcomes_of(summary["seed"], summary["first"] + skip, count, workers)
     else:
+        warm()
         ones = (judge(summary["seed"], summary["first"] + i) for i in which)
     for one in ones:
         was = summary["letters"][one["index"] - summary["first"]]
