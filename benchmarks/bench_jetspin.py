@@ -6,9 +6,13 @@ Plain numpy reads the same numbers on a slice of the text, in the same run, with
     python benchmarks/bench_jetspin.py [MEGABYTES] [--frames] [--keep DIR]
     python benchmarks/bench_jetspin.py --sizes 0.1 1 10 100     # import-jet as a whole; writes bench_jetspin.json
 
-The second measures what ``spinline import-jet`` does, reading, looking for damage and writing a sealed netCDF, in processor
-time of a process that has begun, against ``numpy.loadtxt`` on nothing but the rows of numbers of the same file (and of those
-not the ones whose columns touch, which it cannot read).
+The second measures, in processor time and against ``numpy.loadtxt`` on nothing but the rows of numbers of the same file (and
+of those not the ones whose columns touch, which it cannot read):
+
+* `read`: `read_jetspin`, which finds frames and units and looks for damage, against loadtxt;
+* `write`: `write_jet`, thirteen sealed and checksummed variables, against loadtxt and saving the three columns as netCDF by
+  xarray (`saved`), or as .npy (`npy`);
+* `process`: ``spinline import-jet`` from start to end, against a Python that does the same.
 """
 
 import argparse
@@ -17,6 +21,8 @@ import itertools
 import json
 import resource
 import struct
+import subprocess
+import sys
 import tempfile
 import time
 import tracemalloc
@@ -25,7 +31,8 @@ from pathlib import Path
 
 import numpy as np
 
-from spinline.jetprofile import iter_jetspin
+from spinline.jetprofile import iter_jetspin, read_jetspin
+from spinline.jetprofile.jetspin import write_jet
 
 L0 = 0.034877280224  # cm, of the PVP run
 BLOCK = 1084  # bytes of the parameter block
@@ -133,10 +140,45 @@ def least(function, repeats):
     return shortest
 
 
+def children(command, repeats):
+    """Shortest processor time of a process and its children, s."""
+    shortest = float("inf")
+    for _ in range(repeats):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, *command], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        shortest = min(shortest, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return shortest
+
+
+def load(path):
+    """Three columns by loadtxt."""
+    return np.loadtxt(path, usecols=(1, 2, 3))
+
+
+def save(columns, path):
+    """Three columns as netCDF."""
+    import xarray as xr
+
+    data = {axis: ("bead", columns[:, number]) for number, axis in enumerate("xyz")}
+    xr.Dataset(data).to_netcdf(path, engine="h5netcdf")
+
+
+PLAIN = """
+import sys
+import numpy as np
+columns = np.loadtxt(sys.argv[1], usecols=(1, 2, 3))
+if sys.argv[2].endswith(".npy"):
+    np.save(sys.argv[2], columns)
+else:
+    import xarray as xr
+    data = {axis: ("bead", columns[:, number]) for number, axis in enumerate("xyz")}
+    xr.Dataset(data).to_netcdf(sys.argv[2], engine="h5netcdf")
+"""
+
+
 def imports(sizes):
     """`import-jet` from a text trajectory to a file, against loadtxt, at several sizes."""
-    from spinline.jetprofile.jetspin.netcdf import write_jet
-
     run = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
     frames, rows = real_frames(run), []
     for size in sizes:
@@ -144,23 +186,44 @@ def imports(sizes):
             folder = Path(temporary)
             (folder / "log.txt").write_bytes((run / "log.txt").read_bytes())
             make_text(folder / "traj.xyz", frames, 1e6 * size, np.random.default_rng(1))
-            megabytes = (folder / "traj.xyz").stat().st_size / 1e6
-            repeats = 3 if size >= 50 else 5
-            write_jet(folder, folder / "jet.nc", force=True)  # compiled
-            ours = least(lambda f=folder: write_jet(f, f / "jet.nc", force=True), repeats)
-            lines = (line for line in (folder / "traj.xyz").read_bytes().splitlines() if line.startswith(b"C "))
-            text = b"\n".join(line for line in lines if [word.count(b".") for word in line.split()] == [0, 1, 1, 1])
-            theirs = least(lambda t=text: np.loadtxt(io.BytesIO(t), usecols=(1, 2, 3)), repeats)
-        rows.append(
-            {
-                "megabytes": round(megabytes, 2),
-                "import_jet_mb_s": round(megabytes / ours, 1),
-                "loadtxt_mb_s": round(len(text) / 1e6 / theirs, 1),
-                "times_loadtxt": round(theirs / ours * megabytes / (len(text) / 1e6), 2),
-            }
-        )
-        print(rows[-1], flush=True)
+            rows.append(measured(folder, 3 if size >= 50 else 7))
+        print(json.dumps(rows[-1], indent=1), flush=True)
     Path(__file__).with_suffix(".json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+
+
+def measured(folder, repeats):
+    """Seconds of reading, of writing and of whole processes, ours over theirs, for one run."""
+    lines = (line for line in (folder / "traj.xyz").read_bytes().splitlines() if line.startswith(b"C "))
+    text = b"\n".join(line for line in lines if [word.count(b".") for word in line.split()] == [0, 1, 1, 1])
+    (folder / "rows.txt").write_bytes(text)
+    megabytes, theirs = (folder / "traj.xyz").stat().st_size / 1e6, len(text) / 1e6
+    jet, plain, other, saved = (str(folder / name) for name in ("jet.nc", "rows.txt", "rows.nc", "rows.npy"))
+    columns = load(plain)
+    save(columns, other)
+    seconds = {
+        "read": least(lambda: read_jetspin(folder), repeats),
+        "loadtxt": least(lambda: load(plain), repeats),
+        "write": least(lambda: write_jet(folder, jet, force=True), repeats),
+        "saved": least(lambda: save(load(plain), other), repeats),
+        "npy": least(lambda: np.save(saved, load(plain)), repeats),
+        "process": children(["-m", "spinline", "import-jet", str(folder), "-o", jet, "--force"], min(repeats, 5)),
+        "process_saved": children(["-c", PLAIN, plain, other], min(repeats, 5)),
+        "process_npy": children(["-c", PLAIN, plain, saved], min(repeats, 5)),
+    }
+    rate = {
+        name: (theirs if name not in ("read", "write", "process") else megabytes) / s for name, s in seconds.items()
+    }
+    return {
+        "megabytes": round(megabytes, 2),
+        "seconds": {name: round(s, 4) for name, s in seconds.items()},
+        "read_mb_s": round(rate["read"], 1),
+        "loadtxt_mb_s": round(rate["loadtxt"], 1),
+        "read_over_loadtxt": round(rate["read"] / rate["loadtxt"], 2),
+        "write_over_saved": round(rate["write"] / rate["saved"], 2),
+        "write_over_npy": round(rate["write"] / rate["npy"], 2),
+        "process_over_saved": round(rate["process"] / rate["process_saved"], 2),
+        "process_over_npy": round(rate["process"] / rate["process_npy"], 2),
+    }
 
 
 def main():

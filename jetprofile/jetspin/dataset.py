@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.checks import check_content, check_motion, check_positions
 from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
 from spinline.jetprofile.jetspin.notes import Notes
@@ -67,8 +67,8 @@ class Meaning:
     attrs: dict[str, Any]
 
 
-def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], notes: Notes) -> xr.Dataset:
-    """Dataset of the frames in `block`; `around` is the sharpest kink of the frames before and after them.
+def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], notes: Notes) -> NamedArrays:
+    """Variables of the frames in `block`; `around` is the sharpest kink of the frames before and after them.
 
     Positions that cannot be are NaN; elements that touch them, deposited beads or damaged rows keep their
     values, where they have one, and `valid_element` is False. From a bead that is NaN outwards, `arc_length`
@@ -145,11 +145,11 @@ def _rest_length(volume: Floats | None, meaning: Meaning) -> Floats | float:
     return p.resolution
 
 
-def _dataset(values: dict[str, NDArray[Any]], time: Floats, attrs: dict[str, Any]) -> xr.Dataset:
+def _dataset(values: dict[str, NDArray[Any]], time: Floats, attrs: dict[str, Any]) -> NamedArrays:
     variables = {}
     for name, data in values.items():
         dim, unit, text = _ATTRS[name]
         about = {"long_name": text} | ({"units": unit} if unit else {})
         variables[name] = (("time", dim) if dim else ("time",), data, about)
     about = {"units": "s", "long_name": "time"}
-    return xr.Dataset(variables, coords={"time": ("time", time, about)}, attrs=attrs)
+    return NamedArrays(variables, {"time": ("time", time, about)}, attrs)

@@ -1,23 +1,22 @@
 """A JETSPIN run streamed into one netCDF file, in bounded memory."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
-import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
-import xarray as xr
 
+from spinline.base.file_format import FORMAT, FORMAT_NAME
 from spinline.base.files import Sink, streaming
-from spinline.base.netcdf import OLD_READERS, save_dataset
+from spinline.base.named_arrays import NamedArrays
+from spinline.base.netcdf import save_dataset
+from spinline.base.netcdf_file import NetcdfFile
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.reading import Time, Unit, open_reading
 from spinline.jetprofile.jetspin.run import read_jetspin
 
 __all__ = ["write_jet"]
-
-_CHUNK = (32, 256)
 
 
 def write_jet(
@@ -75,45 +74,32 @@ def _stream(
 ) -> None:
     reading = open_reading(given, source=source, time=time, unit=unit)
     total, done = len(reading.frames), 0
-    with h5netcdf.File(sink, "w", libver=OLD_READERS) as file:
-        attrs: dict[str, Any] = {}
+    file: NetcdfFile | None = None
+    with ExitStack() as opened:
         for frames in reading.pieces(None):
-            data = reading.dataset(frames)
-            if done == 0:
-                _define(file, data)
-            _append(file, data, done)
+            data = reading.arrays(frames)
+            if file is None:
+                file = opened.enter_context(_defined(sink, data, total))
+            file.resize(**{dim: size for dim, size in data.sizes.items() if dim != "time"})
+            for name, variable in data.variables.items():
+                values = variable.values
+                file.write(name, values.astype("i1") if values.dtype.kind == "b" else values, done)
             sink.check()
             done += len(frames)
-            attrs = data.attrs
             if progress is not None:
                 progress(done, total)
-        for name, value in attrs.items():
-            file.attrs[name] = value
+        if file is not None:
+            reading.sign(data)
+            file.attributes({**data.attrs, FORMAT_NAME: FORMAT})
     reading.notes.emit(stacklevel=3)
 
 
-def _define(file: Any, data: xr.Dataset) -> None:
-    """Dimensions that can grow, and variables along them (flags as bytes, which xarray reads as bool)."""
-    file.dimensions = {"time": None, "bead": None, "element": None}
+def _defined(sink: Sink, data: NamedArrays, total: int) -> NetcdfFile:
+    """A file with the variables of `data` for all frames; beads and elements may become more."""
+    file = NetcdfFile(sink, {**data.sizes, "time": total}, [dim for dim in data.sizes if dim != "time"])
     for name, variable in data.variables.items():
         flag = variable.dtype.kind == "b"
-        chunks = (1024,) if variable.ndim == 1 else _CHUNK
-        dtype = np.dtype("i1") if flag else variable.dtype
-        fill = np.nan if dtype.kind == "f" and name != "time" else None
-        made = file.create_variable(str(name), variable.dims, dtype, chunks=chunks, fillvalue=fill, fletcher32=True)
-        for key, value in variable.attrs.items():
-            made.attrs[key] = value
-        if flag:
-            made.attrs["dtype"] = "bool"
-
-
-def _append(file: Any, data: xr.Dataset, at: int) -> None:
-    stop = at + data.sizes["time"]
-    file.resize_dimension("time", stop)
-    for dim in ("bead", "element"):
-        if data.sizes[dim] > file.dimensions[dim].size:
-            file.resize_dimension(dim, data.sizes[dim])
-    for name, variable in data.variables.items():
-        where = (slice(at, stop), *(slice(0, size) for size in variable.shape[1:]))
-        values = variable.values
-        file.variables[str(name)][where] = values.astype("i1") if values.dtype.kind == "b" else values
+        more = {"dtype": "bool"} if flag else {}
+        fill = np.nan if variable.dtype.kind == "f" and name != "time" else None
+        file.variable(name, variable.dims, "i1" if flag else variable.dtype, {**variable.attrs, **more}, fill=fill)
+    return file

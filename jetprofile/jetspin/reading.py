@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from spinline.base.errors import InputError
+from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.binary import BinarySource
 from spinline.jetprofile.jetspin.checks import peak_kink
 from spinline.jetprofile.jetspin.dataset import Meaning, build_dataset
@@ -19,7 +19,7 @@ from spinline.jetprofile.jetspin.frames import FrameSource, Integers, order_fram
 from spinline.jetprofile.jetspin.header import find_parameters
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters, merge_parameters
-from spinline.jetprofile.jetspin.sources import choose_files, open_xyz, statistics_track
+from spinline.jetprofile.jetspin.sources import Track, choose_files, open_xyz, statistics_track
 from spinline.jetprofile.jetspin.xyz import XyzSource
 
 __all__ = ["Reading", "Time", "Unit", "open_reading"]
@@ -59,8 +59,8 @@ class Reading:
             widest = max(widest, rows)
         yield self.frames[begin:]
 
-    def dataset(self, frames: Integers) -> xr.Dataset:
-        """Dataset of some frames, with the warnings met so far in its attributes."""
+    def arrays(self, frames: Integers) -> NamedArrays:
+        """Variables of some frames, with the warnings met so far in its attributes."""
         block = self.source.load(frames, self.notes)
         missing = int((~block.reaches_nozzle).sum())
         self.notes.add(
@@ -72,8 +72,8 @@ class Reading:
         self.sign(data)
         return data
 
-    def sign(self, data: xr.Dataset) -> None:
-        """Write what was dropped and warned about into the attributes."""
+    def sign(self, data: Any) -> None:
+        """Write what was dropped and warned about into the attributes (of `NamedArrays`, or of a Dataset)."""
         data.attrs["dropped"] = self.notes.dropped
         data.attrs["warnings"] = self.notes.warnings
 
@@ -88,9 +88,11 @@ def open_reading(
     if not path.is_dir():
         if source is not None:
             raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
-        return _open([path], path, time, unit, Notes(str(path)))
+        notes = Notes(str(path))
+        return _open([path], path, time, unit, notes, _beside(path.parent, notes))
     notes = Notes(str(path))
-    choices = choose_files(path, source, refined=_refined(path))
+    beside = _beside(path, notes)
+    choices = choose_files(path, source, refined=_refined(*beside))
     if source is None and choices and choices[0][0].name == "save.dat" and len(choices) > 1:
         notes.add(
             "the run used dynamic refinement, so save.dat is read: it holds the volumes, of its last moment only "
@@ -98,7 +100,7 @@ def open_reading(
         )
     for number, files in enumerate(choices):
         try:
-            return _open(files, path, time, unit, notes)
+            return _open(files, path, time, unit, notes, beside)
         except InputError as error:
             if number + 1 == len(choices) or error.field in ("time", "unit"):
                 raise
@@ -110,16 +112,21 @@ def open_reading(
     )
 
 
-def _refined(folder: Path) -> bool:
+Beside = tuple[RunParameters | None, Track | None]
+
+
+def _beside(folder: Path, notes: Notes) -> Beside:
+    """What stands beside the frames: the parameters of the run, and the way of its first bead."""
+    return find_parameters(folder, notes), statistics_track(folder)
+
+
+def _refined(parameters: RunParameters | None, track: Track | None) -> bool:
     """Whether the run says it used dynamic refinement."""
-    parameters, track = find_parameters(folder, Notes(folder.name)), statistics_track(folder)
     return bool(parameters and parameters.refinement) or bool(track and track.refined)
 
 
-def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes) -> Reading:
-    folder = files[0].parent
-    beside = find_parameters(folder, notes)
-    track = statistics_track(folder)
+def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes, known: Beside) -> Reading:
+    beside, track = known
     kind = file_kind(files[0])
     frames: BinarySource | XyzSource
     if kind == "beads":

@@ -3,15 +3,19 @@
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from spinline.base.errors import InputError
+from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.reading import Reading, Time, Unit, open_reading
 from spinline.jetprofile.jetspin.stats import read_landed, read_setup, read_table
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["iter_jetspin", "read_jetspin"]
 
@@ -23,7 +27,7 @@ def iter_jetspin(
     time: Time = None,
     unit: Unit = None,
     chunk_frames: int | None = None,
-) -> Iterator[xr.Dataset]:
+) -> Iterator["xr.Dataset"]:
     """Read the beads of a JETSPIN run in pieces of bounded size.
 
     Parameters
@@ -44,17 +48,17 @@ def iter_jetspin(
     return _generate(reading, chunk_frames)
 
 
-def _generate(reading: Reading, chunk_frames: int | None) -> Iterator[xr.Dataset]:
+def _generate(reading: Reading, chunk_frames: int | None) -> Iterator["xr.Dataset"]:
     reading.notes.emit()
     for frames in reading.pieces(chunk_frames):
-        data = reading.dataset(frames)
+        data = reading.arrays(frames).dataset()
         reading.notes.emit()
         yield data
 
 
 def read_jetspin(
     path: str | PathLike[str], *, source: str | None = None, time: Time = None, unit: Unit = None
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Read a JETSPIN run, or one file of it, in SI.
 
     Parameters
@@ -103,18 +107,18 @@ def read_jetspin(
             notes = Notes(str(path))
             table = reader(given, notes)
             notes.emit()
-            return table
+            return table.dataset()
     reading = open_reading(path, source=source, time=time, unit=unit)
-    data = _join([reading.dataset(frames) for frames in reading.pieces(None)])
+    data = _join([reading.arrays(frames) for frames in reading.pieces(None)])
     reading.sign(data)
     reading.notes.emit()
     return data
 
 
-def _join(pieces: list[xr.Dataset]) -> xr.Dataset:
+def _join(pieces: list[NamedArrays]) -> "xr.Dataset":
     """One dataset of many, padded to the longest chain."""
     if len(pieces) == 1:
-        return pieces[0]
+        return pieces[0].dataset()
     width = {dim: max(piece.sizes[dim] for piece in pieces) for dim in ("bead", "element")}
     first = pieces[0]
     total = sum(piece.sizes["time"] for piece in pieces)
@@ -130,4 +134,4 @@ def _join(pieces: list[xr.Dataset]) -> xr.Dataset:
             at += len(part)
         variables[name] = (variable.dims, filled, variable.attrs)
     time = variables.pop("time")
-    return xr.Dataset(variables, coords={"time": time}, attrs=dict(first.attrs))
+    return NamedArrays(variables, {"time": time}, first.attrs).dataset()

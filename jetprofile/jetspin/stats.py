@@ -3,19 +3,22 @@
 from dataclasses import fields
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from spinline.base.errors import InputError
+from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.header import find_parameters, is_log, parse_file, read_text
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.observables import BY_KEY, OBSERVABLES
 from spinline.jetprofile.jetspin.units import si_unit, to_float
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["read_landed", "read_setup", "read_statistics", "read_table"]
 
@@ -41,7 +44,7 @@ _UNITS = {
 }
 
 
-def read_statistics(path: str | PathLike[str]) -> xr.Dataset:
+def read_statistics(path: str | PathLike[str]) -> "xr.Dataset":
     """Read the observables of a run along its time, SI.
 
     Parameters
@@ -73,10 +76,10 @@ def read_statistics(path: str | PathLike[str]) -> xr.Dataset:
     notes = Notes(str(path))
     table = read_table(path, notes)
     notes.emit()
-    return table
+    return table.dataset()
 
 
-def read_table(path: Path, notes: Notes) -> xr.Dataset:
+def read_table(path: Path, notes: Notes) -> NamedArrays:
     """Observables of one file along time."""
     rows, columns = _binary_table(path, notes) if file_kind(path) == "statdat" else _text_table(path, notes)
     if len(rows) == 0:
@@ -92,9 +95,9 @@ def read_table(path: Path, notes: Notes) -> xr.Dataset:
         values = rows[:, number] * factor
         values[np.isinf(values)] = np.nan
         data[name] = ("time" if "time" in names else "step", values, {"units": unit, "long_name": text})
-    coords = {name: data.pop(name) for name in ("time", "step") if name in data}
+    coords: dict[str, Any] = {name: data.pop(name) for name in ("time", "step") if name in data}
     attrs = {"source_files": path.name, "dropped": notes.dropped, "warnings": notes.warnings}
-    return xr.Dataset(data, coords=coords, attrs=attrs)
+    return NamedArrays(data, coords, attrs)
 
 
 Column = tuple[str, float, str, str]
@@ -185,7 +188,7 @@ def _columns(line: str) -> list[Column]:
     return found
 
 
-def read_landed(path: Path, notes: Notes) -> xr.Dataset:
+def read_landed(path: Path, notes: Notes) -> NamedArrays:
     """Beads that reached the collector (``bead.dat``), in the order of their landing."""
     p = find_parameters(path.parent, notes)
     needed = (
@@ -240,7 +243,7 @@ def read_landed(path: Path, notes: Notes) -> xr.Dataset:
     _check_landed(values, p.collector_distance, length, notes)
     attrs = {"source_files": path.name, "parameter_source": p.source}
     attrs |= {"dropped": notes.dropped, "warnings": notes.warnings}
-    return xr.Dataset(data, attrs=attrs)
+    return NamedArrays(data, attrs=attrs)
 
 
 def _check_landed(values: Floats, collector: float | None, length: float, notes: Notes) -> None:
@@ -253,7 +256,7 @@ def _check_landed(values: Floats, collector: float | None, length: float, notes:
     notes.add("{n} beads have a volume, radius or length that cannot be", int(strange.sum()))
 
 
-def read_setup(path: Path, notes: Notes) -> xr.Dataset:
+def read_setup(path: Path, notes: Notes) -> NamedArrays:
     """Parameters of ``log.txt`` or ``input.dat`` as scalar variables."""
     p = parse_file(path, notes)
     data: dict[str, Any] = {}
@@ -276,4 +279,4 @@ def read_setup(path: Path, notes: Notes) -> xr.Dataset:
     if is_log(text) and "Program closed correctly" not in text:
         notes.add("it does not say that the run ended")
     attrs["dropped"], attrs["warnings"] = notes.dropped, notes.warnings
-    return xr.Dataset(data, attrs=attrs)
+    return NamedArrays(data, attrs=attrs)

@@ -1,121 +1,157 @@
-"""Rows of XYZ text to numbers: fixed columns, several hundred MB/s, every byte checked.
+"""Rows of XYZ text to numbers: fixed columns, every byte checked, several times as fast as a general reader.
 
 A row is ``C`` and seven blanks, then three numbers of width 10 with 5 decimals; no blank need separate
-them. Each number is read as an integer of 1e-5, so that it equals ``float(text)`` to the last bit.
+them. Each number is read as an integer of 1e-5, so that it equals ``float(text)`` to the last bit. Some thousand
+rows at a time are turned on their side, and every column of characters is one array.
 """
 
-from typing import Any
-
 import numpy as np
-
-from spinline.base.kernels import njit
+from numpy.typing import NDArray
 
 __all__ = ["DAMAGED", "OVERFLOW", "UNREADABLE", "parse_rows"]
 
 UNREADABLE, OVERFLOW, DAMAGED = 1, 2, 4
 
+_ROW = 38  # bytes of a row without its end
+_BLOCK = 16384  # rows at a time, so that their columns stay in the cache
+_HEAD = np.frombuffer(b"C       ", np.uint8)
+_WIDTH, _LEADING, _DECIMALS = 10, 4, 5
+_UNIT = 1e5
 
-@njit(cache=True, nogil=True)
-def _number(buf: Any, at: int) -> Any:
-    """Value times 1e5 of the field at `at`, and whether it was read (0), unreadable (1), overflowed (2)."""
-    value = 0
-    negative = False
-    begun = False
-    for k in range(4):
-        c = buf[at + k]
-        if c >= 48 and c <= 57:
-            value = value * 10 + (c - 48)
-            begun = True
-        elif c == 45 and not begun:
-            negative = True
-            begun = True
-        elif c == 32 and not begun:
-            pass
-        else:
-            if c == 42:
-                stars = True
-                for m in range(10):
-                    stars = stars and buf[at + m] == 42
-                if stars:
-                    return 0, 2
-            return 0, 1
-    if buf[at + 4] != 46:
-        return 0, 1
-    for k in range(5, 10):
-        c = buf[at + k]
-        if c < 48 or c > 57:
-            return 0, 1
-        value = value * 10 + (c - 48)
-    return (-value if negative else value), 0
+Bytes = NDArray[np.uint8]
+Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
-def parse_rows(buf: Any, offsets: Any, rows: Any, strides: Any, out: Any, status: Any, chains: Any) -> int:
-    """Read the rows of frames into `out` (3, n), leaving out the padding.
+def parse_rows(
+    buffer: Bytes,
+    offsets: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    strides: NDArray[np.int64],
+    out: NDArray[np.float64],
+    status: Bytes,
+    chains: NDArray[np.int64],
+) -> int:
+    """Read the rows of frames into `out` (3, n), leaving out the padding; the number of rows kept.
 
     `strides` is the length of a line with its end, or 0 where the lines of a frame differ. `status` gets the
     flags of every row. `chains` (m, 4) gets, for every frame: first row in `out`, number of rows, whether the
     nozzle row was met, and number of rows behind it that are not padding.
     """
-    end = len(buf)
-    w = 0
-    for f in range(len(offsets)):
-        first = w
-        met = False
-        tail = 0
-        at = offsets[f]
-        for _ in range(rows[f]):
-            stop = at
-            if strides[f] > 0:
-                stop = at + strides[f]
-                if stop > end:
-                    stop = end
-            else:
-                while stop < end and buf[stop] != 10:
-                    stop += 1
-                if stop < end:
-                    stop += 1
-            width = stop - at
-            flag = 0
-            x = 0
-            y = 0
-            z = 0
-            if width < 38:
-                flag = 5
-            else:
-                if buf[at] != 67 or buf[stop - 1] != 10:
-                    flag = 4
-                for k in range(1, 8):
-                    if buf[at + k] != 32:
-                        flag = 4
-                if width > 39 and not (width == 40 and buf[at + 38] == 13):
-                    flag = 4
-                x, fx = _number(buf, at + 8)
-                y, fy = _number(buf, at + 18)
-                z, fz = _number(buf, at + 28)
-                flag = flag | fx | fy | fz
-                if stop == end and width == 38 and flag == 4 and buf[at] == 67:
-                    flag = 0
-            at = stop
-            zero = (flag & 3) == 0 and x == 0 and y == 0 and z == 0
-            if met:
-                if not zero or flag != 0:
-                    tail += 1
-                continue
-            status[w] = flag
-            if flag & 3:
-                out[0, w] = np.nan
-                out[1, w] = np.nan
-                out[2, w] = np.nan
-            else:
-                out[0, w] = x / 1e5
-                out[1, w] = y / 1e5
-                out[2, w] = z / 1e5
-            w += 1
-            if zero:
-                met = True
-        chains[f, 0] = first
-        chains[f, 1] = w - first
-        chains[f, 2] = 1 if met else 0
-        chains[f, 3] = tail
-    return w
+    used = 0
+    begin = 0
+    count = np.cumsum(rows)
+    while begin < len(rows):
+        before = count[begin - 1] if begin else 0
+        stop = max(begin + 1, int(np.searchsorted(count, before + _BLOCK, side="right")))
+        start, end = _lines(buffer, offsets[begin:stop], rows[begin:stop], strides[begin:stop])
+        values, flags = _numbers(buffer, start, end)
+        used += _keep(values, flags, rows[begin:stop], used, (out, status, chains[begin:stop]))
+        begin = stop
+    return used
+
+
+def _lines(
+    buffer: Bytes, offsets: NDArray[np.int64], rows: NDArray[np.int64], strides: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Where every row begins, and where the next one does."""
+    first = np.cumsum(rows) - rows
+    number = np.arange(int(rows.sum())) - np.repeat(first, rows)
+    stride = np.repeat(strides, rows)
+    start = np.repeat(offsets, rows) + stride * number
+    end = np.minimum(start + stride, len(buffer))
+    for frame in np.flatnonzero(strides == 0):
+        own = slice(int(first[frame]), int(first[frame] + rows[frame]))
+        end[own] = _line_ends(buffer, int(offsets[frame]), int(rows[frame]))
+        start[own] = np.concatenate([offsets[frame : frame + 1], end[own][:-1]])
+    return start, end
+
+
+def _line_ends(buffer: Bytes, offset: int, count: int) -> NDArray[np.int64]:
+    """Ends of so many lines; those beyond the text end with it."""
+    width = 64 * count
+    while True:
+        found = offset + 1 + np.flatnonzero(buffer[offset : offset + width] == ord("\n"))[:count]
+        if len(found) == count or offset + width >= len(buffer):
+            return np.pad(found, (0, count - len(found)), constant_values=len(buffer))
+        width *= 2
+
+
+def _numbers(buffer: Bytes, start: NDArray[np.int64], end: NDArray[np.int64]) -> tuple[NDArray[np.float64], Bytes]:
+    """Values (3, n) of rows and their flags."""
+    width = end - start
+    short = width < _ROW
+    columns = _columns(buffer, np.where(short, 0, start)) if len(buffer) >= _ROW else np.zeros((_ROW, len(start)), "u1")
+    last = buffer[np.maximum(end, 1) - 1] == ord("\n")
+    bad = (columns[:8] != _HEAD[:, None]).any(axis=0)
+    returned = buffer[np.minimum(start + _ROW, len(buffer) - 1)] == ord("\r")
+    bad |= (width > _ROW + 1) & ~((width == _ROW + 2) & returned)
+    unfinished = (end == len(buffer)) & (width == _ROW)  # the last line of the text, whole but for its end
+    flags = np.where(bad | ~(last | unfinished), DAMAGED, 0).astype(np.uint8)
+    values = np.empty((3, len(start)))
+    for axis in range(3):
+        values[axis], faults = _field(columns[8 + _WIDTH * axis : 8 + _WIDTH * (axis + 1)])
+        flags |= faults
+    flags[short] = UNREADABLE | DAMAGED
+    values[:, (flags & (UNREADABLE | OVERFLOW)) != 0] = np.nan
+    return values, flags
+
+
+def _columns(buffer: Bytes, start: NDArray[np.int64]) -> Bytes:
+    """Characters (38, n) of the rows that begin there."""
+    windows = np.lib.stride_tricks.sliding_window_view(buffer, _ROW)
+    return np.ascontiguousarray(windows[start].T)
+
+
+def _field(columns: Bytes) -> tuple[NDArray[np.float64], Bytes]:
+    """Values of fields (10, n) and their faults."""
+    digits = columns - np.uint8(ord("0"))  # 10 and more for what is no digit
+    number = digits <= 9
+    begun: Flags = np.zeros(columns.shape[1], np.bool_)
+    wrong: Flags = columns[_LEADING] != ord(".")
+    negative = begun.copy()
+    value = np.zeros(columns.shape[1], np.int32)
+    for place in range(_LEADING):
+        minus = columns[place] == ord("-")
+        wrong |= ~number[place] & (begun | ~(minus | (columns[place] == ord(" "))))
+        negative |= minus
+        begun |= minus | number[place]
+        value *= 10
+        value += np.where(number[place], digits[place], np.uint8(0))
+    for place in range(_LEADING + 1, _WIDTH):
+        wrong |= ~number[place]
+        value *= 10
+        value += digits[place]
+    faults = wrong.astype(np.uint8)
+    if wrong.any():
+        faults[(columns == ord("*")).all(axis=0)] = OVERFLOW
+    return np.where(negative, -value, value) / _UNIT, faults
+
+
+def _keep(
+    values: NDArray[np.float64],
+    flags: Bytes,
+    rows: NDArray[np.int64],
+    used: int,
+    results: tuple[NDArray[np.float64], Bytes, NDArray[np.int64]],
+) -> int:
+    """Put rows up to the nozzle's, which is zero, behind those that are `used`; the number of rows kept."""
+    out, status, chains = results
+    after = np.cumsum(rows)
+    first = after - rows
+    zero = (values == 0.0).all(axis=0)
+    nozzles = np.flatnonzero(zero)
+    where = np.searchsorted(nozzles, first)
+    nozzle = np.append(nozzles, len(zero))[where]
+    met = nozzle < after
+    stop = np.where(met, nozzle + 1, after)
+    length = stop - first
+    kept = np.arange(len(zero)) < np.repeat(stop, rows)
+    odd = np.concatenate([[0], np.cumsum(~kept & (~zero | (flags != 0)))])
+    total = int(length.sum())
+    out[:, used : used + total] = values[:, kept]
+    status[used : used + total] = flags[kept]
+    chains[:, 0] = used + np.cumsum(length) - length
+    chains[:, 1] = length
+    chains[:, 2] = met
+    chains[:, 3] = odd[after] - odd[first]
+    return total

@@ -1,6 +1,6 @@
 """netCDF files in and out: one Dataset in memory, or one message; files whole, sealed, with a checksum on every variable.
 
-Written by h5netcdf into memory, so that a full disk is met by `spinline.base.files` and not by HDF5; read only after the seal
+Written into memory, so that a full disk is met by `spinline.base.files` and not by HDF5; read only after the seal
 fits. HDF5 that points outside its file (external and virtual storage, external links), or that declares more than it can
 hold, is refused before anything is read.
 """
@@ -15,19 +15,19 @@ import numpy as np
 from spinline.base.errors import InputError
 from spinline.base.file_format import FORMAT, FORMAT_NAME, require_format
 from spinline.base.files import readable, write_bytes
+from spinline.base.netcdf_file import NetcdfFile, attribute
 from spinline.base.seals import sealed, verified
 from spinline.base.words import clean
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["OLD_READERS", "examine_hdf5", "open_dataset", "save_dataset", "write_variables"]
+__all__ = ["examine_hdf5", "open_dataset", "save_dataset", "sizes_in", "write_variables"]
 
 Variable = tuple[tuple[str, ...], Any, Mapping[str, Any]]  # dimensions, values, attributes
 
 _MOST_PACKED = 1100  # deflate makes no more of a byte
 _SPARE = 1 << 26
-OLD_READERS = ("v110", "v110")  # readable by every HDF5 since 2016; its metadata carry checksums of their own
 
 
 def open_dataset(path: str | Path) -> "xr.Dataset":
@@ -58,6 +58,14 @@ def open_dataset(path: str | Path) -> "xr.Dataset":
     for variable in loaded.variables.values():
         variable.attrs = _harmless(variable.attrs)
     return loaded
+
+
+def sizes_in(path: str | Path) -> dict[str, int]:
+    """Dimensions of a netCDF file that this program has just written, without reading it."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        return {name: int(thing.shape[0]) for name, thing in file.items() if thing.is_scale}
 
 
 def examine_hdf5(file: Any, name: str) -> None:
@@ -140,33 +148,21 @@ def write_variables(
 
 
 def _packed(variables: Mapping[str, Variable], attributes: Mapping[str, Any], coordinates: list[str]) -> bytes:
-    import h5netcdf  # type: ignore[import-untyped]
-    import h5py
-
     sizes: dict[str, int] = {}
     for dims, values, _ in variables.values():
         sizes |= dict(zip(dims, np.shape(values), strict=True))
     stream = io.BytesIO()
-    with h5netcdf.File(stream, "w", libver=OLD_READERS) as file:
-        file.dimensions = sizes
+    with NetcdfFile(stream, sizes) as file:
         for name, (dims, values, described) in variables.items():
             array, more = _plain(np.asarray(values))
-            checked: dict[str, Any] = {}
-            if dims and array.size and array.dtype.kind != "O":
-                checked = {"fletcher32": True, "chunks": _chunks(array)}
-            kind: Any = h5py.string_dtype() if array.dtype.kind == "O" else array.dtype
-            made = file.create_variable(name, dims, kind, **checked)
-            if array.size:
-                made[...] = array
             along = [
                 key for key in coordinates if key not in sizes and key != name and set(variables[key][0]) <= set(dims)
             ]
             if along and name not in coordinates:
                 more["coordinates"] = " ".join(along)
-            for key, value in {**described, **more}.items():
-                made.attrs[key] = _attribute(value)
-        for key, value in {**attributes, FORMAT_NAME: FORMAT}.items():
-            file.attrs[key] = _attribute(value)
+            file.variable(name, dims, array.dtype, {**described, **more})
+            file.write(name, array)
+        file.attributes({**attributes, FORMAT_NAME: FORMAT})
     return stream.getvalue()
 
 
@@ -175,20 +171,8 @@ def _plain(array: "np.ndarray[Any, Any]") -> "tuple[np.ndarray[Any, Any], dict[s
     if array.dtype.kind == "b":
         return array.astype(np.int8), {"dtype": "bool"}
     if array.dtype.kind in "UO":
-        return np.array([_attribute(str(text)) for text in array.ravel()], dtype=object).reshape(array.shape), {}
+        return np.array([attribute(str(text)) for text in array.ravel()], dtype=object).reshape(array.shape), {}
     return array, {}
-
-
-def _chunks(array: "np.ndarray[Any, Any]") -> tuple[int, ...]:
-    """One chunk, or slabs along the first dimension of some megabytes."""
-    row = max(1, array.nbytes // array.shape[0])
-    return (max(1, min(array.shape[0], (1 << 22) // row)), *array.shape[1:])
-
-
-def _attribute(value: Any) -> Any:
-    if isinstance(value, str):
-        return value.replace("\x00", "\\u0000").encode("utf-8", "backslashreplace").decode()
-    return int(value) if isinstance(value, bool | np.bool_) else value
 
 
 def _harmless(attributes: Mapping[Any, Any]) -> dict[Any, Any]:

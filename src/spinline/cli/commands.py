@@ -311,14 +311,14 @@ def import_jet(
 ) -> None:
     """Turn the output of a Lagrangian simulation into a jet file."""
     from spinline.base.files import writable
+    from spinline.base.netcdf import sizes_in
     from spinline.jetprofile.jetspin import write_jet
-    from spinline.solve import results
 
     target = out or Path(run_dir.resolve().stem + ".nc")
     writable(target, force=force)
     write_jet(run_dir, target, source=source, unit=unit, force=force)
-    jet = results.open_dataset(target)
-    say(f"wrote {target}: {jet.sizes.get('time', 1)} times, up to {jet.sizes.get('bead', 0)} beads")
+    sizes = sizes_in(target)
+    say(f"wrote {target}: {sizes.get('time', 1)} times, up to {sizes.get('bead', 0)} beads")
 
 
 REGISTERED = (
