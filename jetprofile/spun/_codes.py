@@ -85,7 +85,8 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
 ) = range(71)
 FEED_FIRST = 71  # their lengths and line charges in turn
 FEEDS = 12
-PARAMETERS = FEED_FIRST + 2 * FEEDS
+CROSS = FEED_FIRST + 2 * FEEDS  # weight of the flow across in the transfer to the air
+PARAMETERS = CROSS + 1
 
 # switches
 (
