@@ -12,6 +12,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
 from spinline.jetprofile.spun._codes import (
     AIR_DENSITY,
+    AIR_FIRST,
     AIR_VISCOSITY,
     AIR_X,
     AREA,
@@ -32,16 +33,16 @@ __all__ = ["air_at", "air_forces"]
 @njit(cache=True, error_model="numpy")
 def air_at(x: float, y: float, z: float, p: FloatArray, tables: FloatArray) -> tuple[float, float, float]:
     """Velocity of the air at a point, m/s."""
-    count = int(tables[0, 2])
+    count = int(tables[0, 5])
     if count == 0:
         return p[AIR_X], p[AIR_X + 1], p[AIR_X + 2]
-    axis = tables[6]
+    axis = tables[AIR_FIRST]
     high = 1
     while high < count - 1 and axis[high] < x:
         high += 1
     part = min(max((x - axis[high - 1]) / (axis[high] - axis[high - 1]), 0.0), 1.0)
-    speed = tables[7, high - 1] * (1.0 - part) + tables[7, high] * part
-    wide = tables[8, high - 1] * (1.0 - part) + tables[8, high] * part
+    speed = tables[AIR_FIRST + 1, high - 1] * (1.0 - part) + tables[AIR_FIRST + 1, high] * part
+    wide = tables[AIR_FIRST + 2, high - 1] * (1.0 - part) + tables[AIR_FIRST + 2, high] * part
     if wide > 0.0:
         speed *= 2.0 ** (-(y * y + z * z) / (wide * wide))
     return p[AIR_X] + speed, p[AIR_X + 1], p[AIR_X + 2]

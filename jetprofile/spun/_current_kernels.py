@@ -37,6 +37,7 @@ def currents(
     y: FloatArray,
     p: FloatArray,
     k: IntArray,
+    tables: FloatArray,
     w: FloatArray,
 ) -> FloatArray:
     """All n + 1 node currents; NaN where the iteration does not close.
@@ -60,12 +61,12 @@ def currents(
     matrix, psi = np.zeros((size, size)), np.zeros(n)
     near = np.zeros((1, 1)) if dense else np.zeros((n, reach + 1))
     if dense:
-        potential_matrix(n, y, p, k, w, matrix, psi)
+        potential_matrix(n, y, p, k, tables, w, matrix, psi)
         psi += np.dot(matrix, start)
     else:
         near_band(n, reach, a2, p, k, w, near)
-        level(n, reach, start, y, x, a2, near, p, k, w, psi)
-        outer_level(n, y, p, k, w, a2, psi)
+        level(n, reach, start, y, x, a2, near, p, k, tables, w, psi)
+        outer_level(n, y, p, k, tables, w, a2, psi)
     right = np.empty(last - first + 1)
     for j in range(first, last + 1):
         right[j - first] = drive[j] - (psi[j - 1] if j > 0 else 0.0) + (psi[j] if j < n else 0.0)
@@ -81,7 +82,7 @@ def currents(
         far_band(n, WIDTH, reach, y, x, a2, p, k, w, near, band)
     factor = _banded(n, gh, first, last, resist, band)
     out[first : last + 1] = _gradients(
-        n, gh, first, last, resist, factor, right, dense, matrix, reach, y, x, a2, near, p, k, w
+        n, gh, first, last, resist, factor, right, dense, matrix, reach, y, x, a2, near, p, k, tables, w
     )
     return out
 
@@ -192,6 +193,7 @@ def _gradients(
     near: FloatArray,
     p: FloatArray,
     k: IntArray,
+    tables: FloatArray,
     w: FloatArray,
 ) -> FloatArray:
     """Conjugate gradients (Polak-Ribiere form: the tree's sum is symmetric only to its error)."""
@@ -211,7 +213,7 @@ def _gradients(
         if dense:
             psi[:] = np.dot(matrix, q)
         else:
-            level(n, reach, q, y, x, a2, near, p, k, w, psi)
+            level(n, reach, q, y, x, a2, near, p, k, tables, w, psi)
         for a in range(size):
             j = a + first
             made[a] = resist[j] * to[a] + (psi[j - 1] if j > 0 else 0.0) - (psi[j] if j < n else 0.0)

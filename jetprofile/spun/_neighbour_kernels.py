@@ -8,11 +8,11 @@ import math
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
-from spinline.jetprofile.spun._codes import AREA, CHARGE, COUPLING, X
+from spinline.jetprofile.spun._codes import AIR_FIRST, AREA, CHARGE, COUPLING, X
 
 __all__ = ["NEIGHBOURS", "neighbour_forces"]
 
-NEIGHBOURS = 9
+NEIGHBOURS = AIR_FIRST + 3
 """First of the rows: place, velocity, charge of each; entry (0, 3) counts them, (0, 4) is their moment."""
 
 

@@ -6,11 +6,12 @@ front. An element enters per ``V_step/Q``, so **flow rate and current are given*
 ``rho v_t = d/dq [(P + alpha pi r + P_charge) t] + rho_q E + rho g + air``, ``P = A (tau_zz - tau_rr)``, ``A = 1/|R_q|``
 
 with node masses ``rho (V_(i-1) + V_i)/2`` at fixed label and forces that are minus gradients of energies. With frozen
-charge the march is Dormand-Prince 5(4) with error control; with conduction or a solvent's viscosity it is ARS(2,2,2), those
-two implicit.
+charge the march is Dormand-Prince 5(4) with error control; with conduction, a solvent's viscosity or a bending moment it is
+ARS(2,2,2), those implicit. The compiled march comes back every second or so, so that a program can be stopped.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -65,6 +66,7 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     p[[c.CONDUCTIVITY, c.POTENTIAL_IN]] = s.conductivity, s.potential
     p[c.CURRENT] = 0.0 if s.current is None else s.current
     p[[c.NEEDLE_AT, c.CONE]] = loads.needle_at, grid.cone
+    p[[c.SETTLE, c.SETTLED]] = grid.settle, 1.0
     p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS, c.OUTFLOW]] = s.collector.speed, s.collector.radius, s.outflow
     p[c.COUPLING], p[c.LONGEST] = c.COULOMB, grid.longest
     _air_and_drying(s, p, k)
@@ -163,20 +165,31 @@ class Chain:
     step: float
     origin: FloatArray = field(default_factory=lambda: np.zeros(4))
 
-    def march(self, end: float, others: tuple[float, FloatArray] | None = None) -> None:
-        """March to the time `end` in s, beside other charges: a moment, and rows of place, velocity and charge then."""
+    def march(
+        self,
+        end: float,
+        progress: Callable[[float], None] | None = None,
+        others: tuple[float, FloatArray] | None = None,
+    ) -> None:
+        """March to the time `end` in s.
+
+        `progress` is called now and then with the time so far; `others` are charges beside it: a moment, and rows of their
+        place, velocity and charge then.
+        """
         p, k = parameters(self.settings)
         tables = tables_of(self.settings)
         if others is not None and others[1].size:
             count = others[1].shape[1]
-            wide = np.zeros((NEIGHBOURS + 7, max(tables.shape[1], count)))
+            wide = np.zeros((max(NEIGHBOURS + 7, tables.shape[0]), max(tables.shape[1], count)))
             wide[: tables.shape[0], : tables.shape[1]] = tables
-            wide[NEIGHBOURS:, :count] = others[1]
+            wide[NEIGHBOURS : NEIGHBOURS + 7, :count] = others[1]
             wide[0, 3], wide[0, 4] = count, others[0]
             tables = wide
         grid = self.settings.grid
         while self.time < end:
             status, self.time, self.n, self.step = self._kernel(end, p, k, tables, grid)
+            if progress is not None:
+                progress(self.time)
             if status == c.FULL:
                 self._grow()
             elif status in (c.BROKEN, c.STALLED):
@@ -190,6 +203,9 @@ class Chain:
         self, end: float, p: FloatArray, k: c.IntArray, tables: FloatArray, grid: object
     ) -> tuple[int, float, int, float]:
         g = self.settings.grid
+        most = max(4, 4_000_000 // (self.n * self.n))
+        # two explicit stages let undamped waves grow by (w h)^4/8 a step: a solvent's viscosity is what damps short ones
+        cfl = g.cfl if self.settings.law.solvent_viscosity > 0.0 else min(g.cfl, 0.1)
         if self.settings.implicit:
             return march_implicit(
                 self.time,
@@ -197,7 +213,8 @@ class Chain:
                 self.n,
                 self.step,
                 g.fixed_step,
-                g.cfl,
+                cfl,
+                most,
                 self.clock,
                 self.state,
                 self.held,
@@ -215,6 +232,7 @@ class Chain:
             g.fixed_step,
             g.tolerance,
             self.reach,
+            most,
             self.clock,
             self.state,
             self.held,

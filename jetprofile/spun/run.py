@@ -66,7 +66,7 @@ class SpunRun:
             done = math.floor(chain.time / air.interval * (1 + 1e-12) + 1e-9)
             while (done + 1) * air.interval <= end * (1 + 1e-12):
                 done += 1
-                chain.march(done * air.interval, others)
+                chain.march(done * air.interval, others=others)
                 kick = impulses(
                     chain.state,
                     chain.n,
@@ -80,7 +80,7 @@ class SpunRun:
                 )
                 free = chain.held[: chain.n] == 0
                 chain.state[: chain.n, c.VX : c.VX + 3][free] += kick[free]
-        chain.march(end, others)
+        chain.march(end, others=others)
 
     def store(self) -> None:
         """Keep the state of now as a frame."""

@@ -1,5 +1,7 @@
 """The command that spins a jet: bead by bead, from the nozzle to the collector."""
 
+import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -232,12 +234,19 @@ def _checkpoint(target: Path, what: str, resume: bool) -> "Checkpoint":
 
 def _follow(run: "SpunRun | SpunJets", times: "FloatArray", kept: "Checkpoint") -> None:
     """March through the moments, kept on the way."""
-    frames = len(times)
-    with progress_of("moments") as progress:
-        for index in run.to(times):
-            progress(index + 1, frames)
-            if (index + 1) % max(frames // 20, 1) == 0 or index + 1 == frames:
-                kept.save("run", **run.pack())
+    frames, reached = len(times), 0
+    with progress_of("moments") as progress, _stoppable():
+        try:
+            for index in run.to(times):
+                reached = index + 1
+                progress(reached, frames)
+                if reached % max(frames // 20, 1) == 0 or reached == frames:
+                    kept.save("run", **run.pack())
+        except KeyboardInterrupt:
+            chain = (run.runs[0] if hasattr(run, "runs") else run).chain
+            at = f"stopped at {1e3 * chain.time:.4g} ms of {1e3 * times[-1]:.4g} ms"
+            say(f"{at}; the same command with --resume goes on from the last moment kept", err=True)
+            raise typer.Exit(130) from None
     kept.clear()
 
 
@@ -247,6 +256,25 @@ def _about(settings: "SpunSettings", title: str, notes: tuple[str, ...]) -> dict
 
     about = {"title": title, "model": _model(settings), "spinline": __version__, "settings": repr(settings)}
     return about | ({"notes": "\n".join(notes)} if notes else {})
+
+
+@contextlib.contextmanager
+def _stoppable() -> Iterator[None]:
+    """A request to end (SIGTERM) is taken like an interrupt from the keyboard; not where another thread has the signals."""
+    import signal
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGTERM, stop)
+    except ValueError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _model(s: "SpunSettings") -> str:
