@@ -200,7 +200,7 @@ class Drying:
 
     `equilibrium` is the vapour's mass concentration at the pure solvent's surface over the liquid's density, at `temperature`;
     it goes as ``exp[latent_slope (1/temperature - 1/T)]``; `far` that in the air. `cross_flow`: weight of the flow across the
-    thread in the transfer, 64 by Kase and Matsuo, 0 without.
+    thread in the transfer: 64 by Kase and Matsuo, 0 without, 1 for the total speed.
     """
 
     fraction: float
@@ -220,7 +220,7 @@ class Drying:
     prandtl: float = 0.71
     air_temperature: float = 293.15
     temperature: float = 293.15
-    cross_flow: float = 64.0
+    cross_flow: float = 1.0
 
     def __post_init__(self) -> None:
         number("fraction", self.fraction, above=0.0, below=1.0)
