@@ -10,7 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.envelope import Envelope
 from spinline.recipe.believe import Recipe, believe
-from spinline.recipe.constants import CONSTANTS
+from spinline.recipe.constants import CONSTANTS, TAKEN
 from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
 from spinline.recipe.outside import outside_remarks
 from spinline.recipe.regime import Regime, regime_of
@@ -296,7 +296,7 @@ def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray
 
     thin, p = found.thinning, CONSTANTS.viscosity_power
     slower = np.exp(believed.sd.get("relaxation_time", 0.0) * z[:, list(UNKNOWNS).index("relaxation_time")])
-    theta = 3 * slower * found.viscosity / (2e6 * believed.volume_fraction**2.3)
+    theta = 3 * slower * found.viscosity / (TAKEN.plateau * believed.volume_fraction**TAKEN.plateau_power)
     thicker = np.maximum((thin.time / theta) ** (1 / 2.33), 1.0)  # phi at which the strands freeze over phi_0
     whole = believed.onset_radius**2 / thin.radius**2
     late = -np.expm1(-p * np.log(np.maximum(thicker, 1 + 1e-12)))
