@@ -152,7 +152,9 @@ def attempt(
     factor(low, mid, high, MU_PAIR / h, pair)
     w, turned, rates = np.empty((3, n + 1)), np.empty((3, n + 1)), np.empty((3, n + 1))
     turn(TI, guess, w)
-    stages[:] = guess
+    for k in range(3):
+        for i in range(n + 1):
+            stages[k, i] = guess[k, i]
     right, both = np.empty(n + 1), np.empty(n + 1, np.complex128)
     before, contraction, done = -1.0, 0.0, 0
     most = 10 if warm else 8

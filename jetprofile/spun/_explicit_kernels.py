@@ -142,8 +142,9 @@ def march_explicit(
         clock[5] += 1
         reached = t + step >= stop * (1.0 - 1e-15)
         t = stop if reached else t + step
-        y[: n + 1] = new[: n + 1]
-        d[0, : n + 1] = d[6, : n + 1]
+        for i in range(n + 1):
+            for c in range(COLUMNS):
+                y[i, c], d[0, i, c] = new[i, c], d[6, i, c]
         if fixed <= 0.0:
             grow = step * min(5.0, 0.9 * max(ratio, 1e-10) ** -0.2)
             h = max(h, grow) if reached or who >= 0 or cut else grow
@@ -196,5 +197,7 @@ def _try(
                 trial[i, c] = y[i, c] + h * total
         if not explicit_rates(t + _C[s] * h, n, held, trial, p, k, tables, w, f, d[s]):
             return False
-    new[: n + 1] = trial[: n + 1]
+    for i in range(n + 1):
+        for c in range(COLUMNS):
+            new[i, c] = trial[i, c]
     return True

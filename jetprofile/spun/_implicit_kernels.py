@@ -309,7 +309,9 @@ def march_implicit(
             clock[10] += step * ((1.0 - _G) * clock[12] + _G * clock[8])
         reached = t + step >= stop * (1.0 - 1e-15)
         t = stop if reached else t + step
-        y[: n + 1] = new[: n + 1]
+        for i in range(n + 1):
+            for c in range(COLUMNS):
+                y[i, c] = new[i, c]
         h = step
         if who >= 0:
             touch(t, who, n, y, held, marks, p, k)

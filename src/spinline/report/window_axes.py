@@ -1,6 +1,6 @@
 """Which settings of a window are drawn, and where the others are held."""
 
-from collections.abc import Sequence
+from collections.abc import Collection
 
 import xarray as xr
 
@@ -9,7 +9,7 @@ from spinline.base.errors import InputError
 __all__ = ["drawn_axes"]
 
 
-def drawn_axes(window: xr.Dataset, names: Sequence[str]) -> tuple[list[str], dict[str, int]]:
+def drawn_axes(window: xr.Dataset, names: Collection[str]) -> tuple[list[str], dict[str, int]]:
     """The first two of `names` that vary, and the middle index of every other one.
 
     Raises
