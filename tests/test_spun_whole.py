@@ -166,7 +166,7 @@ def test_giesekus_jet_from_a_needle():
     jet = StraightEhdJet(needle, length=needle.gap)
     run.advance(2e-4)
     chain = run.chain
-    y, n = chain.nodes, chain.n
+    y = chain.nodes
     at = np.array([1e-3, 3e-3, 1e-2, 4e-2])
     assert np.interp(at, y[::-1, c.X], y[::-1, c.VX]) == pytest.approx(jet.velocity(at), rel=0.06)
     assert len(chain.deposited) > 3

@@ -61,8 +61,10 @@ def conducting(settings: SpunSettings, needle: "NeedleSettings", position: float
     if position is None:
         axis = _axis(needle.end_position, needle.radius)
         start = _samples(jet, axis, 0.0)
-        grid = replace(settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius, settle=_settle(needle))
-        loads = replace(settings.loads, image=True, metal=True)
+        grid = replace(
+            settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius, settle=_settle(needle)
+        )
+        loads = replace(settings.loads, image=True, metal=settings.loads.kind != "uniform")
         return replace(
             settings, grid=grid, loads=loads, start=start, conductivity=needle.conductivity, current=needle.current
         )
@@ -123,7 +125,7 @@ def _downstream(settings: SpunSettings, jet: "StraightEhdJet", position: float) 
         feed_lines=tuple(zip(cuts[1:].tolist(), steps.tolist(), strict=True)),
         settle=_settle(needle),
     )
-    loads = replace(settings.loads, gap=gap, needle_at=-position, image=True, metal=True)
+    loads = replace(settings.loads, gap=gap, needle_at=-position, image=True, metal=settings.loads.kind != "uniform")
     if loads.kind == "table":
         loads = replace(loads, axis=tuple(np.asarray(loads.axis) - position))
     return replace(
