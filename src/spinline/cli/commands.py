@@ -102,7 +102,7 @@ def run(
     if quick and not trade:
         raise InputError("--quick", "is of the trade", remedy="add --trade, or leave it out")
     loaded = load(scene, model, rtol, set_)
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.solve import results
 
     target = out or _default_out(scene, loaded)
@@ -112,10 +112,7 @@ def run(
 
         check_format(picture)
     files = [file for file in (target, picture, report, csv) if file is not None]
-    if len({file.resolve() for file in files}) < len(files):
-        raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
-    for file in files:
-        writable(file, force=force)
+    outputs(*files, force=force)
     result = _solved(loaded)
     if trade:
         from spinline.study.trade import trade as measure

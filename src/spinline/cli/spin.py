@@ -55,7 +55,7 @@ def spin(
     """Spin a jet with its flow rate given, and write what flies and what has landed."""
     import json as json_
 
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
 
     if seeds < 1:
         raise InputError("--seeds", "must be 1 or more", value=seeds)
@@ -70,17 +70,28 @@ def spin(
     stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
     target = out or Path(f"{stem or 'jet'}.nc")
     names = [target] if seeds == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(seeds)]
-    for name in (*names, *(p for p in (figure, movie, vtk, xyz) if p is not None)):
-        writable(name, force=force or resume)
+    done = [resume and not force and name.exists() for name in names]  # which their own settings will have to show
+    outputs(*(name for name, there in zip(names, done, strict=True) if not there), figure, movie, vtk, xyz, force=force)
+    if figure is not None:
+        from spinline.report.style import check_format
+
+        check_format(figure)
+    if movie is not None:
+        from spinline.report.spun_figure import check_animation
+
+        check_animation(movie)
     for note in notes:
         say(note, err=True)
     answers = []
     for index, name in enumerate(names):
-        jet = _one(settings, settings.seed + index, end, frames, name, resume, title, notes)
-        _store(jet, name, force or resume)
+        if done[index]:
+            jet = _finished(settings, settings.seed + index, end, frames, name)
+        else:
+            jet = _one(settings, settings.seed + index, end, frames, name, resume, title, notes)
+            _store(jet, name, force)
         answers.append(_answer(jet, name))
         say(json_.dumps(answers[-1]) if json else _words(answers[-1]))
-    _extras(jet, figure, movie, vtk, xyz, force or resume)
+    _extras(jet, figure, movie, vtk, xyz, force)
 
 
 def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time: Text, quick: bool) -> Any:
@@ -181,6 +192,31 @@ def _one(
     return to_dataset(run, attributes=about)
 
 
+def _finished(settings: "SpunSettings", seed: int, end: float, frames: int, target: Path) -> "xr.Dataset":
+    """The run that is there, where it is the one that was asked for.
+
+    Raises
+    ------
+    InputError
+        Where it is any other file.
+    """
+    from dataclasses import replace
+
+    from spinline.base.netcdf import open_dataset
+    from spinline.base.version import __version__
+
+    jet = open_dataset(target)
+    same = (jet.attrs.get("settings"), jet.attrs.get("spinline")) == (repr(replace(settings, seed=seed)), __version__)
+    whole = jet.sizes.get("time") == frames and abs(float(jet["time"][-1]) - end) <= 1e-9 * end
+    if not (same and whole):
+        raise InputError(
+            str(target),
+            "exists, and is not the run that is to go on",
+            remedy="choose another name, or --force to overwrite",
+        )
+    return jet
+
+
 def _model(s: "SpunSettings") -> str:
     charge = "charge conducts" if s.conductivity else "charge frozen" if s.inlet.charge_density else "no charge"
     return f"Lagrangian chain, {s.law.name}, {s.grid.repulsion} repulsion, {charge}, bending {s.grid.bending}"
@@ -245,7 +281,7 @@ def _extras(
     if movie is not None:
         from spinline.report.spun_figure import write_animation
 
-        write_animation(jet, movie)
+        write_animation(jet, movie, force=force)
     if vtk is not None:
         from spinline.jetprofile.spun.exports import vtk_text
 

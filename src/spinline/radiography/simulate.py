@@ -14,7 +14,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
-from spinline.base.files import streaming, writable, write_text
+from spinline.base.files import outputs, streaming, write_text
 from spinline.radiography.camera import Camera
 from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
@@ -222,8 +222,7 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
     names = dict.fromkeys(parts, target)
     if kind != ".npz":
         names |= {key: target.with_name(f"{target.stem}_{key}{target.suffix}") for key in ("flat", "dark")}
-    for file in {*names.values(), toml}:
-        writable(file, force=force)
+    outputs(*dict.fromkeys(names.values()), toml, force=force)
     if kind == ".npz":
         with streaming(target, force=force) as stream:
             np.savez_compressed(
