@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.base.errors import InputError, SpinlineWarning
-from spinline.base.files import command
+from spinline.base.files import command, note_input
 from spinline.base.progress import telling
 from spinline.cli.cite import register as register_cite
 from spinline.cli.deposit import register as register_deposit
@@ -361,6 +361,7 @@ def main() -> None:
     code = 0
     try:
         with _stopping(), command(), telling():
+            _note_arguments(sys.argv[1:])
             code = int(_asked(sys.argv[1:])(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
     except SystemExit as ended:
@@ -388,6 +389,13 @@ def main() -> None:
         )
         code = 70
     sys.exit(code)
+
+
+def _note_arguments(words: list[str]) -> None:
+    """Say which files are given to be read, so that an output with the same name is refused before anything is computed."""
+    for before, word in zip(["", *words], words, strict=False):
+        if not word.startswith("-") and (not before.startswith("-") or before in ("--table", "--measured", "--fit")):
+            note_input(word)
 
 
 def _flushed(code: int) -> int:
