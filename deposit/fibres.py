@@ -2,7 +2,7 @@
 
 An HDF5 file that xarray opens (engine ``h5netcdf``), sealed, every column with a
 checksum; dimension `segment`, one row per segment (`Segments`). Positions and
-touch-down times are double precision (a mat may be metres long), the rest single: 60 bytes a row, 262144 rows a chunk. What
+touch-down times are double precision (a mat may be metres long), the rest single: 60 bytes a row, read 262144 rows at a time. What
 single precision would blur is kept in the attributes in double: number, length, volume and polymer volume of all rows.
 """
 
@@ -25,6 +25,7 @@ from spinline.deposit.segments import Segments
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
 
 CHUNK = 262144
+_STORED = 16384  # rows that lie together in the file
 _COLUMNS: Mapping[str, tuple[str, str, str]] = {
     "x": ("f8", "m", "start of the segment, along the machine"),
     "y": ("f8", "m", "start of the segment, across the machine"),
@@ -70,7 +71,7 @@ class FibreWriter:
             self._sink = opened.enter_context(streaming(path, force=force, sealing=True))
             self._file = opened.enter_context(NetcdfFile(self._sink, {"segment": 0}, ["segment"]))
             for name, (kind, unit, text) in _COLUMNS.items():
-                self._file.variable(name, ("segment",), kind, {"units": unit, "long_name": text}, chunks=(CHUNK,))
+                self._file.variable(name, ("segment",), kind, {"units": unit, "long_name": text}, chunks=(_STORED,))
             self._file.attributes({} if attributes is None else attributes)
             self._opened = opened.pop_all()
 

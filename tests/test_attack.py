@@ -34,7 +34,7 @@ def victims(tmp_path_factory):
     return make_victims(tmp_path_factory.mktemp("victims"), DATA)
 
 
-@pytest.mark.parametrize("number", range(13))
+@pytest.mark.parametrize("number", range(17))
 def test_damage_is_refused_redone_or_harmless(victims, number, tmp_path) -> None:
     victim = victims[number]
     verdicts, bad = attack(victim, tmp_path, range(12))
@@ -261,6 +261,29 @@ def test_a_stopped_command_leaves_nothing(tmp_path) -> None:
     process.send_signal(signal.SIGTERM)
     assert process.wait(30) in (143, -signal.SIGTERM)
     assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+@pytest.mark.parametrize("where", ["destructor", "class"])
+def test_a_signal_is_not_lost(number, status, where, tmp_path) -> None:
+    """What a handler raises in a destructor is dropped by Python, and in the making of a class comes out as another error."""
+    kill = f"os.kill(os.getpid(), {int(number)})"
+    lost = {
+        "destructor": f"class Last:\n def __del__(self): {kill}; time.sleep(0.01)\nLast()",
+        "class": f"class Named:\n def __set_name__(self, *_): {kill}; time.sleep(0.01)\nclass Has: name = Named()",
+    }[where]
+    code = (
+        "import os, sys, time\nfrom spinline.cli import commands\n"
+        f"def asked(words):\n def run(**_):\n  exec({lost!r}, globals())\n  time.sleep(5)\n return run\n"
+        "commands._asked = asked\ncommands.main()"
+    )
+    start = time.monotonic()
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
+    )
+    assert ran.returncode in (status, -int(number)), ran.stderr
+    assert time.monotonic() - start < 4.5
+    assert "fault of this program" not in ran.stderr
 
 
 # --- what is read ------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from copy import copy
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -359,8 +359,9 @@ def main() -> None:
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
     code = 0
+    stopped: list[int] = []
     try:
-        with _stopping(), command(), telling():
+        with _stopping(stopped), command(), telling():
             _note_arguments(sys.argv[1:])
             code = int(_asked(sys.argv[1:])(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
@@ -382,6 +383,8 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("SPINLINE_TRACEBACK"):
             raise
+        if stopped:  # the exception of the signal came out as another: of a class that was being made, for example
+            sys.exit(128 + stopped[0])
         say(
             f"error: a fault of this program, please report it: {type(error).__name__}: {error} "
             "(SPINLINE_TRACEBACK=1 shows where)",
@@ -418,16 +421,42 @@ def _quietly() -> None:
 
 
 @contextlib.contextmanager
-def _stopping() -> Iterator[None]:
-    """Within it SIGTERM ends the program as an exception does: what is half written is removed."""
+def _stopping(stopped: list[int]) -> Iterator[None]:
+    """Within it SIGTERM ends the program as an exception does: what is half written is removed.
+
+    The numbers of the signals that came are put into `stopped`. Where the exception was lost (Python drops what is raised in a
+    destructor or a callback) it is raised again a little later.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+
+    def stop(number: int, *_: object) -> None:
+        stopped.append(number)
+        again()
+
+    def again(*_: object) -> None:
+        if stopped[0] == signal.SIGINT:
+            raise KeyboardInterrupt
+        sys.exit(128 + stopped[0])
+
+    def lost(what: Any) -> None:
+        if stopped and issubclass(what.exc_type, KeyboardInterrupt | SystemExit):
+            signal.setitimer(signal.ITIMER_REAL, 0.02)
+        else:
+            dropped(what)
+
+    dropped, sys.unraisablehook = sys.unraisablehook, lost
+    asked = {signal.SIGTERM: stop, signal.SIGINT: stop} | (
+        {signal.SIGALRM: again} if hasattr(signal, "SIGALRM") else {}
+    )
+    before = {number: signal.signal(number, handler) for number, handler in asked.items()}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        sys.unraisablehook = dropped
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
