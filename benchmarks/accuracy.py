@@ -1,6 +1,7 @@
 """Whether `--rtol` is kept: random scenes, the rung the plan takes against the finest of its branch, and what it cost.
 
-    python benchmarks/accuracy.py --scenes 1000 --seed 1 -o benchmarks/accuracy.json
+    python benchmarks/accuracy.py --scenes 1000 --minutes 9 --records records.jsonl    # until all are in
+    python benchmarks/accuracy.py --scenes 1000 --records records.jsonl -o benchmarks/accuracy.json
 
 Scenes are the straight ones of the atlas (`atlas_scenes.draw`), air and radial drying left out. Met: the reported quantities
 (`spinline.study.difference`) are within rtol of the reference of every branch that the rung claims to be good for. Cost:
@@ -10,6 +11,9 @@ Scenes where the plan says that an effect is left out which passes rtol (no mode
 and are judged by what is said: the run's own warnings must say so, the effect that the rung does hold must be within rtol of
 the finest rung that has it ("held"), and the claim must be true ("rightly": each effect alone moves the affine network by more
 than rtol, or has no steady network; "over-cautious": by less than half of it).
+
+Where both effects pass rtol the plan takes `two-fluid`, the finest of both branches: its run is held against one of tolerance
+1e-5 and eight times the places, and the claim that both are needed is judged as above.
 """
 
 import argparse
@@ -70,6 +74,27 @@ def _claim(shares):
     return "rightly" if least > 1 else "within a factor of two" if least > 0.5 else "over-cautious"
 
 
+def _both(scene, model, rtol, alone):
+    """Of a rung that holds both effects: itself against its finer self, and whether both are needed."""
+    from spinline.base.errors import InputError
+    from spinline.study.difference import difference, largest
+    from spinline.study.trade import variant
+
+    try:
+        fine, cost = timed(variant(scene, model, force_law="linear", rtol=1e-5, points=3201))
+        taken, spent = timed(variant(scene, model, force_law="linear"))
+    except InputError as error:
+        return {"error": float("nan"), "kind": "refused", "words": str(error)[:80]}
+    off = float(largest(difference(taken, fine)))
+    return {
+        "error": off,
+        "kind": "met" if off <= rtol else "missed",
+        "cost": min(spent / cost, 1.0) if off <= rtol else spent / cost,
+        "claim": _claim([share / rtol for share in alone.values()]),
+        "alone": {name: float(value) for name, value in alone.items()},
+    }
+
+
 def judge(seed, index, tolerances=TOLERANCES):
     """Outcomes of one scene: for every tolerance the rung, its error, whether it met, and its cost over the cheapest."""
     from spinline.base.errors import InputError
@@ -125,8 +150,8 @@ def judge(seed, index, tolerances=TOLERANCES):
         solution = build_solution(this)
         plan = plan_scene(this, solution, build_jet(this, solution))
         model = plan.model
-        if model not in errors:  # both effects at once: no rung is its reference
-            outcomes.append({"rtol": rtol, "model": model, "error": float("nan"), "kind": "both effects"})
+        if model not in errors:  # both effects at once
+            outcomes.append({"rtol": rtol, "model": model, **_both(this, model, rtol, alone)})
             continue
         outcome = {"rtol": rtol, "model": model, "error": float(errors[model])}
         if isinstance(found[model][0], str):
@@ -153,32 +178,39 @@ def judge(seed, index, tolerances=TOLERANCES):
     return outcomes
 
 
-def main():
-    """Run the campaign."""
+def recorded(seed, scenes, minutes, path):
+    """Outcomes of the first straight scenes, judged until the time is up and written one scene a line."""
     from spinline.base.errors import SpinlineWarning
 
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scenes", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("-o", "--out", type=Path)
-    asked = parser.parse_args()
-    counts = {rtol: Counter() for rtol in TOLERANCES}
-    costs = {rtol: [] for rtol in TOLERANCES}
-    missed, doubted, refused, index, done = [], [], Counter(), 0, 0
-    began = time.perf_counter()
-    remarks, others = 0, Counter()
-    while done < asked.scenes:
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    rows = [json.loads(line) for line in lines]
+    began = time.monotonic()
+    while sum(row["outcomes"] is not None for row in rows) < scenes and time.monotonic() - began < 60 * minutes:
+        before = time.process_time()
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             warnings.simplefilter("error", RuntimeWarning)
-            outcomes = judge(asked.seed, index)
-        remarks += sum(issubclass(item.category, SpinlineWarning) for item in said)
-        others.update(str(item.message) for item in said if not issubclass(item.category, SpinlineWarning))
-        index += 1
-        if outcomes is None:
-            continue
-        done += 1
-        for outcome in outcomes:
+            outcomes = judge(seed, len(rows))
+        row = {
+            "index": len(rows),
+            "outcomes": outcomes,
+            "seconds": time.process_time() - before,
+            "remarks": sum(issubclass(item.category, SpinlineWarning) for item in said),
+            "others": [str(item.message) for item in said if not issubclass(item.category, SpinlineWarning)],
+        }
+        rows.append(row)
+        with path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(row) + "\n")
+    return rows
+
+
+def summary_of(seed, rows):
+    """What the outcomes say together."""
+    counts = {rtol: Counter() for rtol in TOLERANCES}
+    costs = {rtol: [] for rtol in TOLERANCES}
+    missed, doubted, refused = [], [], Counter()
+    for row in rows:
+        for outcome in row["outcomes"] or ():
             for rtol in [outcome["rtol"]] if "rtol" in outcome else TOLERANCES:
                 counts[rtol][outcome["kind"]] += 1
                 counts[rtol][f"took {outcome.get('model', 'nothing')}"] += 1
@@ -188,17 +220,18 @@ def main():
                     counts[rtol][f"said: {name}"] += outcome.get(name) is True
                 if "claim" in outcome:
                     counts[rtol][f"said: {outcome['claim']}"] += 1
-                    if outcome["claim"] == "over-cautious" or not (outcome["told"] and outcome["held"]):
-                        doubted.append({"index": index - 1, **outcome})
+                    doubtful = not (outcome.get("told", True) and outcome.get("held", True))
+                    if outcome["claim"] == "over-cautious" or doubtful:
+                        doubted.append({"index": row["index"], **outcome})
                 if outcome["kind"] == "refused":
-                    refused[outcome["words"].split(":")[0]] += 1
+                    refused[outcome["words"].split(" =")[0].split(":")[0]] += 1
                 if outcome["kind"] == "missed":
-                    missed.append({"index": index - 1, **outcome})
-    summary = {
-        "seed": asked.seed,
-        "scenes": done,
-        "drawn": index,
-        "seconds": round(time.perf_counter() - began, 1),
+                    missed.append({"index": row["index"], **outcome})
+    return {
+        "seed": seed,
+        "scenes": sum(row["outcomes"] is not None for row in rows),
+        "drawn": len(rows),
+        "seconds": round(sum(row["seconds"] for row in rows), 1),
         "rtol": {
             f"{rtol:g}": {
                 **dict(sorted(counts[rtol].items())),
@@ -214,13 +247,27 @@ def main():
         "missed": missed,
         "said and doubted": doubted,
         "refused for": dict(refused),
-        "remarks": remarks,
-        "other warnings": dict(others),
+        "remarks": sum(row["remarks"] for row in rows),
+        "other warnings": dict(Counter(words for row in rows for words in row["others"])),
     }
+
+
+def main():
+    """Run the campaign."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--minutes", type=float, default=60)
+    parser.add_argument("--records", type=Path, required=True, help="outcomes, one scene a line: added to")
+    parser.add_argument("-o", "--out", type=Path)
+    asked = parser.parse_args()
+    rows = recorded(asked.seed, asked.scenes, asked.minutes, asked.records)
+    summary = summary_of(asked.seed, rows)
     text = json.dumps(summary, indent=1)
+    print(text)
     if asked.out:
         asked.out.write_text(text + "\n", encoding="utf-8")
-    print(text)
+    print("all are in" if summary["scenes"] >= asked.scenes else "run it again to go on")
 
 
 if __name__ == "__main__":

@@ -14,23 +14,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from spinline.base.checks import FloatArray
-from spinline.network._two_fluid_kernels import BELOW, assemble
+from spinline.network._two_fluid_kernels import newton
 from spinline.network.force_laws import law_code
 from spinline.network.tension import Tension
 
-__all__ = ["Box", "halved", "refined", "remeshed", "start_of", "thinned"]
+__all__ = ["Box", "halved", "refined", "remeshed", "split", "start_of", "thinned"]
 
 Profile = Callable[[FloatArray], FloatArray]
 
-_MOST_NEWTON = 60
-_LARGEST_STEP = 2.0  # of ln T and of q
-_MOST_TRIES = 180
-_SHORTEST = 1e-4
-_TOLERANCE = 1e-10
-_ROUNDING = 1e-6  # of a change that does not shrink any more
+_GROWTH = 0.5  # of a cell's length with the distance from a shorter one
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,47 +66,8 @@ class Box:
             self.law.rest_force if bounded else 3.0,
             self.law.tension_at_rest,
         )
-        factors, load = np.zeros((3 * BELOW + 1, y.size)), np.empty(y.size)
         goal = float(end if bounded else np.log(end))
-        scale = np.ones(y.size)
-
-        def residual(at: FloatArray) -> None:
-            factors[BELOW:] = 0.0
-            assemble(at, h, flow, eps, slow, law, self.per_line, plain, goal, factors[BELOW:], load)
-
-        residual(y)
-        damping, previous, tries = 1.0, np.inf, 0
-        for _ in range(_MOST_NEWTON):
-            matrix, pivots, failed = dgbtrf(factors, BELOW, BELOW)
-            if failed:
-                return None
-            change, _ = dgbtrs(matrix, BELOW, BELOW, load, pivots)
-            if bounded:
-                scale[::2] = 1 / np.maximum(np.abs(y[::2]), 1.0)
-            relative = change * scale
-            largest = float(np.abs(relative).max())
-            if not largest < 1e200:
-                return None
-            if largest < _TOLERANCE or (largest < _ROUNDING and largest > 0.2 * previous):
-                y -= change
-                return self._physical(y)
-            previous = largest
-            steep = float(np.abs(relative[1::2] if bounded else relative).max())
-            damping = min(1.0, 4 * damping, _LARGEST_STEP / max(steep, 1e-300))
-            size = float(np.sum(np.clip(relative, -1e100, 1e100) ** 2))
-            while True:  # the next change, by the same matrix, must be smaller: affine invariant
-                ahead = y - damping * change
-                residual(ahead)
-                tries += 1
-                following, _ = dgbtrs(matrix, BELOW, BELOW, load, pivots)
-                following = np.clip(following * scale, -1e100, 1e100)
-                if float(following @ following) <= (1 - 0.25 * damping) ** 2 * size:
-                    break
-                damping *= 0.5
-                if damping < _SHORTEST or tries > _MOST_TRIES:
-                    return None
-            y = ahead
-        return None
+        return self._physical(y) if newton(y, h, flow, eps, slow, law, self.per_line, plain, goal) else None
 
     def _physical(self, y: FloatArray) -> FloatArray:
         state = y.reshape(-1, 2)
@@ -154,25 +109,45 @@ def halved(s: FloatArray) -> FloatArray:
     return fresh
 
 
+def split(s: FloatArray, times: FloatArray) -> FloatArray:
+    """Nodes of cells halved so many times (rounded up, three at most), as far as rounding lets them."""
+    h = np.diff(s)
+    depth = np.ceil(times.clip(0, 3)).astype(int)
+    parts = [s]
+    for k in (1, 2, 3):
+        cells = (depth >= k) & (h > 2**k * 1e-13 * s[-1])
+        shares = np.arange(1, 2**k, 2) / 2**k
+        parts.append((s[:-1, np.newaxis] + h[:, np.newaxis] * shares)[cells].ravel())
+    fresh: FloatArray = np.sort(np.concatenate(parts))
+    return fresh
+
+
 def remeshed(s: FloatArray, values: list[FloatArray], count: int, keep: FloatArray) -> FloatArray:
-    """About `count` cells that share the third derivative of the values evenly; the places `keep` are nodes."""
+    """`count` cells, and at most twice as many, that share the bending of the values evenly; the places `keep` are nodes.
+
+    A long cell beside a short and steep one bends by no more than the values change there: else the cell outside of a layer
+    would take all nodes.
+    """
     middle, h = 0.5 * (s[1:] + s[:-1]), np.diff(s)
     density = np.zeros(h.size)
     for y in values:
-        slope = np.diff(y) / h
-        bend = np.abs(np.diff(slope) / np.diff(middle))
-        root = np.sqrt(np.concatenate((bend[:1], np.maximum(bend[1:], bend[:-1]), bend[-1:])))
+        step = np.diff(y)
+        bend = np.abs(np.diff(step / h) / np.diff(middle))
+        change = np.abs(np.concatenate((step[:1], step, step[-1:])))
+        root = np.minimum(
+            np.sqrt(np.concatenate((bend[:1], np.maximum(bend[1:], bend[:-1]), bend[-1:]))),
+            np.sqrt(change[:-2] + change[1:-1] + change[2:]) / h,
+        )
         total = float(np.sum(root * h))
         if total > 0:
             density += root / total
     density += 0.2 * float(np.sum(density * h)) / float(s[-1] - s[0])
-    for _ in range(2):  # no cell much longer than its neighbours
-        wide = density.copy()
-        wide[1:] = np.maximum(wide[1:], 0.6 * density[:-1])
-        wide[:-1] = np.maximum(wide[:-1], 0.6 * density[1:])
-        density = wide
-    share = np.concatenate(([0.0], np.cumsum(density * h)))
-    fresh = np.interp(np.linspace(0.0, share[-1], count + 1), share, s)
+    size = float(np.sum(density * h)) / (count * np.maximum(density, 1e-300))
+    grown = _GROWTH * middle  # no cell is longer than a shorter one and its distance allow
+    size = np.minimum.accumulate(size - grown) + grown
+    size = (np.minimum.accumulate((size + grown)[::-1])[::-1] - grown).clip(1e-14 * s[-1])
+    share = np.concatenate(([0.0], np.cumsum(h / size)))
+    fresh = np.interp(np.linspace(0.0, share[-1], int(min(share[-1], 2 * count)) + 2), share, s)
     return thinned(fresh, keep)
 
 

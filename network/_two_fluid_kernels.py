@@ -1,18 +1,26 @@
-"""Compiled loop of the two-fluid box scheme: residual and Jacobian, in bands. What it solves stands in `two_fluid`."""
+"""Compiled loops of the two-fluid box scheme: residual and Jacobian, Newton's method. What it solves stands in `two_fluid`."""
 
 import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
 from spinline.network._force_kernels import LINEAR, extension_kernel
 from spinline.network.chain._kernels import compliance_kernel
 
-__all__ = ["BELOW", "assemble"]
+__all__ = ["newton"]
 
-BELOW = 4
-"""Diagonals below and above the main one."""
+_BELOW = 4  # diagonals below and above the main one
+_WIDE = 3 * _BELOW + 1  # of a row, with what pivoting fills in
+_MOST_NEWTON = 60
+_LARGEST_STEP = 2.0  # of ln T and of q
+_MOST_TRIES = 180
+_SHORTEST = 1e-4
+_TOLERANCE = 1e-10
+_ROUNDING = 1e-6  # of a change that does not shrink any more
+_HUGE = 1e100
 
 _AHEAD, _LATE = 2.0 / 3.0, 1.0 / 3.0
 _SLACK = 0.05  # of the tension at rest: below, a strand's law is carried on so that its stretch stays positive
@@ -20,11 +28,11 @@ _SLACK = 0.05  # of the tension at rest: below, a strand's law is carried on so 
 
 @njit(cache=True, error_model="numpy")
 def _lay(bands: FloatArray, row: int, column: int, value: float) -> None:
-    bands[BELOW + row - column, column] = value
+    bands[row, _BELOW + column - row] = value
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(
+def _assemble(
     y: FloatArray,
     h: FloatArray,
     flow: FloatArray,
@@ -37,7 +45,7 @@ def assemble(
     bands: FloatArray,
     load: FloatArray,
 ) -> None:
-    """Set the Jacobian (bands) and the residual (load).
+    """Set the Jacobian (a row of `bands` holds the columns from four before its diagonal on) and the residual (load).
 
     `y` holds T (ln T for the linear spring) and q at node, middle, node, ...; `flow`, `eps` and `slow` are V, eps and 1/(2
     th) at the four collocation points of each cell: 0 and 2/3 for the momentum, 1/3 and 1 for the relaxation. `plain` is
@@ -46,8 +54,7 @@ def assemble(
     code, contour, rest, rest_tension = law
     cells = h.size
     line = 0.0 if per_line else 1.0
-    for i in range(load.size):
-        load[i] = 0.0
+    bands[:] = 0.0
     load[0] = y[1]
     _lay(bands, 0, 1, 1.0)
     last = load.size - 1
@@ -121,3 +128,123 @@ def assemble(
                 for j in range(3):
                     _lay(bands, row, at + 2 * j, by_t * value[j])
                     _lay(bands, row, at + 2 * j + 1, slope[j] + by_q * value[j])
+
+
+@njit(cache=True, error_model="numpy")
+def _factor(bands: FloatArray, lower: FloatArray, pivots: NDArray[np.int64]) -> bool:
+    """LU factors with partial pivoting, in place; False where a pivot is nothing or no number."""
+    n = bands.shape[0]
+    for i in range(n):
+        best, at = abs(bands[i, _BELOW]), i
+        last = min(i + _BELOW, n - 1)
+        for row in range(i + 1, last + 1):
+            size = abs(bands[row, _BELOW + i - row])
+            if size > best:
+                best, at = size, row
+        pivots[i] = at
+        if not (best > 0 and best < math.inf):
+            return False
+        if at != i:
+            shift = _BELOW + i - at
+            for k in range(2 * _BELOW + 1):
+                bands[i, _BELOW + k], bands[at, shift + k] = bands[at, shift + k], bands[i, _BELOW + k]
+        inverse = 1 / bands[i, _BELOW]
+        for row in range(i + 1, last + 1):
+            shift = _BELOW + i - row
+            part = bands[row, shift] * inverse
+            lower[i, row - i - 1] = part
+            if part != 0:
+                for k in range(1, 2 * _BELOW + 1):
+                    bands[row, shift + k] -= part * bands[i, _BELOW + k]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _substitute(bands: FloatArray, lower: FloatArray, pivots: NDArray[np.int64], load: FloatArray) -> None:
+    """Solve with the factors, in place."""
+    n = load.size
+    for i in range(n):
+        at = pivots[i]
+        load[i], load[at] = load[at], load[i]
+        for row in range(i + 1, min(i + _BELOW, n - 1) + 1):
+            load[row] -= lower[i, row - i - 1] * load[i]
+    for i in range(n - 1, -1, -1):
+        total = load[i]
+        for k in range(1, min(2 * _BELOW, n - 1 - i) + 1):
+            total -= bands[i, _BELOW + k] * load[i + k]
+        load[i] = total / bands[i, _BELOW]
+
+
+@njit(cache=True, error_model="numpy")
+def _size(change: FloatArray, scale: FloatArray) -> tuple[float, float, float]:
+    """Sum of squares of a scaled change, its largest, and its largest in q (in ln T, too, for the linear spring)."""
+    total, largest, steep = 0.0, 0.0, 0.0
+    linear = scale[0] == 0
+    for i in range(change.size):
+        value = abs(change[i] * (1.0 if linear else scale[i]))
+        largest = max(largest, value)
+        if linear or i % 2:
+            steep = max(steep, value)
+        if value > _HUGE:
+            value = _HUGE
+        total += value * value
+    if math.isnan(total):
+        return math.nan, math.nan, math.nan
+    return total, largest, steep
+
+
+@njit(cache=True, error_model="numpy")
+def newton(
+    y: FloatArray,
+    h: FloatArray,
+    flow: FloatArray,
+    eps: FloatArray,
+    slow: FloatArray,
+    law: tuple[int, float, float, float],
+    per_line: bool,
+    plain: bool,
+    end: float,
+) -> bool:
+    """Damped Newton iteration on `y`, in place; False where it fails. Arguments as those of `_assemble`."""
+    n = y.size
+    bands, trial = np.empty((n, _WIDE)), np.empty((n, _WIDE))
+    lower, pivots = np.zeros((n, _BELOW)), np.empty(n, np.int64)
+    change, following, load, ahead = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    scale = np.zeros(n)  # none for the linear spring, whose unknown is ln T
+    _assemble(y, h, flow, eps, slow, law, per_line, plain, end, bands, load)
+    damping, previous, tries = 1.0, math.inf, 0
+    for _ in range(_MOST_NEWTON):
+        if not _factor(bands, lower, pivots):
+            return False
+        change[:] = load
+        _substitute(bands, lower, pivots, change)
+        if law[0] != LINEAR:
+            for i in range(n):
+                scale[i] = 1.0 if i % 2 else 1 / max(abs(y[i]), 1.0)
+        size, largest, steep = _size(change, scale)
+        if not largest < 1e200:
+            return False
+        if largest < _TOLERANCE or (largest < _ROUNDING and largest > 0.2 * previous):
+            y -= change
+            return True
+        previous = largest
+        damping = min(1.0, 4 * damping, _LARGEST_STEP / max(steep, 1e-300))
+        while True:  # the next change, by the same matrix, must be smaller: affine invariant
+            for i in range(n):
+                ahead[i] = y[i] - damping * change[i]
+            _assemble(ahead, h, flow, eps, slow, law, per_line, plain, end, trial, load)
+            tries += 1
+            following[:] = load
+            _substitute(bands, lower, pivots, following)
+            total, rest, _ = _size(following, scale)
+            if total <= (1 - 0.25 * damping) ** 2 * size:
+                break
+            damping *= 0.5
+            if damping < _SHORTEST or tries > _MOST_TRIES:
+                return False
+        y[:] = ahead
+        if damping == 1 and rest < 0.1 * largest and rest * rest < _TOLERANCE * largest:
+            y -= following  # what the same matrix leaves after it is below the tolerance: rest/largest of it
+            return True
+        bands, trial = trial, bands
+    return False

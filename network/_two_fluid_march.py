@@ -7,7 +7,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.network._two_fluid_box import Box, halved, refined, remeshed, start_of, thinned
+from spinline.network._two_fluid_box import Box, halved, refined, remeshed, split, start_of, thinned
 
 __all__ = ["March", "Solved"]
 
@@ -23,7 +23,7 @@ _SOFTER = (10.0, 1e2, 1e3, 1e4, 1e5, 1e6)  # couplings to come from
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Nodes (n,), T and q at nodes and middles (2 n - 1, 2), and the estimated relative error at the stations."""
+    """Nodes (n,), T and q at nodes and middles (2 n - 1, 2), and the estimated relative error of lam and w."""
 
     nodes: FloatArray
     state: FloatArray
@@ -43,7 +43,7 @@ class March:
     ) -> None:
         self.box, self.begin, self.stations, self.rtol, self.spring = box, begin, np.unique(stations), rtol, spring
         self.breaks = np.unique(np.concatenate(([0.0], breaks, [begin])))
-        self.cells, self.delicate = max(_CELLS, 6 * self.breaks.size), False
+        self.cells = max(_CELLS, 6 * self.breaks.size)
         self.keep = np.unique(np.concatenate((self.breaks, self.stations)))
         mesh = self._first_mesh()
         self.guess = Solved(mesh, start_of(box, mesh))
@@ -62,31 +62,34 @@ class March:
         return thinned(nodes[(nodes >= 0) & (nodes <= self.begin)], self.breaks)
 
     def solve(self, end: float, start: Solved | None = None) -> Solved:
-        """Solution with the tension `end` where the march begins.
+        """Solution with the tension `end` where the march begins; with a `start`, on its mesh, of no known error.
 
         Raises
         ------
         InputError
             Where Newton's method fails, or the error stays above `rtol`.
         """
-        if (
-            start is not None and self.delicate
-        ):  # how far it is from the first is all that is asked of it: the first one's mesh
+        if start is not None:  # how far it is from the first is all that is asked of it: the first one's mesh
             return self._solved(thinned(np.union1d(self.guess.nodes, start.nodes), self.keep), start, end)
-        now = self._solved(self.guess.nodes, self.guess if start is None else start, end)
+        now = self._solved(self.guess.nodes, self.guess, end)
         for _ in range(_ROUNDS):
             nodes = remeshed(now.nodes, self._curves(now), self.cells, self.breaks)
             state = self.box.solve(nodes, now.on(nodes), end)
             if state is None:  # the mesh that has an answer serves: halving it says how far off it is
                 break
             now = Solved(nodes, state)
-        now = self._solved(thinned(now.nodes, self.keep), now, end)
+        now, before = self._solved(thinned(now.nodes, self.keep), now, end), np.inf
         while True:
             finer = self._solved(halved(now.nodes), now, end)
-            error = self._difference(finer, now) / 7
-            now = replace(finer, error=error)
-            if error <= self.rtol or now.nodes.size > _MOST_CELLS:
+            errors = self._errors(now, finer)
+            error = float(errors.max())
+            if error <= self.rtol or finer.nodes.size > _MOST_CELLS:
                 break
+            if 0.5 * before < error < 2 * before:  # not made where it is seen: what a front moves by comes from afar
+                now, before = finer, np.inf
+            else:
+                times = np.log(np.maximum(errors / self.rtol, 1e-300)) / np.log(8)  # of third order
+                now, before = self._solved(split(now.nodes, times), finer, end), error
         if error > self.rtol:
             raise InputError(
                 "rtol",
@@ -94,16 +97,25 @@ class March:
                 value=self.rtol,
                 remedy="is the jet smooth between its breaks? name its kinks, or loosen rtol",
             )
-        return now
+        return replace(finer, error=error)
 
-    def _difference(self, one: Solved, other: Solved) -> float:
-        """Largest relative difference of lam and w at the stations, which are nodes of both."""
-        values = []
-        for each in (one, other):
-            state = each.state[::2][np.searchsorted(each.nodes, self.stations)]
-            log_lam = np.log(self.box.law.stretch(state[:, 0]))
-            values.append((log_lam, log_lam - state[:, 1]))
-        return float(max(np.abs(a - b).max() for a, b in zip(*values, strict=True)))
+    def _errors(self, now: Solved, finer: Solved) -> FloatArray:
+        """Estimated relative error of lam and w in each cell of a mesh, from the nodes and middles of it and its halved one."""
+        here, there = self._logarithms(now), self._logarithms(finer)[::2]
+        places = refined(now.nodes)
+        at = np.searchsorted(finer.nodes, places).clip(max=finer.nodes.size - 1)
+        same = finer.nodes[at] == places  # but the middles of cells that rounding would not let halve
+        off = np.where(same, np.abs(here - there[at]).max(axis=1), 0.0) / 7
+        off[np.isnan(off)] = np.inf
+        cells: FloatArray = np.maximum(np.maximum(off[:-1:2], off[2::2]), off[1::2])
+        return cells
+
+    def _logarithms(self, solved: Solved) -> FloatArray:
+        """Ln lam and ln w at nodes and middles, (2 n - 1, 2); NaN where the parabola of a box is not positive."""
+        t, q = solved.state.T
+        lam = self.box.law.stretch(t)
+        log_lam = np.log(np.where(lam > 0, lam, np.nan))
+        return np.stack((log_lam, log_lam - q), axis=1)
 
     def _curves(self, solved: Solved) -> list[FloatArray]:
         t, q = solved.state[::2].T
@@ -117,7 +129,7 @@ class March:
             if rough is not None:
                 state = self.box.solve(nodes, rough.on(nodes), end)
             if rough is not None and state is None:  # too coarse a mesh for the third order
-                self.cells, self.delicate = min(2 * self.cells, _MOST_COARSE), True
+                self.cells = min(2 * self.cells, _MOST_COARSE)
                 nodes = thinned(np.union1d(nodes, rough.nodes), nodes)
                 state = self.box.solve(nodes, rough.on(nodes), end)
         if state is None:

@@ -199,3 +199,25 @@ def test_no_number_jumps_where_auto_changes_the_rung():
     assert set(rungs) == {"affine", "two-fluid", "conformation", "manifold"}
     over, _ = module.jumps("concentration, both", values, rungs)
     assert max(over.values()) <= 3
+
+
+def test_blobs_of_a_good_solvent_are_refused_or_said(spinline):
+    """The Pincus regime: no law of force by that name; where it matters a remark holds its numbers, and else there is none."""
+    done = spinline("check", "peo5-water", "--set", "network.force_law=pincus")
+    assert done.code
+    assert "network.force_law: has no Pincus law" in done.err
+
+    def said(*settings):
+        return run("network.solvent_quality=good", *settings).attrs["warnings"]
+
+    phi = float(run()["volume_fraction"])
+    words = said()
+    assert f"overstates their extension by up to {phi ** (-1 / 6):.2g}" in words
+    assert "slip, over" not in words
+    slipping = said("network.model=manifold", "network.force_law=linear")
+    assert f"overstates their extension by up to {phi ** (-1 / 6):.2g}, and the tension" in slipping
+    bounded = said("network.model=two-fluid", "solution.relaxation_time=20 ms")
+    assert f"at rest, is too small by up to {phi**-0.25:.2g}" in bounded
+    assert "overstates" not in bounded
+    assert "Pincus" not in said("network.model=affine", "network.closure=stretch")
+    assert "Pincus" not in run().attrs["warnings"]

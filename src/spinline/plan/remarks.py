@@ -58,11 +58,8 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
             f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of "
             f"{rest.segments:.3g} Kuhn segments; two or more are needed. Raise the concentration or the molar mass"
         )
-    if n.solvent_quality == "good" and n.closure_used == "force":
-        remarks.append(
-            "the Pincus regime of a good solvent is not modelled: between k_B T/xi_0 and k_B T/b strands stretch as the "
-            f"force to the 2/3, and the walk overstates their extension by up to {rest.full_stretch ** (1 / 3):.2g}"
-        )
+    if n.solvent_quality == "good":
+        remarks += _blobs(rest.full_stretch, n.closure_used, rung.slips)
     jet = context.jet
     if isinstance(scene.jet, PowerLawJet) and scene.jet.k is None and isinstance(jet, PowerLaw):
         remarks.append(f"k = {jet.k:.4g} is estimated from the process, to a factor of order one")
@@ -97,3 +94,18 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     if scene.ambient is not None and not effects.evaporation:
         remarks.append(f"evaporation is left out: {effects.why['evaporation'][5:]}")
     return remarks
+
+
+def _blobs(full_stretch: float, closure: str, slips: bool) -> list[str]:
+    """What ideal strands get wrong in a good solvent, whose strands stretch as ``f^(2/3)`` from k_B T/xi_0 to k_B T/b."""
+    said = []
+    if closure == "force":
+        said.append(f"the walk overstates their extension by up to {full_stretch ** (1 / 3):.2g}")
+    if slips:
+        said.append(
+            f"the tension that lets the network slip, over its value at rest, is too small by up to {full_stretch**0.5:.2g}"
+        )
+    if not said:
+        return []
+    law = "the Pincus regime of a good solvent is not modelled: between k_B T/xi_0 and k_B T/b strands stretch as the force"
+    return [f"{law} to the 2/3, and {', and '.join(said)}"]

@@ -160,6 +160,19 @@ class NetworkSection(Section):
     solvent_quality: Literal["theta", "good"] = "theta"
     crossover_extension: VolumeFraction = Measured(0.83, 0.0, "0.83")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _no_blobs(cls, keys: object) -> object:
+        """The Pincus regime of a good solvent is refused by its name: `docs/physics/far-end.md` says why."""
+        if isinstance(keys, dict) and keys.get("force_law") == "pincus":
+            raise refusal(
+                "force_law",
+                "has no Pincus law: blobs give the exponent 2/3 and leave open the force at rest and the coupling, both by a "
+                'power of phi; take solvent_quality = "good" with closure = "stretch", which needs no law of force where '
+                "the network moves with the flow",
+            )
+        return keys
+
     @model_validator(mode="after")
     def _tension_is_walked(self) -> Self:
         if "walk_tension" in self.model_fields_set and self.model != "walk":
