@@ -2,8 +2,9 @@
 
 An HDF5 file that xarray opens (engine ``h5netcdf``), sealed, every column with a
 checksum; dimension `segment`, one row per segment (`Segments`). Positions and
-touch-down times are double precision (a mat may be metres long), the rest single: 60 bytes a row, read 262144 rows at a time. What
-single precision would blur is kept in the attributes in double: number, length, volume and polymer volume of all rows.
+touch-down times are double precision (a mat may be metres long), the rest single: 60 bytes a row, read 262144 rows at a
+time. What single precision would blur is kept in the attributes in double: number, length, volume and polymer volume of
+all rows.
 """
 
 from collections.abc import Iterator, Mapping

@@ -241,7 +241,10 @@ def read_fibres(path: Path) -> Any:
 
     with FibreFile(path) as file:
         rows = file.read()
-        return {"attributes": dict(file.attributes), **{name: getattr(rows, name) for name in ("x", "dx", "radius", "fibre")}}
+        return {
+            "attributes": dict(file.attributes),
+            **{name: getattr(rows, name) for name in ("x", "dx", "radius", "fibre")},
+        }
 
 
 def read_line(path: Path) -> Any:
