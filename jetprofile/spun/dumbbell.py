@@ -35,6 +35,7 @@ class TwoBeadJet:
     conformation: tuple[FloatArray, FloatArray] | None
 
 
+@computable
 def two_bead(
     time: ArrayLike,
     *,

@@ -6,15 +6,12 @@ output holds the answer alone.
 
 import contextlib
 import os
-import signal
 import sys
-import threading
 import warnings
-from collections.abc import Iterator
 from copy import copy
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -28,6 +25,7 @@ from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli.signals import stopping
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say
 from spinline.cli.spin import register as register_spin
@@ -361,7 +359,7 @@ def main() -> None:
     code = 0
     stopped: list[int] = []
     try:
-        with _stopping(stopped), command(), telling():
+        with stopping(stopped), command(), telling():
             _note_arguments(sys.argv[1:])
             code = int(_asked(sys.argv[1:])(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
@@ -418,45 +416,6 @@ def _quietly() -> None:
     """Nothing more goes to standard output, not even at exit."""
     with contextlib.suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-@contextlib.contextmanager
-def _stopping(stopped: list[int]) -> Iterator[None]:
-    """Within it SIGTERM ends the program as an exception does: what is half written is removed.
-
-    The numbers of the signals that came are put into `stopped`. Where the exception was lost (Python drops what is raised in a
-    destructor or a callback) it is raised again a little later.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def stop(number: int, *_: object) -> None:
-        stopped.append(number)
-        again()
-
-    def again(*_: object) -> None:
-        if stopped[0] == signal.SIGINT:
-            raise KeyboardInterrupt
-        sys.exit(128 + stopped[0])
-
-    def lost(what: Any) -> None:
-        if stopped and issubclass(what.exc_type, KeyboardInterrupt | SystemExit):
-            signal.setitimer(signal.ITIMER_REAL, 0.02)
-        else:
-            dropped(what)
-
-    dropped, sys.unraisablehook = sys.unraisablehook, lost
-    asked = {signal.SIGTERM: stop, signal.SIGINT: stop} | (
-        {signal.SIGALRM: again} if hasattr(signal, "SIGALRM") else {}
-    )
-    before = {number: signal.signal(number, handler) for number, handler in asked.items()}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        sys.unraisablehook = dropped
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
