@@ -199,10 +199,12 @@ def pore_box(laid: Stack, mean_radius: float, voxel: float | None) -> tuple[Bool
                 SpinlineWarning,
                 stacklevel=3,
             )
-    solid = voxelise(laid, edge, thickness=top)
-    n = max(round(side / edge), 1)
-    i, j = (solid.shape[0] - n) // 2, (solid.shape[1] - n) // 2
-    return solid[max(i, 0) : max(i, 0) + n, max(j, 0) : max(j, 0) + n], edge
+    return _middle(voxelise(laid, edge, thickness=top), max(round(side / edge), 1)), edge
+
+
+def _middle(box: BoolArray, side: int) -> BoolArray:
+    i, j = max((box.shape[0] - side) // 2, 0), max((box.shape[1] - side) // 2, 0)
+    return box[i : i + side, j : j + side]
 
 
 def _cut(fibres: "Segments | Source", windows: list[Window], slope: float) -> list[tuple[Window, Segments]]:
@@ -345,16 +347,18 @@ def _law(law: str, sample: MatSample, solidity: float) -> float:
 
 
 def _direct(out: "xr.Dataset", sample: MatSample) -> None:
-    from spinline.deposit.stokes import stokes_permeability
+    from spinline.deposit.stokes import GROWN, stokes_permeability
 
     assert sample.solid is not None
-    flow = stokes_permeability(sample.solid)
+    thickness = (sample.solid.shape[2] - 0.5) * sample.voxel
+    thicker = voxelise(sample.stack, sample.voxel, thickness=thickness, grown=GROWN)
+    flow = stokes_permeability(_middle(thicker, sample.solid.shape[0]))
     out["permeability_direct"] = (
         (),
         flow.permeability * sample.voxel**2,
         {"units": "m2", "long_name": "Stokes flow through the first window's box, wrapped at its sides"},
     )
-    out["permeability_direct"].attrs |= {"solidity": flow.solidity, "iterations": flow.iterations}
+    out["permeability_direct"].attrs |= {"solidity": float(sample.solid.mean()), "iterations": flow.iterations}
 
 
 def _again(notes: "list[warnings.WarningMessage]") -> None:

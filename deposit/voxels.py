@@ -59,7 +59,9 @@ def stamp(
 
 
 @computable
-def voxelise(stack: Stack, voxel: float, *, thickness: float | None = None, bottom: float = 0.0) -> BoolArray:
+def voxelise(
+    stack: Stack, voxel: float, *, thickness: float | None = None, bottom: float = 0.0, grown: float = 0.0
+) -> BoolArray:
     """Voxels of a stack, x and y wrapped where its window is periodic.
 
     Parameters
@@ -71,6 +73,8 @@ def voxelise(stack: Stack, voxel: float, *, thickness: float | None = None, bott
         Height of the box in m. Default: the highest point.
     bottom : float
         Height at which the box begins, m.
+    grown : float
+        Added to each fibre's radius, in voxels; `stokes.GROWN` for flow.
 
     Returns
     -------
@@ -78,6 +82,7 @@ def voxelise(stack: Stack, voxel: float, *, thickness: float | None = None, bott
     """
     h = positive("mat.voxel", voxel, "m")
     low = number("bottom", bottom, least=0.0, unit="m")
+    more = number("grown", grown, least=0.0, most=2.0)
     top = float(stack.height.max()) - low if thickness is None else positive("thickness", thickness, "m")
     if not top > 0:
         raise InputError("bottom", "is above the mat", value=low, allowed=f"[0, {float(stack.height.max()):g}) m")
@@ -98,7 +103,7 @@ def voxelise(stack: Stack, voxel: float, *, thickness: float | None = None, bott
     first = np.concatenate([np.flatnonzero(joined), alone])
     second = np.concatenate([np.flatnonzero(joined) + 1, alone])
     wrap = run.window.periodic
-    return stamp(points[first], points[second], run.radius[first] / h, shape, (wrap, wrap, False))
+    return stamp(points[first], points[second], run.radius[first] / h + more, shape, (wrap, wrap, False))
 
 
 @njit(cache=True, error_model="numpy")

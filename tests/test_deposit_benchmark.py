@@ -21,6 +21,15 @@ def test_ten_million_segments_fit_a_core():
     assert MAT["scale"]["exponent"] <= 1.1
 
 
+def test_flow_through_random_beds_is_within_the_spread_of_the_laws_and_not_the_grids():
+    for row in MAT["beds"]:
+        inside = [value for value in row["laws"].values() if np.isfinite(value)]
+        assert min(inside) < row["k_over_a2"] < max(inside)
+        assert max(row["first_bed_by_grid"]) < 1.04 * min(row["first_bed_by_grid"])
+    assert {row["bed"] for row in MAT["beds"]} == {"layered, through", "random"}
+    assert len(MAT["beds"]) == 6
+
+
 def test_heights_converge_and_a_sample_is_the_same():
     """Order 1.5 or better at the slope of dry fibres; half a radius computed again."""
     dry = next(row for row in MAT["pixel"] if row["slope"] == 0.1)
