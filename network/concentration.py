@@ -246,7 +246,9 @@ def saturate(unbounded: FloatArray) -> tuple[FloatArray, BoolArray]:
     compacted : ndarray of bool
         True where the formula is at or past 1.
     """
-    fraction = real("unbounded", unbounded)
+    fraction = np.asarray(unbounded)
+    if fraction.dtype.kind not in "fiu":  # infinite is beyond 1, too
+        raise InputError("unbounded", "is not a real number", value=unbounded)
     return np.minimum(fraction, 1.0), fraction >= 1
 
 
