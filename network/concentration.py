@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spinline.base.checks import BoolArray, FloatArray, computable, real
+from spinline.base.errors import InputError
 from spinline.network import _twofold
 from spinline.network.lattice_walk import Conformation
 from spinline.network.mesh import SolventQuality, rest_force
