@@ -385,6 +385,49 @@ def test_text_that_is_deep_or_long_is_refused(spinline, tmp_path) -> None:
             assert len(ran.err) < 4000
 
 
+@pytest.mark.parametrize("how", ["pipe", "folder", "deep", "zeros", "nothing", "long", "archive"])
+def test_files_that_others_name_are_read_as_carefully(how, tmp_path) -> None:
+    """What a scene or an images file names: materials, lines of a beam, measured sizes, beads. A pipe would wait for ever."""
+    import gzip
+
+    from spinline.deposit.measured import read_diameters
+    from spinline.jetprofile.jetspin import read_jetspin
+    from spinline.jetprofile.readers import read_beads
+    from spinline.radiography.absorber import _spectrum
+    from spinline.scene.materials_file import read_materials
+
+    def spectrum(path: Path) -> object:
+        return _spectrum(type("Images", (), {"spectrum": path.name, "folder": path.parent})())  # type: ignore[arg-type]
+
+    ends = {
+        read_diameters: ".csv",
+        read_jetspin: ".xyz",
+        read_beads: ".vtp",
+        spectrum: ".csv.gz",
+        read_materials: ".toml",
+    }
+    if how == "nothing":
+        del ends[read_materials]  # no materials at all
+    for number, (read, end) in enumerate(ends.items()):
+        place = tmp_path / f"{number}{end}"
+        if how == "pipe":
+            os.mkfifo(place)
+        elif how == "folder":
+            place.mkdir()
+        else:
+            place.write_bytes(
+                {
+                    "deep": b"a = " + b"[" * 20_000 + b"]" * 20_000,
+                    "zeros": bytes(5000),
+                    "nothing": b"",
+                    "long": b"1" * 1_500_000,
+                    "archive": gzip.compress(bytes(30_000_000)),
+                }[how]
+            )
+        with pytest.raises(InputError):
+            read(place)  # type: ignore[operator]
+
+
 def test_hdf5_that_reaches_outside_is_refused(tmp_path) -> None:
     import h5py
 
