@@ -1,6 +1,6 @@
 """Stability atlas: scenes over the whole parameter box, each a result within physical bounds or a named refusal.
 
-    python benchmarks/atlas.py --scenes 500 --first 0 --records records.jsonl      # any number of times
+    python benchmarks/atlas.py --scenes 500 --first 0 --records records.jsonl      # any number of times, from where it ended
     python benchmarks/atlas.py --records records.jsonl -o benchmarks/atlas.json    # what they say together
     python benchmarks/atlas.py --check benchmarks/atlas.json --scenes 1000
     python benchmarks/atlas.py --again benchmarks/atlas.json
@@ -270,7 +270,7 @@ def plain(one):
 
 def summary_of(outcomes, seed, first, scenes, wall=False):
     """Summary of the outcomes of a range of scenes."""
-    letters = ["?"] * scenes
+    letters, spell = ["?"] * scenes, [0] * scenes
     counts, reasons, warned, off, bad, slowest = Counter(), Counter(), Counter(), {}, [], (0.0, -1)
     spent, holding = Counter(), Counter()
     held = {pair: np.zeros((BINS, BINS, len(HOLDS)), int) for pair in PLANES}
@@ -279,6 +279,7 @@ def summary_of(outcomes, seed, first, scenes, wall=False):
         asked, kind = one["asked"], one["kind"]
         model = f"auto: {one['taken']}" if asked == "auto" and kind == "result" else asked
         letters[one["index"] - first] = one["letter"]
+        spell[one["index"] - first] = round(1e3 * one["seconds"])
         counts[f"{model} / {kind}"] += 1
         spent[asked] += one["seconds"]
         holding[one["holds"]] += 1
@@ -326,10 +327,42 @@ def summary_of(outcomes, seed, first, scenes, wall=False):
         "held": {" ".join(pair): counts.tolist() for pair, counts in held.items()},
         "came": {" ".join(pair): counts.tolist() for pair, counts in came.items()},
         "letters": "".join(letters),
+        "milliseconds": spell,
     }
 
 
-def check(summary, scenes, workers=1, skip=0):
+def sample(summary, rng, seconds, dearest=0.5):
+    """Scenes to judge again: two of every letter, then any, as many as take so many seconds by the summary.
+
+    Parameters
+    ----------
+    summary : dict
+        Of `summary_of`.
+    rng : numpy.random.Generator
+    seconds : float
+        Of processor time, in all.
+    dearest : float
+        Scenes that took longer are left out, but for one.
+    """
+    cost = np.array(summary["milliseconds"]) / 1e3
+    dear = np.flatnonzero((cost > dearest) & (cost < 4 * dearest))
+    taken = rng.permutation(dear)[:1].tolist()
+    cheap = rng.permutation(np.flatnonzero(cost <= dearest))
+    letters = Counter()
+    order = []
+    for i in cheap.tolist():
+        letters[summary["letters"][i]] += 1
+        order.append((letters[summary["letters"][i]] > 2, i))
+    spent = cost[taken].sum()
+    for _, i in sorted(order, key=lambda item: item[0]):
+        spent += cost[i]
+        if spent > seconds:
+            break
+        taken.append(i)
+    return sorted(taken)
+
+
+def check(summary, scenes, workers=1, skip=0, which=None):
     """Scenes of a summary judged again: those that fail, and those whose letter is another one now.
 
     Parameters
@@ -340,10 +373,17 @@ def check(summary, scenes, workers=1, skip=0):
         How many.
     skip : int
         How many of its first are left out.
+    which : list of int, optional
+        These instead.
     """
     failed, changed = [], []
-    count = min(scenes, summary["scenes"] - skip)
-    for one in outcomes_of(summary["seed"], summary["first"] + skip, count, workers):
+    if which is None:
+        count = min(scenes, summary["scenes"] - skip)
+        ones = outcomes_of(summary["seed"], summary["first"] + skip, count, workers)
+    else:
+        warm()
+        ones = (judge(summary["seed"], summary["first"] + i) for i in which)
+    for one in ones:
         was = summary["letters"][one["index"] - summary["first"]]
         if one["letter"] == "!":
             failed.append({key: one[key] for key in ("index", "kind", "asked", "words")})

@@ -34,15 +34,24 @@ def _extent(summary, pair):
     return (*summary["axes"][x], *summary["axes"][y])
 
 
+def _joined(counts, summary, size=None):
+    """Bins joined, for enough scenes in each."""
+    size = size or (1 if summary["scenes"] > 20_000 else 2)
+    n, m = counts.shape[:2]
+    return counts.reshape(n // size, size, m // size, size, *counts.shape[2:]).sum((1, 3))
+
+
 def _holding(axis, summary, pair):
     """Which model holds, the more faintly the fewer of the scenes there agree."""
     counts = np.array(summary["held"][" ".join(pair)], dtype=float)
     kinds = list(CLASSES)
-    counts = counts[..., [summary["classes"].index(kind) for kind in kinds]]
+    counts = _joined(counts[..., [summary["classes"].index(kind) for kind in kinds]], summary)
     total = counts.sum(-1)
     best, share = counts.argmax(-1), counts.max(-1) / np.maximum(total, 1)
     colours = np.array([to_rgb(CLASSES[kind][0]) for kind in kinds])[best]
-    weight = np.where(total >= 3, 0.25 + 0.75 * np.clip((share - 0.25) / 0.75, 0, 1), 0.0)[..., np.newaxis]
+    weight = np.where(
+        total >= (3 if summary["scenes"] > 20_000 else 1), 0.25 + 0.75 * np.clip((share - 0.25) / 0.75, 0, 1), 0.0
+    )[..., np.newaxis]
     picture = weight * colours + (1 - weight)
     axis.imshow(np.swapaxes(picture, 0, 1), origin="lower", extent=_extent(summary, pair), aspect="auto")
     axis.set(xlabel=NAMES[pair[0]], ylabel=NAMES[pair[1]])
@@ -53,10 +62,8 @@ def _results(axis, summary, pair, model):
     counts = np.array(summary["came"][" ".join(pair)], dtype=float)
     counts = counts.sum(2) if model is None else counts[:, :, summary["models"].index(model)]
     drawn, results = counts[..., 0], counts[..., 1]
-    size = 1 if model is None else 2  # bins joined, for enough of them
-    drawn, results = (
-        a.reshape(a.shape[0] // size, size, a.shape[1] // size, size).sum((1, 3)) for a in (drawn, results)
-    )
+    size = (1 if model is None else 2) * (1 if summary["scenes"] > 20_000 else 2)
+    drawn, results = (_joined(a, summary, size) for a in (drawn, results))
     share = np.divide(results, drawn, out=np.full_like(drawn, np.nan), where=drawn > 0)
     picture = axis.imshow(
         share.T, origin="lower", extent=_extent(summary, pair), aspect="auto", vmin=0, vmax=1, cmap="cividis"

@@ -46,22 +46,23 @@ SCENES = {  # designs by a rung of a scene
     "stretch": ["network.model=affine", "network.closure=stretch"],
 }
 
+VALUES = {
+    "k": 1.0,
+    "beta": 0.47,
+    "initial_radius": 125e-6,
+    "flow_rate": 8.9e-10,
+    "volume_fraction": 0.05,
+    "relaxation_time": 0.01,
+    "evaporation": 1.0,
+    "fraction_scale": 1.0,
+    "fraction_offset": 0.0,
+    "length_scale": 1.0,
+    "origin": 0.0,
+}
+
 
 def problem(design):
     """Model, places and standard deviations of a design; the values are filled in by `simulate`."""
-    values = {
-        "k": 1.0,
-        "beta": 0.47,
-        "initial_radius": 125e-6,
-        "flow_rate": 8.9e-10,
-        "volume_fraction": 0.05,
-        "relaxation_time": 0.01,
-        "evaporation": 1.0,
-        "fraction_scale": 1.0,
-        "fraction_offset": 0.0,
-        "length_scale": 1.0,
-        "origin": 0.0,
-    }
     free = {
         "k": Prior(1.0, 0.2),
         "beta": Prior(0.47, 0.04),
@@ -94,7 +95,7 @@ def problem(design):
         given = {name: prior.value for name, prior in free.items()}
         model = forward_model(load_scene("peo5-water", SCENES[design]), values=given)
     else:
-        model = ForwardModel("power-law", values, 5e-3, relaxation=design != "affine", drying=drying)
+        model = ForwardModel("power-law", VALUES, 5e-3, relaxation=design != "affine", drying=drying)
     far, near = np.linspace(5e-5, 4.9e-3, 100), np.linspace(1e-4, 4.5e-3, 60)
 
     def blank(kind, z, std):

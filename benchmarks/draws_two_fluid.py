@@ -6,7 +6,7 @@ Even draws are real jets, odd ones anything; draw i of the seed does not depend 
 every answer by what it does not share with the solver: bounds, strands that enter at rest, and the integrals of momentum and
 relaxation over three pieces of the jet by Gauss's rule, to 1e-3 of their terms. Every fiftieth draw is solved again by scipy's
 `solve_bvp`, from equations and force laws written down here, between the nozzle and the tension at the last station, and must
-agree to 1e-4 where that converges. Goes on from where draws_two_fluid.json ends, and writes it every 200 draws.
+agree to 1e-4 where that converges. Goes on from where draws_two_fluid.json ends, and writes it every 100 draws.
 """
 
 import itertools
@@ -16,6 +16,7 @@ import sys
 import time
 import warnings
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ LAWS = ("linear", "lattice", "langevin", "fene")
 AGAIN = 50  # draws for one that is solved again
 AGREES = 1e-4
 NODES = 20_000  # at most, of the second solution
-PIECE = 200  # draws between two writes
+PIECE = 100  # draws between two writes
 
 
 def draw(rng, realistic):
@@ -201,12 +202,14 @@ def main():
     cost = [Counter({int(k): v for k, v in found.get(name, {}).get("ms_below", {}).items()}) for name in names]
     wrong, first, began = list(found.get("wrong", [])), found["draws"], time.monotonic()
     warm()
-    with multiprocessing.get_context("spawn").Pool(int(workers), warm) as pool:
+    with multiprocessing.get_context("spawn").Pool(int(workers), warm) if workers > 1 else nullcontext() as pool:
         for start in range(first, int(until), PIECE):
             if time.monotonic() - began > 60 * minutes:
                 break
             these = range(start, min(start + PIECE, int(until)))
-            for i, (what, spent, bad) in zip(these, pool.imap(outcome, these, chunksize=10), strict=True):
+            for i, (what, spent, bad) in zip(
+                these, pool.imap(outcome, these, chunksize=10) if pool else map(outcome, these), strict=True
+            ):
                 counts[i % 2][what] += 1
                 if np.isfinite(spent):
                     cost[i % 2][int(min(edge for edge in EDGES if spent <= edge))] += 1

@@ -101,7 +101,7 @@ def elasticities(rows, y, predicted, paper):
     return found
 
 
-def one_known(mats_only, everything, folds, draws=512):
+def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "settings")):
     """Errors of the others when one experiment of a paper is known, each in turn; beside it, the others said equal to it.
 
     Per paper the median over the known ones of the median error of the others (`factor`, the measure of the published
@@ -111,7 +111,7 @@ def one_known(mats_only, everything, folds, draws=512):
     z = normals(draws)
     usual = even(z)
     found = {}
-    for over in ("rows", "mats", "settings"):
+    for over in overs:
         data = everything if over == "rows" else mats_only
         each = {
             name: []
@@ -173,10 +173,21 @@ def one_known(mats_only, everything, folds, draws=512):
         found[over] = {
             "papers": len(each["68"]),
             **factor,
+            **again(np.array(each["chain"])),
             "coverage_68": float(np.mean(each["68"])),
             "coverage_95": float(np.mean(each["95"])),
         }
     return found
+
+
+def again(errors):
+    """What other papers of the same kind would give: the factor over papers drawn anew."""
+    rng = np.random.default_rng(0)
+    drawn = np.exp([np.median(rng.choice(errors, errors.size)) for _ in range(4000)])
+    return {
+        "over papers, 68 and 95 %": np.quantile(drawn, (0.16, 0.84, 0.025, 0.975)).round(3).tolist(),
+        "share of them at 1.30 or less": float(np.mean(drawn <= 1.30)),
+    }
 
 
 def central(data, settings):

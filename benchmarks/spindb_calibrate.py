@@ -126,22 +126,22 @@ def _draws(count=16, seed=5):
     return z
 
 
-def _mean(data, constants, z):
-    return spun(data.believed, z, steps=_STEPS, constants=constants).log_diameter.mean(axis=1)
+def _mean(data, constants, z, rung):
+    return spun(data.believed, z, rung=rung, steps=_STEPS, constants=constants).log_diameter.mean(axis=1)
 
 
-def _sensitivities(data, constants):
+def _sensitivities(data, constants, rung):
     """Change of ln d of every setting for one standard deviation of each unknown of the chain, (unknown, setting)."""
     z = np.zeros((2 * len(_PHYSICAL), len(UNKNOWNS)))
     for j, name in enumerate(_PHYSICAL):
         z[2 * j, list(UNKNOWNS).index(name)], z[2 * j + 1, list(UNKNOWNS).index(name)] = 1.0, -1.0
-    f = spun(data.believed, z, steps=_STEPS, constants=constants).log_diameter
+    f = spun(data.believed, z, rung=rung, steps=_STEPS, constants=constants).log_diameter
     return 0.5 * (f[:, ::2] - f[:, 1::2]).T
 
 
-def _blocks(data, constants):
+def _blocks(data, constants, rung):
     """For each laboratory: its mats, their fixed covariance, and the seven that `SPREADS` scale."""
-    g = _sensitivities(data, constants)
+    g = _sensitivities(data, constants, rung)
     found = []
     for paper in np.unique(data.paper):
         mats = np.flatnonzero(data.paper[data.setting] == paper)
@@ -199,8 +199,8 @@ def _plain(name, value):
     return float(np.exp(value)) if PRIORS[name][0] else float(value)
 
 
-def calibrate(data, turns=3, count=16):
-    """The constants of largest posterior density.
+def calibrate(data, turns=3, count=16, rung="race"):
+    """The constants of largest posterior density, of a rung.
 
     Returns
     -------
@@ -219,8 +219,8 @@ def calibrate(data, turns=3, count=16):
 
     for _ in range(turns):
         now = constants(at)
-        blocks = _blocks(data, now)
-        f = _mean(data, now, z)
+        blocks = _blocks(data, now, rung)
+        f = _mean(data, now, z, rung)
         rest = data.log_d - f[data.setting]
         log_sd = minimize(
             _spread_loss, log_sd, (blocks, rest), jac=True, method="L-BFGS-B", bounds=[(-5, 1)] * len(log_sd)
@@ -228,11 +228,11 @@ def calibrate(data, turns=3, count=16):
         inverses = _spread_loss(log_sd, blocks, rest, want="inverses")
         for _ in range(4):
             now = constants(at)
-            f = _mean(data, now, z)
+            f = _mean(data, now, z, rung)
             small = 0.1 * width
             jac = np.stack(
                 [
-                    (_mean(data, constants(at + small * (np.arange(len(at)) == j)), z) - f) / small[j]
+                    (_mean(data, constants(at + small * (np.arange(len(at)) == j)), z, rung) - f) / small[j]
                     for j in range(len(at))
                 ],
                 axis=1,
@@ -253,7 +253,9 @@ def calibrate(data, turns=3, count=16):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("table", type=Path)
-    found, width = calibrate(load(parser.parse_args().table))
+    parser.add_argument("--rung", default="race", choices=("race", "envelope"))
+    asked = parser.parse_args()
+    found, width = calibrate(load(asked.table), rung=asked.rung)
     for name, (log, *_) in PRIORS.items():
         words = f"posterior sd {width[name]:.2g}{' of its logarithm' if log else ''}"
         print(f"    {name}: float = {getattr(found, name):.4g}  # {words}")

@@ -1,9 +1,12 @@
 """Error against cost of every rung on the bundled scenes: the table of docs/howto/trade-of-the-scenes.md.
 
-python benchmarks/trade_scenes.py docs/howto/trade-of-the-scenes.md
+python benchmarks/trade_scenes.py docs/howto/trade-of-the-scenes.md [SCENE ...]
+
+Written after every scene; with names of scenes only those are measured, and the others' sections stay.
 """
 
 import sys
+import time
 from pathlib import Path
 
 from spinline.base.errors import InputError
@@ -38,17 +41,25 @@ def table(measured):
     return f"{rows}\n\nReferences: {said}.\n\nRecommended at `rtol` = {measured.rtol:g}: {measured.recommendation}"
 
 
+def sections(file):
+    """Text of each scene in a page written before."""
+    parts = file.read_text(encoding="utf-8").split("\n## `") if file.exists() else []
+    return {part.split("`", 1)[0]: part.split("\n\n", 1)[1].strip() for part in parts[1:]}
+
+
 def main():
     """Measure and write."""
-    parts = [HEAD]
-    for name in bundled_scenes():
-        print(name, flush=True)
+    file, wanted = Path(sys.argv[1]), sys.argv[2:] or list(bundled_scenes())
+    kept = {name: text for name, text in sections(file).items() if name in bundled_scenes()}
+    for name in wanted:
+        start = time.process_time()
         try:
-            text = table(trade(load_scene(name)))
+            kept[name] = table(trade(load_scene(name)))
         except InputError as error:
-            text = f"Not measured: {error}"
-        parts.append(f"## `{name}`\n\n{text}\n")
-    Path(sys.argv[1]).write_text("\n".join(parts), encoding="utf-8")
+            kept[name] = f"Not measured: {error}"
+        print(f"{name}: {time.process_time() - start:.1f} s", flush=True)
+        pages = [f"## `{scene}`\n\n{kept[scene]}\n" for scene in bundled_scenes() if scene in kept]
+        file.write_text("\n".join([HEAD, *pages]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ ALIASES = {
     "diameter_std": ("radius_std", 0.5),
     "r_std": ("radius_std", 1.0),
     "d_std": ("radius_std", 0.5),
+    "x": ("z", 1.0),  # where the table's x is no coordinate of its own
     "distance": ("z", 1.0),
     "position": ("z", 1.0),
     "axial_position": ("z", 1.0),
@@ -70,7 +71,7 @@ def read_columns(
         name, unit, factor = _meaning(header, kinds, file, table, allowed)
         if name in columns:
             raise InputError(file, f"has a column twice ({table.seen})", value=header.name)
-        columns[name] = factor * _scaled(values, kinds[name], unit, f"{file}: {header.name}")
+        columns[name] = factor * _scaled(values, kinds[name], unit, f"{file}: {header.name}", table.seen)
     for name in required:
         if name not in columns:
             found = [header.name for header in table.headers]
@@ -98,14 +99,15 @@ def _split(header: Header) -> tuple[str, str]:
     return (name, unit) if name and not header.unit else (header.name, header.unit)
 
 
-def _scaled(values: FloatArray, kind: str, unit: str, field: str) -> FloatArray:
+def _scaled(values: FloatArray, kind: str, unit: str, field: str, seen: str) -> FloatArray:
     example = _unit_example(kind)
     if not example:
         if unit not in ("", "1", "-", "%"):
             raise InputError(field, "has a unit, but a pure number has none", value=unit, allowed="[%] or none")
         return values * 0.01 if unit == "%" else values
     if not unit:
-        raise InputError(field, "needs a unit in its header", remedy=f'for example "{field.split()[-1]} [{example}]"')
+        remedy = f'for example "{field.split()[-1]} [{example}]"'
+        raise InputError(field, f"needs a unit in its header ({seen})", remedy=remedy)
     scale, offset = parse_unit(unit, kind, field)
     return values * scale + offset
 

@@ -7,7 +7,8 @@ as well conditioned as a slack one), and ``q = ln(lam/w)``, what a strand has no
 
 The first is stable upstream, the second downstream. In each box both are parabolas; the momentum holds at the points 0 and
 2/3 of it, the relaxation at 1/3 and 1: Radau's points, each counted the way its equation is stable. Third order at the
-nodes, and what a box does not resolve dies out within it. Nine diagonals, a Newton step is O(boxes).
+nodes, and what a box does not resolve dies out within it. Where strands relax faster than the flow drags them, eps > th V^2,
+T is what relaxes and q what is dragged, and the equations change places. Nine diagonals, a Newton step is O(boxes).
 """
 
 from collections.abc import Callable
@@ -58,8 +59,9 @@ class Box:
             y[::2] = np.log(y[::2])
         at = [s[:-1] + c * h for c in (0.0, 2 / 3, 1 / 3)] + [s[1:]]
         flow = np.stack([self.profile(x) for x in at], axis=1)
-        eps = np.stack([self.eps(x) for x in at[:2]], axis=1)
-        slow = np.stack([0.5 / self.relaxation(x) for x in at[2:]], axis=1)
+        eps = np.stack([self.eps(x) for x in at], axis=1)
+        slow = np.stack([0.5 / self.relaxation(x) for x in at], axis=1)
+        fast = eps[:, 1] * slow[:, 1] > 0.5 * flow[:, 1] ** 2
         law = (
             law_code(self.law.law),
             self.law.full_stretch if bounded else 1.0,
@@ -67,7 +69,7 @@ class Box:
             self.law.tension_at_rest,
         )
         goal = float(end if bounded else np.log(end))
-        return self._physical(y) if newton(y, h, flow, eps, slow, law, self.per_line, plain, goal) else None
+        return self._physical(y) if newton(y, h, flow, eps, slow, fast, law, self.per_line, plain, goal) else None
 
     def _physical(self, y: FloatArray) -> FloatArray:
         state = y.reshape(-1, 2)
@@ -82,9 +84,10 @@ def start_of(box: Box, s: FloatArray) -> FloatArray:
     v = box.profile(x)
     passed = np.diff(x) / (0.5 * (v[1:] + v[:-1]) * box.relaxation(0.5 * (x[1:] + x[:-1])))
     # over a cell of constant rates dA = power A + passed
-    power = np.clip(2 * np.diff(np.log(v)) - passed, -600, 600)
-    gain = np.exp(power)
-    fresh = passed * np.where(np.abs(power) > 1e-8, np.expm1(power) / np.where(power == 0, 1.0, power), 1.0)
+    power = 2 * np.diff(np.log(v)) - passed
+    held = np.clip(power, -600, 600)
+    gain = np.exp(held)
+    fresh = passed * np.where(np.abs(power) > 1e-8, np.expm1(held) / np.where(power == 0, 1.0, power), 1.0)
     top = min((0.9 * box.law.full_stretch) ** 2, 1e250)
     square, squares = min(float(v[0]) ** 2, top), np.empty(x.size)
     squares[0] = square

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from spinline.base.checks import FloatArray
+from spinline.base.checks import BoolArray, FloatArray
 from spinline.network._force_kernels import LINEAR, extension_kernel
 from spinline.network.chain._kernels import compliance_kernel
 
@@ -38,6 +38,7 @@ def _assemble(
     flow: FloatArray,
     eps: FloatArray,
     slow: FloatArray,
+    fast: BoolArray,
     law: tuple[int, float, float, float],
     per_line: bool,
     plain: bool,
@@ -48,8 +49,8 @@ def _assemble(
     """Set the Jacobian (a row of `bands` holds the columns from four before its diagonal on) and the residual (load).
 
     `y` holds T (ln T for the linear spring) and q at node, middle, node, ...; `flow`, `eps` and `slow` are V, eps and 1/(2
-    th) at the four collocation points of each cell: 0 and 2/3 for the momentum, 1/3 and 1 for the relaxation. `plain` is
-    the scheme of first order, for guesses.
+    th) at the four collocation points of each cell: 0 and 2/3 for the momentum, 1/3 and 1 for the relaxation, the other way
+    round where strands relax `fast`. `plain` is the scheme of first order, for guesses.
     """
     code, contour, rest, rest_tension = law
     cells = h.size
@@ -102,7 +103,7 @@ def _assemble(
                 step = 1.0
             soft *= step
             share = math.exp(q)
-            if k < 2:
+            if (k < 2) != fast[i]:
                 weight = eps[i, k] / h[i] * math.exp(line * q)
                 rise = weight * (climb + line * t * fall)
                 ratio = flow[i, k] * share / lam
@@ -115,7 +116,7 @@ def _assemble(
                     _lay(bands, row, at + 2 * j, weight * step * slope[j] + by_t * value[j])
                     _lay(bands, row, at + 2 * j + 1, weight * line * t * slope[j] + by_q * value[j])
             else:
-                decay = h[i] * slow[i, k - 2] * share / (lam * lam)
+                decay = h[i] * slow[i, k] * share / (lam * lam)
                 if per_line:
                     slack = lam - 1
                     stiff = soft
@@ -200,6 +201,7 @@ def newton(
     flow: FloatArray,
     eps: FloatArray,
     slow: FloatArray,
+    fast: BoolArray,
     law: tuple[int, float, float, float],
     per_line: bool,
     plain: bool,
@@ -211,7 +213,7 @@ def newton(
     lower, pivots = np.zeros((n, _BELOW)), np.empty(n, np.int64)
     change, following, load, ahead = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     scale = np.zeros(n)  # none for the linear spring, whose unknown is ln T
-    _assemble(y, h, flow, eps, slow, law, per_line, plain, end, bands, load)
+    _assemble(y, h, flow, eps, slow, fast, law, per_line, plain, end, bands, load)
     damping, previous, tries = 1.0, math.inf, 0
     for _ in range(_MOST_NEWTON):
         if not _factor(bands, lower, pivots):
@@ -232,7 +234,7 @@ def newton(
         while True:  # the next change, by the same matrix, must be smaller: affine invariant
             for i in range(n):
                 ahead[i] = y[i] - damping * change[i]
-            _assemble(ahead, h, flow, eps, slow, law, per_line, plain, end, trial, load)
+            _assemble(ahead, h, flow, eps, slow, fast, law, per_line, plain, end, trial, load)
             tries += 1
             following[:] = load
             _substitute(bands, lower, pivots, following)

@@ -133,11 +133,14 @@ class March:
                 nodes = thinned(np.union1d(nodes, rough.nodes), nodes)
                 state = self.box.solve(nodes, rough.on(nodes), end)
         if state is None:
+            over = np.flatnonzero(self.box.profile(nodes) > self.box.law.full_stretch)
             raise InputError(
                 "coupling",
                 "no steady two-fluid network is found (Newton's method fails)",
                 value=float(self.spring / self.box.eps(nodes[-1:])[0]),
-                remedy="raise alpha_v or shorten the jet",
+                remedy="raise alpha_v or shorten the jet"
+                if not over.size
+                else f"shorten the jet: from s = {nodes[over[0]]:.3g} on it outruns the contour of strands that hardly relax",
             )
         return Solved(nodes, state)
 

@@ -123,8 +123,9 @@ def follow(
     """
     n = time.size
     values = np.empty((n, 2))
-    values[0] = first
-    y, start, at, error = first.copy(), np.empty(2), np.empty(2), np.empty(2)
+    y, start, at, error = np.empty(2), np.empty(2), np.empty(2), np.empty(2)
+    for j in range(2):
+        values[0, j] = y[j] = first[j]
     jac, matrix, right, z = np.empty((2, 2)), np.empty((6, 6)), np.empty(6), np.zeros((3, 2))
     small, rate_of = np.empty((2, 2)), np.empty((3, 2))
     tolerance = max(10 * 2.220446049250313e-16 / rtol, min(0.03, rtol**0.5))
@@ -157,7 +158,9 @@ def follow(
                             q = _DENSE[a, 0] * stages[0, j] + _DENSE[a, 1] * stages[1, j] + _DENSE[a, 2] * stages[2, j]
                             z[i, j] += q * theta ** (a + 1)
             else:
-                z[:] = 0.0
+                for i in range(3):
+                    for j in range(2):
+                        z[i, j] = 0.0
             converged, before, contraction, used = False, -1.0, 0.0, 0
             for iteration in range(1, 9):
                 finite = True
@@ -221,11 +224,14 @@ def follow(
                 h = step * max(0.1, min(0.9, safety * size**-0.25))
                 guess = False
                 continue
-            y += z[2]
-            stages[:] = z
+            for j in range(2):
+                y[j] += z[2, j]
+                for i in range(3):
+                    stages[i, j] = z[i, j]
             old, guess = step, True
             done = span if last else done + step
             factor = 8.0 if size == 0 else min(8.0, max(0.2, safety * size**-0.25))
             h = max(h, step * factor) if last else step * factor
-        values[k + 1] = y
+        for j in range(2):
+            values[k + 1, j] = y[j]
     return n, values

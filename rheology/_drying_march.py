@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.rheology._drying_kernels import NODES, STAGES, interpolate
-from spinline.rheology._map_kernels import NO_HEAT, Heat, attempt
+from spinline.rheology._map_kernels import NO_HEAT, Heat, attempt, book
 from spinline.rheology.diffusion_laws import DiffusionLaw
 
 __all__ = ["March", "march", "tabulated"]
@@ -28,13 +28,44 @@ def tabulated(law: DiffusionLaw) -> FloatArray:
 
 @dataclass(frozen=True)
 class March:
-    """At the places asked for: u in the cells and what has left (n, m + 1), and the time; place and time of events, or
-    NaN.
+    """At the places asked for: u in the cells and what has left (n, m + 1), the time, and with heat the enthalpy that has
+    passed the surface (J per m3 at the start); place and time of events, or NaN.
     """
 
     values: FloatArray
     time: FloatArray
     events: tuple[tuple[float, float], ...]
+    enthalpy: FloatArray
+
+
+@dataclass
+class _Books:
+    """Enthalpy through the surface so far, and the temperature that it leaves: both conserved to rounding."""
+
+    share: FloatArray
+    heat: Heat
+    start: float
+    passed: float = 0.0
+
+    @classmethod
+    def open(cls, y: FloatArray, share: FloatArray, heat: Heat) -> "_Books | None":
+        """Those of a jet at its start; None without heat."""
+        if not heat[0].size:
+            return None
+        books = cls(share, heat, 0.0)
+        books.start = float(books._capacity(y[np.newaxis])[0] * (y[share.size] - heat[2][1]))
+        return books
+
+    def _capacity(self, state: FloatArray) -> FloatArray:
+        sub, _, air = self.heat
+        value: FloatArray = air[3] * (air[8] + (state[:, : self.share.size] @ self.share) * sub[0, 0] * sub[0, 2])
+        return value
+
+    def at(self, theta: FloatArray, ticks: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Enthalpy passed until `theta` of a step, and the states (theta, n) with the temperature that it leaves."""
+        passed = self.passed + interpolate(ticks[:, np.newaxis], theta)[:, 0]
+        states[:, self.share.size] = self.heat[2][1] + (self.start + passed) / self._capacity(states)
+        return passed, states
 
 
 def march(
@@ -74,8 +105,8 @@ def march(
     InputError
         Where the equations cannot be followed.
     """
-    values, time = np.tile(y, (positions.size, 1)), np.zeros(positions.size)
-    nan, clock = float("nan"), 0.0
+    values, time, enthalpy = np.tile(y, (positions.size, 1)), np.zeros(positions.size), np.zeros(positions.size)
+    nan, clock, books = float("nan"), 0.0, _Books.open(y, share, heat)
     found = [(nan, nan)] * len(events)
     amount, kept = air[6] * air[7] ** 2, air[10] > 0
     x, end = start, float(positions[-1])
@@ -131,12 +162,21 @@ def march(
                 guess = np.zeros_like(stages)
                 continue
             after = y + trial[2]
+            if books is not None:
+                through = step * (STAGES @ book(y, trial, share, heat, places))
+                passed, booked = books.at(np.ones(1), through, after[np.newaxis].copy())
+                if abs(booked[0, share.size] - after[share.size]) > scale[share.size]:
+                    h, known, guess = 0.5 * step, False, np.zeros_like(stages)
+                    continue
             left = air[6] * ((y + trial)[:, : share.size] + 1) @ share if kept else 1.0
             ticks = step * (STAGES @ (places[1:, 2] * amount / (places[1:, 0] * left)))
             inside = np.flatnonzero((positions > x) & (positions <= (stop if last else x + step)))
+            share_of_step = np.minimum((positions[inside] - x) / step, 1.0)
+            values[inside] = y + interpolate(trial, share_of_step)
+            if books is not None:
+                enthalpy[inside], values[inside] = books.at(share_of_step, through, values[inside])
+                books.passed, after = float(passed[0]), booked[0]
             if inside.size:
-                share_of_step = np.minimum((positions[inside] - x) / step, 1.0)
-                values[inside] = y + interpolate(trial, share_of_step)
                 time[inside] = clock + interpolate(ticks[:, np.newaxis], share_of_step)[:, 0]
             for i, (cell, level) in enumerate(events):
                 if np.isnan(found[i][0]) and y[cell] > level >= after[cell]:
@@ -150,7 +190,7 @@ def march(
                 factor = min(factor, factor * step / old_h * (old_size / size) ** 0.25)
             x, y, stages, clock = (stop if last else x + step), after, trial, clock + float(ticks[2])
             h, old_h, old_size, known = step * min(8.0, max(0.2, factor)), step, max(size, 1e-4), True
-    return March(values, time, tuple(found))
+    return March(values, time, tuple(found), enthalpy)
 
 
 def _first_step(

@@ -22,10 +22,10 @@ _AGREE = 0.1  # of the logarithm of a volume: where the ledger's differs by more
 
 
 @njit(cache=True, error_model="numpy")
-def _law(table: FloatArray, which: int, temperature: float) -> float:
-    at = min(max(int((temperature - _LOW) / _STEP), 0), table.shape[2] - 1)
+def _law(table: FloatArray, temperature: float) -> float:
+    at = min(max(int((temperature - _LOW) / _STEP), 0), table.shape[1] - 1)
     t = temperature - _LOW - at * _STEP
-    return float(((table[which, 0, at] * t + table[which, 1, at]) * t + table[which, 2, at]) * t + table[which, 3, at])
+    return float(((table[0, at] * t + table[1, at]) * t + table[2, at]) * t + table[3, at])
 
 
 @njit(cache=True, error_model="numpy")
@@ -110,8 +110,8 @@ def surface(
     law = int(air[7])
     here, there = 0.0, 0.0
     for i in range(n):
-        sat = np.exp(_law(tables[i], 0, kelvin))
-        dimer = _law(tables[i], 2, kelvin)
+        sat = np.exp(_law(tables[i, 0], kelvin))
+        dimer = _law(tables[i, 2], kelvin)
         a = activity[i]
         at = sat * a * (1 - dimer + a * dimer)
         spread = sub[i, 4] * (film / 298.15) ** 1.75
@@ -132,7 +132,7 @@ def surface(
     nusselt = _number(law, along, across, prandtl, air[2])
     carried, ackermann = 0.0, 0.0
     for i in range(n):
-        carried += flux[i] * _law(tables[i], 1, kelvin)
+        carried += flux[i] * _law(tables[i, 1], kelvin)
         ackermann += flux[i] * sub[i, 3]
     b = ackermann / (nusselt * conductivity) if air[10] > 0 else 0.0
     reduced = 1 - b / 2 + b * b / 12 if abs(b) < 1e-4 else b / np.expm1(b)
@@ -271,7 +271,9 @@ def attempt_heat(
                     inverse[k * n + i, m * n + j] = -h * STAGES[k, m] * jacobian[i, j]
         for i in range(n):
             inverse[k * n + i, k * n + i] += 1.0
-    stages[:] = guess
+    for k in range(3):
+        for i in range(n):
+            stages[k, i] = guess[k, i]
     slopes, counts, at = np.empty((3, n)), np.empty((3, n)), np.empty(n)
     before, done = -1.0, 0
     for iteration in range(1, 11):

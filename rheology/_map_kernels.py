@@ -2,7 +2,9 @@
 
 With heat, the temperature of the whole cross-section stands behind the outermost cell as one more row of the same
 tridiagonal system: it knows that cell (its activity) and that cell knows it (its vapour pressure); what else it depends
-on is slow and left to the iteration. State: u of the cells, T where there is heat, volume lost.
+on is slow and left to the iteration. State: u of the cells, T where there is heat, volume lost. Volumes are linear in
+the fluxes, so that the method conserves them to rounding; enthalpy is a product, and is kept beside the state: `book`
+says what passes the surface at the stages, and the temperature after a step is the one that this leaves.
 """
 
 from typing import TypeAlias
@@ -14,7 +16,7 @@ from spinline.base.kernels import njit
 from spinline.rheology._drying_kernels import ERROR, MU, MU_PAIR, TI, T, bands, factor, fluxes, solve, turn
 from spinline.rheology._heat_kernels import surface
 
-__all__ = ["NO_HEAT", "Heat", "attempt", "surface_rates"]
+__all__ = ["NO_HEAT", "Heat", "attempt", "book", "surface_rates"]
 
 Heat: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]  # `heat.Inputs` but for its pairs; empty without heat
 NO_HEAT: Heat = (np.empty((0, 0)), np.empty((0, 3, 4, 1)), np.empty(0))
@@ -40,6 +42,25 @@ def _warming(left: float, heat: Heat, place: FloatArray) -> float:
     """dT/dx of a heating of 1 W/m over pi."""
     sub, _, air = heat
     return float(place[2] * air[3] / (air[3] * air[8] + (left - air[3]) * sub[0, 0] * sub[0, 2]))
+
+
+@njit(cache=True, error_model="numpy")
+def book(y: FloatArray, stages: FloatArray, share: FloatArray, heat: Heat, places: FloatArray) -> FloatArray:
+    """Enthalpy through the surface at the three stages, d/dx in J/m3 of solution at the start, counted from the liquid and
+    the polymer at the air's temperature.
+    """
+    m = share.size
+    sub, _, air = heat
+    out = np.empty(3)
+    for k in range(3):
+        left = 0.0
+        for i in range(m):
+            left += share[i] * (1 + y[i] + stages[k, i])
+        left *= air[3]
+        kelvin = y[m] + stages[k, m]
+        gone, heating = surface_rates(y[m - 1] + stages[k, m - 1], kelvin, left, heat, places[k + 1])
+        out[k] = places[k + 1, 2] * air[3] * (heating + gone * sub[0, 0] * sub[0, 2] * (kelvin - air[1]))
+    return out
 
 
 @njit(cache=True, error_model="numpy")
@@ -131,7 +152,9 @@ def attempt(
     factor(low, mid, high, MU_PAIR / h, pair)
     w, turned, rates = np.empty((3, n + 1)), np.empty((3, n + 1)), np.empty((3, n + 1))
     turn(TI, guess, w)
-    stages[:] = guess
+    for k in range(3):
+        for i in range(n + 1):
+            stages[k, i] = guess[k, i]
     right, both = np.empty(n + 1), np.empty(n + 1, np.complex128)
     before, contraction, done = -1.0, 0.0, 0
     most = 10 if warm else 8

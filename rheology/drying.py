@@ -64,6 +64,8 @@ class RadialDrying:
         The times (s) of the same.
     temperature : ndarray, (n,), or None
         K, uniform across the jet; None where it is held.
+    mass_given_off, enthalpy_taken_up : ndarray, (n,), or None
+        As of `heat.HeatedJet`, where there is heat.
     """
 
     position: FloatArray
@@ -77,6 +79,8 @@ class RadialDrying:
     vitrified_at: tuple[float, float]
     vitrified_after: tuple[float, float]
     temperature: FloatArray | None = None
+    mass_given_off: FloatArray | None = None
+    enthalpy_taken_up: FloatArray | None = None
 
     @property
     def axis_fraction(self) -> FloatArray:

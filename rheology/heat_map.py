@@ -4,7 +4,8 @@ One solvent, one temperature of the cross-section: heat crosses a jet some hundr
 surface gives off ``m = D Sh M/(R T_f) [a(u_surface) p(T) - p_inf] S`` and the whole of it cools by ``m L(T)``; D
 within the jet is that of the law given, at every temperature.
 
-Cost and error: those of `dry_radially`, one more row.
+Cost and error: those of `dry_radially`, one more row. Volume and enthalpy are conserved to rounding, whatever `rtol`:
+the temperature after a step is what the enthalpy that passed the surface leaves.
 """
 
 import numpy as np
@@ -137,4 +138,6 @@ def dry_radially_with_heat(
         (marched.events[0][0], marched.events[1][0]),
         (marched.events[0][1], marched.events[1][1]),
         values[count],
+        phi0 * values[count + 1] * evaporant.density,
+        marched.enthalpy,
     )

@@ -1,10 +1,9 @@
 """Built-in polymers: density, repeat unit, Kuhn length, entanglements and glass transition, each with its source.
 
 `property_source` says where each comes from and how far off it may be; what is an estimate says so there: give your own
-(``dataclasses.replace(polymer, kuhn_length=...)``) where it matters. They were entered from the works that are named;
-held against a second table were the heats of fusion of PEO and nylon 6 (TA Instruments, TN048, after Wunderlich: 8.66
-and 26.0 kJ/mol), and of the solvents, densities apart, every heat (`tests/test_handbook.py`). `polymer_property` says
-what is missing and how to give it.
+(``dataclasses.replace(polymer, kuhn_length=...)``) where it matters. They were entered from the works that are named,
+and looked up a second time elsewhere: `docs/physics/second-sources.md` lists both values, and for which no second one
+was found. `polymer_property` says what is missing and how to give it.
 Solvents are in `solvents`. A name that is not here is not an obstacle: give the properties themselves.
 
 Estimates of the entanglement molar mass follow from chain and density by the packing length p (Fetters et al., 1994)::
@@ -192,7 +191,7 @@ POLYMERS: Mapping[str, Polymer] = {
         _polymer("PAN", 1184.0, "C3H3N", 0.0530626, 2, _HANDBOOK, 1.6e-9, 378.0, heat=1300.0),
         _polymer("PS", 1050.0, "C8H8", 0.10414912, 2, _HANDBOOK, 1.8e-9, 373.0, 13.31, heat=1220.0),
         _polymer("PVA", 1269.0, "C2H4O", 0.04405256, 2, _HANDBOOK, 1.5e-9, 358.0, None, (501.0, 6870.0)),
-        _polymer("PLA", 1248.0, "C3H4O2", 0.07206266, 3, _DATA_HANDBOOK, 1.1e-9, 330.0, 8.7, (480.0, 6700.0)),
+        _polymer("PLA", 1248.0, "C3H4O2", 0.07206266, 3, _DATA_HANDBOOK, 1.1e-9, 330.0, None, (480.0, 6700.0)),
         _polymer("PVDF", 1680.0, "C2H2F2", 0.0640340864, 2, _DATA_HANDBOOK, 1.1e-9, 233.0, None, (483.0, 6700.0)),
         _polymer(
             "nylon 6", 1084.0, "C6H11NO", 0.11315764, 7, _DATA_HANDBOOK, 1.0e-9, 323.0, None, (533.0, 26000.0), 1500.0
@@ -211,8 +210,13 @@ POLYMERS: Mapping[str, Polymer] = {
 _PACKED = f"estimate from the packing length, within a factor of 3: {_OWN}"
 _RATIO = f"handbook value from the characteristic ratio, within a third: {_OWN}"
 _SOURCES: Mapping[str, Mapping[str, str]] = {
+    "density": {
+        "PCL": f"{_DATA_HANDBOOK}, half crystalline; its melt at 333 K 1100 kg/m3, within 5 %",
+        "PVA": f"{_HANDBOOK}; 1210 (commercial grades) to 1269 kg/m3 in print",
+        "PVDF": f"{_DATA_HANDBOOK}; 1680 to 1740 kg/m3 in print",
+    },
     "kuhn_length": {
-        "PEO": _COLBY,
+        "PEO": f"{_COLBY}; 0.7 (in water) to 1.1 nm in print",
         "PMMA": _COLBY,
         "PS": _COLBY,
         "gelatin": "twice the persistence length of Pezron, Djabourov, Leblond, Polymer 32, 3201 (1991)",
@@ -222,7 +226,8 @@ _SOURCES: Mapping[str, Mapping[str, str]] = {
         "PEO": _FETTERS,
         "PMMA": _FETTERS,
         "PS": _FETTERS,
-        "PLA": "Dorgan, Williams, Lewis, J. Rheol. 43, 1141 (1999)",
+        "PLA": "packing length, as neutrons see the chain (Anderson, Hillmyer, Macromolecules 37, 1857 (2004)): 3.3 to 8.7 "
+        f"kg/mol in print: {_OWN}",
     },
     "melting_temperature": {
         "PEO": "Buckley, Kovacs, Colloid Polym. Sci. 254, 695 (1976)",
@@ -249,6 +254,9 @@ _SOURCES: Mapping[str, Mapping[str, str]] = {
         "PAN": _BICERANO,
         "PS": _BICERANO,
         "PVA": _BICERANO,
+        "nylon 6": "dry and amorphous; 313 to 335 K in print",
+        "cellulose acetate": "acetylated to 2.45 a ring; 463 to 473 K in print",
+        "PVB": "commercial grades, a fifth vinyl alcohol: 335 to 351 K in print; the pure polymer 324 K",
     },
 }
 _OTHERWISE = {
@@ -321,15 +329,16 @@ def property_source(data: Polymer | str, name: str) -> str:
 
     Examples
     --------
-    >>> property_source("PLA", "entanglement_molar_mass")
-    'Dorgan, Williams, Lewis, J. Rheol. 43, 1141 (1999); within 15 %'
+    >>> property_source("PS", "entanglement_molar_mass")
+    'Fetters et al., Macromolecules 27, 4639 (1994), 413 K; within 15 %'
     """
     known = data if isinstance(data, Polymer) else polymer(data)
     polymer_property(known, name)
     built = POLYMERS.get(known.name)
     if built is None or getattr(built, name) != getattr(known, name):
         return "given by the user"
-    words = known.source if name == "density" else _SOURCES.get(name, {}).get(known.name, _OTHERWISE[name])
+    otherwise = known.source if name == "density" else _OTHERWISE[name]
+    words = _SOURCES.get(name, {}).get(known.name, otherwise)
     said = "within" in words or "in print" in words or "formula" in words
     return words if said else f"{words}; within {_WITHIN[name]}"
 

@@ -106,7 +106,7 @@ def wet_bulb(
             ]
         ]
     )
-    tables, one, flux = e.laws[np.newaxis], np.ones(1), np.empty(1)
+    tables, one, flux = e.laws[np.newaxis].copy(), np.ones(1), np.empty(1)
     nu = float(thermal.air_viscosity(warm)) * 8.31446261815324 * warm / (_AIR_MASS * pressure)
     place = np.array([1.0, reynolds * nu / 2, 0.0, 1.0])
 

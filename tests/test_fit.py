@@ -25,19 +25,16 @@ from spinline.jetprofile.fit import fit_power_law
 from spinline.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
-VALUES = {
-    "k": 1.0,
-    "beta": 0.47,
-    "initial_radius": 125e-6,
-    "flow_rate": 8.9e-10,
-    "volume_fraction": 0.05,
-    "relaxation_time": 0.01,
-    "evaporation": 1.0,
-    "fraction_scale": 1.0,
-    "fraction_offset": 0.0,
-    "length_scale": 1.0,
-    "origin": 0.0,
-}
+
+
+def coverage_module():
+    spec = importlib.util.spec_from_file_location("coverage_fit", ROOT / "benchmarks" / "coverage_fit.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+VALUES = coverage_module().VALUES
 MODEL = ForwardModel("power-law", VALUES, 5e-3)
 TRUTH = {"k": 0.9, "beta": 0.5, "volume_fraction": 0.045, "fraction_scale": 1.04, "origin": 4e-5}
 
@@ -63,13 +60,6 @@ def quiet(asked, **options):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)
         return fit(asked, **options)
-
-
-def coverage_module():
-    spec = importlib.util.spec_from_file_location("coverage_fit", ROOT / "benchmarks" / "coverage_fit.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_exact_data_give_the_truth_back():

@@ -67,15 +67,19 @@ def _energy(s, n, y, azz0, length0):
     if s.grid.repulsion == "local":
         return total + (c.COULOMB * q**2 / length * np.log(s.grid.log_length / radius)).sum()
     matrix, outer = np.zeros((n, n)), np.zeros(n)
-    potential_matrix(n, y, p, k, w, matrix, outer)
+    potential_matrix(n, y, p, k, tables_of(s), w, matrix, outer)
     return total + 0.5 * q @ matrix @ q + q @ outer
 
 
-@pytest.mark.parametrize(("repulsion", "bend"), [("exact", 0.0), ("hybrid", 0.0), ("hybrid", 2e-4), ("local", 2e-4)])
+@pytest.mark.parametrize(
+    ("repulsion", "bend"), [("exact", 0.0), ("hybrid", 0.0), ("hybrid", 2e-4), ("needle", 2e-4), ("local", 2e-4)]
+)
 def test_forces_are_the_gradient_of_the_energy(repulsion, bend):
     """Forces and potentials are separate kernels: the gradient of one is the other."""
     n = 12
-    y, s = _bent(n, bend), _settings(repulsion)
+    y, s = _bent(n, bend), _settings("hybrid" if repulsion == "needle" else repulsion)
+    if repulsion == "needle":
+        s = replace(s, loads=replace(s.loads, metal=True, tip=1e-4, needle_at=-1e-3))
     f = _kernel_forces(s, n, y.copy())
     length0 = np.linalg.norm(np.diff(y[: n + 1, :3], axis=0), axis=1)
     azz0 = (y[:n, c.AZZ].copy(), y[:n, c.ARR].copy())

@@ -17,7 +17,7 @@ from spinline.jetprofile.spun.chain import parameters
 from spinline.jetprofile.spun.dataset import to_dataset
 from spinline.jetprofile.spun.laws import JetLaw
 from spinline.jetprofile.spun.run import SpunRun, moments
-from spinline.jetprofile.spun.settings import Collector, Grid, Inlet, Loads, SpunSettings
+from spinline.jetprofile.spun.settings import Collector, Grid, Inlet, Loads, SpunSettings, tables_of
 from spinline.jetprofile.spun.start import start_straight
 from spinline.jetprofile.spun.straight import StraightStart
 from spinline.setup.spun_start import conducting
@@ -25,7 +25,9 @@ from spinline.setup.spun_start import conducting
 
 def _system(n, conductivity=1e-2, cone=0.0):
     s = _settings("hybrid", near=8)
-    s = replace(s, grid=replace(s.grid, cone=cone, log_length=0.05), loads=replace(s.loads, image=True))
+    s = replace(
+        s, grid=replace(s.grid, cone=cone, log_length=0.05), loads=replace(s.loads, image=True, metal=True, tip=1e-4)
+    )
     y = _bent(n, 5e-4)
     p, k = parameters(s)
     w = np.zeros((c.WORK, n + 4))
@@ -34,32 +36,32 @@ def _system(n, conductivity=1e-2, cone=0.0):
     half = 0.5 * w[c.LENGTH, :n] / w[c.AREA, :n] / conductivity
     resist[1:] += half
     resist[:n] += half
-    return y, p, k, w, resist
+    return y, p, k, tables_of(s), w, resist
 
 
 @pytest.mark.parametrize("cone", [0.0, 3e-3])
 @pytest.mark.parametrize("n", [40, 300])
 def test_currents_solve_their_system(n, cone):
     """Cholesky (40) and preconditioned gradients (300) against a dense solve; the matrix is positive."""
-    y, p, k, w, resist = _system(n, cone=cone)
+    y, p, k, t, w, resist = _system(n, cone=cone)
     matrix, outer = np.zeros((n, n)), np.zeros(n)
-    potential_matrix(n, y, p, k, w, matrix, outer)
+    potential_matrix(n, y, p, k, t, w, matrix, outer)
     assert matrix == pytest.approx(matrix.T, rel=1e-12)
     assert np.linalg.eigvalsh(matrix).min() > 0
     gh, drive, q = 1e-6, np.linspace(1.0, 2.0, n + 1), y[:n, c.CHARGE].copy()
     move = np.zeros((n, n + 1))
     move[np.arange(n), np.arange(n) + 1], move[np.arange(n), np.arange(n)] = 1.0, -1.0
     truth = np.linalg.solve(np.diag(resist) + gh * move.T @ matrix @ move, drive - move.T @ (matrix @ q + outer))
-    found = kernels.currents(n, gh, 0.0, True, False, q, resist, drive, y, p, k, w)
+    found = kernels.currents(n, gh, 0.0, True, False, q, resist, drive, y, p, k, t, w)
     assert np.abs(found - truth).max() < 1e-7 * np.abs(truth).max()
 
 
 def test_potential_of_a_long_chain_is_the_matrix_one():
     """The tree's sum and the matrix, with the plate's mirror and the cone."""
     n = 400
-    y, p, k, w, _ = _system(n, cone=3e-3)
+    y, p, k, t, w, _ = _system(n, cone=3e-3)
     matrix, outer = np.zeros((n, n)), np.zeros(n)
-    potential_matrix(n, y, p, k, w, matrix, outer)
+    potential_matrix(n, y, p, k, t, w, matrix, outer)
     near, psi = np.zeros((n, 9)), np.zeros(n)
     x, charge, a2 = np.empty((n + 1, 3)), np.empty(n + 1), np.empty(n + 1)
     from spinline.jetprofile.spun._coulomb_kernels import beads
@@ -67,7 +69,7 @@ def test_potential_of_a_long_chain_is_the_matrix_one():
     beads(n, y, w, x, charge, a2)
     near_band(n, 8, a2, p, k, w, near)
     q = y[:n, c.CHARGE].copy()
-    level(n, 8, q, y, x, a2, near, p, k, w, psi)
+    level(n, 8, q, y, x, a2, near, p, k, t, w, psi)
     assert psi == pytest.approx(matrix @ q, rel=2e-3)
 
 
@@ -141,7 +143,9 @@ def test_whole_jet_is_a_jet(whole):
     jet = to_dataset(whole[0])
     assert jet.attrs["current"] > 0
     line = (jet["charge"] / jet["element_length"]).values[-1]
-    assert np.nanmax(line) == pytest.approx(2.6e-8, rel=0.05)
+    assert np.nanmax(line) == pytest.approx(
+        2.3e-8, rel=0.05
+    )  # still the straight jet's: the whole line's comes in 20 ms
     assert np.isfinite(jet["deposit_radius"].values).all()
 
 

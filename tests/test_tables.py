@@ -243,3 +243,14 @@ def test_a_profile_written_from_its_far_end(tmp_path):
     (tmp_path / "c.csv").write_text("z [mm],radius [um]\n1,3\n0.5,2\n2,1\n")
     with pytest.raises(InputError, match="strictly increase"):
         Table.from_csv(tmp_path / "c.csv", flow_rate=1e-9)
+
+
+def test_x_is_the_axis_where_it_is_no_coordinate(tmp_path):
+    file = tmp_path / "jet.csv"
+    file.write_text("x_mm,d_um\n0,250\n1,100\n2,70\n3,60\n", "utf-8")
+    found = read_columns(file, {"z": "length", "radius": "length"})
+    np.testing.assert_allclose(found["z"], [0, 1e-3, 2e-3, 3e-3])
+    np.testing.assert_allclose(found["radius"], [125e-6, 50e-6, 35e-6, 30e-6])
+    file.write_text("z [mm],radius\n1,2\n2,1\n", "utf-8")
+    with pytest.raises(InputError, match="commas between 2 columns"):
+        read_columns(file, {"z": "length", "radius": "length"})

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
+from scipy.integrate import solve_bvp, solve_ivp
 
 from spinline.base.errors import InputError
 from spinline.network._two_fluid_box import Box, remeshed, start_of
@@ -324,6 +324,30 @@ def test_random_draws_are_finite_and_bounded_or_refused() -> None:
         assert (network.stretch(s) <= network.law.full_stretch).all()
         assert network.far_end_effect >= 0
     assert answered > 50
+
+
+@pytest.mark.parametrize("law", ["linear", "fene"])
+@pytest.mark.parametrize("coupling", [10.0, 300.0, 1e4])
+@pytest.mark.parametrize("theta", [1e-6, 1e-4, 3e-3])
+def test_strands_that_relax_faster_than_the_flow_drags_them(law: str, coupling: float, theta: float) -> None:
+    """eps > th V^2, once refused: T is at rest, the network a row of strands on drag alone, ``w = V + eps w d(lam/w T)/ds``."""
+    network = two_fluid_network(
+        power(), 40.0, coupling=coupling, relaxation_time=theta, law=Tension.of(law, 16.7), breaks=[1.0], end="take-up",
+        known_to=np.inf, rtol=1e-6,
+    )  # fmt: skip
+    rest, eps = network.law.tension_at_rest, 3 / coupling
+    found = solve_ivp(  # u = 1/w with T and lam at rest, where it enters as it is: eps T(1) u' = 1 - V u
+        lambda s, u: (1 - power()(s) * u) / (eps * rest),
+        (1.0, 40.0),
+        [1.0],
+        method="LSODA",
+        rtol=1e-9,
+        atol=1e-12,
+        dense_output=True,
+    )
+    s = np.geomspace(1.0, 40, 60)
+    np.testing.assert_allclose(network.velocity_ratio(s), 1 / found.sol(s)[0], rtol=8 * theta + 1e-5)
+    np.testing.assert_allclose(network.stretch(s), 1, atol=4 * theta + 1e-6)
 
 
 @pytest.mark.parametrize(

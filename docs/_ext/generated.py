@@ -140,9 +140,15 @@ class SpindbTable(Generated):
 
         def row(words, r):
             inside = f"{100 * r['coverage_68']:.0f} / {100 * r['coverage_95']:.0f} %" if "coverage_68" in r else ""
-            return words, f"{r['factor']:.2f}", f"{r['mean']:.2f}" if "mean" in r else "", inside
+            numbers = (f"{r[name]:.2f}" if name in r else "" for name in ("factor", "mean", "bias", "offset"))
+            return words, *numbers, inside
 
-        rows = [row(f"rung `{name}`", r) for name, r in found["rungs"].items()]
+        side = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
+        rows = [row(f"rung `{name}`", r) for name, r in side["rungs"].items()]
+        beads = side["by beads"]
+        if beads:
+            of = f"on the {beads['spun']} experiments that the chain of beads could spin"
+            rows += [row(f"rung `{name}`, {of}", r) for name, r in beads.items() if isinstance(r, dict)]
         rows.append(row("rung `race`, the papers left out by tenths", found["leaving out tenths"]))
         rows += [row(name, r) for name, r in found["plain statistics"].items()]
         one = found["one known"]["rows"]
@@ -153,7 +159,14 @@ class SpindbTable(Generated):
         rows.append(row("floor by pairs of papers with nearly equal recipes, mostly PVDF", {"factor": low}))
         return self.parse(
             _table(
-                ("prediction, the paper left out", "factor, median paper", "mean paper", "68 / 95 % intervals hold"),
+                (
+                    "prediction, the paper left out",
+                    "factor, median paper",
+                    "mean paper",
+                    "bias",
+                    "factor after one offset",
+                    "68 / 95 % intervals hold",
+                ),
                 rows,
             )
         )
@@ -179,6 +192,9 @@ class SpindbText(Generated):
         low, bad = found["floor"], found["failures"]
         shares = sorted(found["variance shares"].items(), key=lambda item: -item[1])[:5]
         least, most = found["rungs"]["race"]["factor_68"]
+        side = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
+        one, ratio = side["one known"], side["envelope over race, 5 25 50 75 95 %"]
+        known = one["over papers, 68 and 95 %"]
         words = (
             f"Other papers of the same kind would give factors from {least:.2f} to {most:.2f} (68 %, papers drawn anew). "
             f"{low['pairs of papers']} pairs of papers with nearly equal recipes differ by a median factor of "
@@ -188,7 +204,9 @@ class SpindbText(Generated):
             f"{100 * bad['area_68'][0]:.0f} to {100 * bad['area_68'][1]:.0f}), within the papers that have both in "
             f"{100 * bad['area within papers that have both']:.0f} %. The intervals are made of: "
             + ", ".join(f"{name.replace('_', ' ')} {100 * share:.0f} %" for name, share in shares)
-            + "."
+            + f". With one fibre of the paper known the factor is {one['chain']:.3f}; other papers of the same kind would give "
+            f"{known[0]:.2f} to {known[1]:.2f} (68 %) or {known[2]:.2f} to {known[3]:.2f} (95 %). The envelope's "
+            f"fibres are {ratio[0]:.2f} to {ratio[4]:.2f} of the race's (5 to 95 % of the settings)."
         )
         return [*table, *self.parse([words])]
 

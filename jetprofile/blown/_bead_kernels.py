@@ -16,22 +16,10 @@ __all__ = ["advance", "elastic_step", "gap_of"]
 
 @njit(cache=True, error_model="numpy")
 def air_at(
-    x: float,
-    y: float,
-    z: float,
-    dx: float,
-    dy: float,
-    dz: float,
-    t: float,
-    p: FloatArray,
-    air: FloatArray,
-    gust: FloatArray,
-    out: FloatArray,
+    x: float, y: float, z: float, t: float, p: FloatArray, air: FloatArray, gust: FloatArray, out: FloatArray
 ) -> None:
-    """Velocity of the air at (x, y, z), its gusts averaged over the straight (dx, dy, dz) about it.
-
-    `air`: columns x, centre speed, core radius, half width, fluctuation, carried time, length, then the weights of the modes,
-    evenly spaced in x.
+    """Velocity of the air; `air`: columns x, centre speed, core radius, half width, fluctuation, carried time, length, then the
+    weights of the modes, evenly spaced in x.
     """
     rows = air.shape[0]
     u = (x - air[0, 0]) / (air[1, 0] - air[0, 0])
@@ -54,14 +42,11 @@ def air_at(
     if shake > 1e-3:
         since = t - ((1 - w) * air[i, 5] + w * air[i + 1, 5])
         length = (1 - w) * air[i, 6] + w * air[i + 1, 6]
-        carried = dx * (air[i + 1, 5] - air[i, 5]) / (air[1, 0] - air[0, 0])
         for m in range(gust.shape[0]):
             if air[i, 7 + m] < 1e-3:
                 continue
             angle = gust[m, 0] * since + (gust[m, 1] * y + gust[m, 2] * z) / length + gust[m, 6]
-            half_turn = 0.5 * ((gust[m, 1] * dy + gust[m, 2] * dz) / length - gust[m, 0] * carried)
-            mean = math.sin(half_turn) / half_turn if abs(half_turn) > 1e-4 else 1.0
-            c = shake * air[i, 7 + m] * mean * math.cos(angle)
+            c = shake * air[i, 7 + m] * math.cos(angle)
             out[0] += c * gust[m, 3]
             out[1] += c * gust[m, 4]
             out[2] += c * gust[m, 5]
@@ -129,7 +114,7 @@ def rates(
         else:
             pull += area * 3 * mu_s * rate
         x, y, z = 0.5 * (q[j, 0] + q[j + 1, 0]), 0.5 * (q[j, 1] + q[j + 1, 1]), 0.5 * (q[j, 2] + q[j + 1, 2])
-        air_at(x, y, z, dx, dy, dz, t, p, air, gust, wind)
+        air_at(x, y, z, t, p, air, gust, wind)
         wx = wind[0] - 0.5 * (q[j, 3] + q[j + 1, 3])
         wy = wind[1] - 0.5 * (q[j, 4] + q[j + 1, 4])
         wz = wind[2] - 0.5 * (q[j, 5] + q[j + 1, 5])

@@ -158,7 +158,8 @@ def jacobian(
     step = 1e-7
     _left(y[0], node[0], p, base)
     for k in range(4):
-        at[:] = y[0]
+        for i in range(4):
+            at[i] = y[0, i]
         e = step * max(1.0, abs(at[k]))
         at[k] += e
         _left(at, node[0], p, moved)
@@ -169,7 +170,8 @@ def jacobian(
         _panel(h, y[j], y[j + 1], node[j], middle[j], node[j + 1], p, upwind, work, base)
         for k in range(8):
             side = j + k // 4
-            at[:] = y[side]
+            for i in range(4):
+                at[i] = y[side, i]
             e = step * max(1.0, abs(at[k % 4]))
             at[k % 4] += e
             if k < 4:
@@ -182,7 +184,8 @@ def jacobian(
                 band[10 + row - column, column] = (moved[i] - base[i]) / e
     last = _end(y[n - 1], p, pull)
     for k in range(4):
-        at[:] = y[n - 1]
+        for i in range(4):
+            at[i] = y[n - 1, i]
         e = step * max(1.0, abs(at[k]))
         at[k] += e
         column = 4 * (n - 1) + k

@@ -10,7 +10,7 @@ import math
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
 from spinline.jetprofile.spun._air_kernels import air_forces
-from spinline.jetprofile.spun._bend_kernels import bending_forces, bending_rates
+from spinline.jetprofile.spun._bend_kernels import moment_rates
 from spinline.jetprofile.spun._codes import (
     AIR,
     AREA,
@@ -19,7 +19,6 @@ from spinline.jetprofile.spun._codes import (
     AZZ,
     AZZ_IN,
     BALANCE,
-    BENDING,
     CHARGE,
     CHARGE_DENSITY,
     COLUMNS,
@@ -35,6 +34,7 @@ from spinline.jetprofile.spun._codes import (
     FROZEN,
     G_HERE,
     GRAVITY,
+    HYBRID,
     INLET,
     LABEL,
     LAW,
@@ -42,17 +42,18 @@ from spinline.jetprofile.spun._codes import (
     LOAD_RAMP,
     LOCAL,
     LOG_LENGTH,
-    MX,
     NEEDLE_AT,
-    NO_BENDING,
     POLYMER,
     PRESSURE,
     RADIUS,
     RATE,
     REPULSION,
     RHO,
+    SETTLE,
+    SETTLED,
     SHARE,
     SOLVENT_HERE,
+    SPIN,
     SURFACE,
     TEMP,
     TENSION,
@@ -76,6 +77,7 @@ from spinline.jetprofile.spun._coulomb_kernels import repulsion
 from spinline.jetprofile.spun._dry_kernels import drying_rates, material
 from spinline.jetprofile.spun._field_kernels import field_forces
 from spinline.jetprofile.spun._law_kernels import inlet_stretch, law_rates, stress_ratio
+from spinline.jetprofile.spun._needle_kernels import needle_forces
 from spinline.jetprofile.spun._nozzle_kernels import nozzle, smooth
 
 __all__ = ["explicit_rates", "geometry", "inlet_radius"]
@@ -96,9 +98,10 @@ def geometry(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray) -
             (y[i, VX] - y[i + 1, VX]) * dx + (y[i, VY] - y[i + 1, VY]) * dy + (y[i, VZ] - y[i + 1, VZ]) * dz
         ) / length
         w[RATE, i] = along / length
-        w[SHARE, i] = 1.0
+        w[SHARE, i] = p[SETTLED]
         if p[CONE] > 0.0:
-            w[SHARE, i], _ = smooth(0.5 * (y[i, X] + y[i + 1, X]) - p[NEEDLE_AT], p[CONE])
+            share, _ = smooth(0.5 * (y[i, X] + y[i + 1, X]) - p[NEEDLE_AT], p[CONE])
+            w[SHARE, i] *= share
         material(i, y, p, k, w)
         ratio = stress_ratio(k[LAW], y[i, AZZ], y[i, ARR], p)
         if not abs(ratio) < 1e30:
@@ -168,6 +171,8 @@ def _forces(
     p[COUPLING] = COULOMB * share
     local_tension(n, y, p, k, w)
     repulsion(n, y, p, k, w, f)
+    if k[REPULSION] == HYBRID:
+        needle_forces(n, y, p, k, tables, w, f)
     for i in range(n):
         pull = w[TENSION, i]
         if held[i] == 1 and (pull < 0.0 or w[RATE, i] <= 0.0):
@@ -176,8 +181,6 @@ def _forces(
             f[i, c] -= pull * w[TX + c, i]
             f[i + 1, c] += pull * w[TX + c, i]
     field_forces(t, n, y, p, k, tables, f)
-    if k[BENDING] != NO_BENDING:
-        bending_forces(n, y, p, k, w, f)
     if k[AIR] == 1:
         air_forces(n, y, p, k, w, f)
     for i in range(n):
@@ -220,6 +223,7 @@ def explicit_rates(
     dy: FloatArray,
 ) -> bool:
     """Time derivative of the state at t; the nozzle's row of `y` is set to where the nozzle is at t."""
+    p[SETTLED], _ = smooth(t, p[SETTLE])
     if not geometry(n, y, p, k, w):
         return False
     radius = inlet_radius(n, y, p, w)
@@ -236,12 +240,9 @@ def explicit_rates(
         for c in range(3):
             dy[i, X + c] = y[i, VX + c]
             dy[i, VX + c] = f[i, c] / mass
-            if k[BENDING] == NO_BENDING:
-                dy[i, MX + c] = 0.0
         dy[i, AZZ], dy[i, ARR] = law_rates(k[LAW], w[RATE, i], y[i, AZZ], y[i, ARR], w[G_HERE, i], w[THETA_HERE, i], p)
-        dy[i, CHARGE] = dy[i, VOLUME] = dy[i, TEMP] = dy[i, LABEL] = 0.0
-    if k[BENDING] != NO_BENDING:
-        bending_rates(n, y, p, k, w, dy)
+        dy[i, CHARGE] = dy[i, VOLUME] = dy[i, TEMP] = dy[i, LABEL] = dy[i, SPIN] = 0.0
+    moment_rates(n, y, k, w, dy)
     if k[DRYING] == 1:
         drying_rates(n, y, p, w, dy)
     for i in range(n):

@@ -93,7 +93,7 @@ def balance(
     if k[REPULSION] == LOCAL or k[REPULSION] == NO_REPULSION:
         current = _tridiagonal(n, gh, front, given, known, resist, drive, p, k, w)
     else:
-        current = currents(n, gh, front, earthed, given, known, resist, drive, y, p, k, w)
+        current = currents(n, gh, front, earthed, given, known, resist, drive, y, p, k, tables, w)
     for i in range(n):
         rate[i] = current[i + 1] - current[i]
         y[i, CHARGE] = known[i] + gh * rate[i]

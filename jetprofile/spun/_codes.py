@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 IntArray = NDArray[np.int64]
 
 # columns of a state, one row per node (position, velocity) and per element between node i and i + 1
-X, Y, Z, VX, VY, VZ, AZZ, ARR, CHARGE, VOLUME, MX, MY, MZ, TEMP, LABEL = range(15)
-COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
+X, Y, Z, VX, VY, VZ, AZZ, ARR, CHARGE, VOLUME, MX, MY, MZ, TEMP, LABEL, SPIN = range(16)
+COLUMNS = 16  # LABEL: the element's volume when it left the nozzle; SPIN: its turning about its own axis, 1/s
 
 # parameters, SI
 (
@@ -82,8 +82,10 @@ COLUMNS = 15  # LABEL: the element's volume when it left the nozzle
     LONGEST,  # length beyond which an element is split in two; 0: never
     COUPLING,  # 1/(4 pi eps0) times the ramp of the loads; set by the kernels
     NEEDLE_AT,  # x of the needle's tip: 0, or upstream of where the chain starts
-) = range(71)
-FEED_FIRST = 71  # their lengths and line charges in turn
+    SETTLE,  # time over which the charge goes from the local logarithm to the whole thread
+    SETTLED,  # how far it has; set by the kernels
+) = range(73)
+FEED_FIRST = 73  # their lengths and line charges in turn
 FEEDS = 12
 PARAMETERS = FEED_FIRST + 2 * FEEDS
 
@@ -148,6 +150,10 @@ COULOMB = 8.9875517873681764e9
 ) = range(16)
 DEPOSITS = 16
 
-CLOCK = 13
+CLOCK = 14
+
+# tables: row 0 holds how many samples of the end, of the field, of rings; rows 1 to 5 the samples
+ENDS, FIELDS, RINGS = range(3)
+RINGS_FIRST = 6  # x and radius of the needle's rings, then the inverse of their potentials
 # what an integration stopped for
-DONE, FULL, BROKEN, STALLED, EMPTY = range(5)
+DONE, FULL, BROKEN, STALLED, PAUSED = range(5)

@@ -31,7 +31,14 @@ from spinline.jetprofile.spun._codes import (
     IntArray,
     X,
 )
-from spinline.jetprofile.spun._line_kernels import far_rest, feed_field, point_pair, segment_pair, segment_self
+from spinline.jetprofile.spun._line_kernels import (
+    far_rest,
+    feed_field,
+    point_pair,
+    ripple,
+    segment_pair,
+    segment_self,
+)
 from spinline.jetprofile.spun._mirror_kernels import OPENING, mirror_forces
 from spinline.jetprofile.spun._tree_kernels import pair_sum, tree_sum
 
@@ -100,6 +107,10 @@ def near_pairs(
                 by_i -= less_i
                 by_j -= less_j
                 by_g -= less_g
+                if j == i + 1:
+                    more_i, more_j = _ripple_slopes(qi, qj, li, lj, ai, aj, k)
+                    by_i += more_i
+                    by_j += more_j
             own += by_i
             w[TENSION, j] += p[COUPLING] * by_j
             gaps[i + 1] += by_g
@@ -110,6 +121,19 @@ def near_pairs(
     for i in range(n):
         run += gaps[i]
         w[TENSION, i] += p[COUPLING] * run
+
+
+@njit(cache=True, error_model="numpy")
+def _ripple_slopes(
+    qi: float, qj: float, li: float, lj: float, ai: float, aj: float, k: IntArray
+) -> tuple[float, float]:
+    """Slopes with L_i and L_j of the energy of neighbours whose line charges differ."""
+    c, by_l, by_a = ripple(li, lj, 0.5 * (ai + aj))
+    ei, ej = qi / li, qj / lj
+    apart = ei - ej
+    own, rise = apart * apart * by_l / (li + lj) ** 2, c * apart
+    less = 0.25 * apart * apart * by_a if k[PRESSURE] == 1 else 0.0
+    return own * lj * lj - rise * ei / li - less * ai / li, own * li * li + rise * ej / lj - less * aj / lj
 
 
 @njit(cache=True, error_model="numpy")

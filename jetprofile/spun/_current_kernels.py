@@ -37,6 +37,7 @@ def currents(
     y: FloatArray,
     p: FloatArray,
     k: IntArray,
+    tables: FloatArray,
     w: FloatArray,
 ) -> FloatArray:
     """All n + 1 node currents; NaN where the iteration does not close.
@@ -60,17 +61,19 @@ def currents(
     matrix, psi = np.zeros((size, size)), np.zeros(n)
     near = np.zeros((1, 1)) if dense else np.zeros((n, reach + 1))
     if dense:
-        potential_matrix(n, y, p, k, w, matrix, psi)
+        potential_matrix(n, y, p, k, tables, w, matrix, psi)
         psi += np.dot(matrix, start)
     else:
         near_band(n, reach, a2, p, k, w, near)
-        level(n, reach, start, y, x, a2, near, p, k, w, psi)
-        outer_level(n, y, p, k, w, a2, psi)
+        level(n, reach, start, y, x, a2, near, p, k, tables, w, psi)
+        outer_level(n, y, p, k, tables, w, a2, psi)
     right = np.empty(last - first + 1)
     for j in range(first, last + 1):
         right[j - first] = drive[j] - (psi[j - 1] if j > 0 else 0.0) + (psi[j] if j < n else 0.0)
     if n <= DIRECT or k[REPULSION] == EXACT:
-        out[first : last + 1] = _direct(n, gh, first, last, resist, matrix, right)
+        solved = _direct(n, gh, first, last, resist, matrix, right)
+        for j in range(first, last + 1):
+            out[j] = solved[j - first]
         return out
     band = np.zeros((n, WIDTH + 1))
     if dense:
@@ -80,9 +83,11 @@ def currents(
     else:
         far_band(n, WIDTH, reach, y, x, a2, p, k, w, near, band)
     factor = _banded(n, gh, first, last, resist, band)
-    out[first : last + 1] = _gradients(
-        n, gh, first, last, resist, factor, right, dense, matrix, reach, y, x, a2, near, p, k, w
+    solved = _gradients(
+        n, gh, first, last, resist, factor, right, dense, matrix, reach, y, x, a2, near, p, k, tables, w
     )
+    for j in range(first, last + 1):
+        out[j] = solved[j - first]
     return out
 
 
@@ -192,6 +197,7 @@ def _gradients(
     near: FloatArray,
     p: FloatArray,
     k: IntArray,
+    tables: FloatArray,
     w: FloatArray,
 ) -> FloatArray:
     """Conjugate gradients (Polak-Ribiere form: the tree's sum is symmetric only to its error)."""
@@ -201,7 +207,8 @@ def _gradients(
     _divide(factor, rest, go)
     product = np.dot(rest, go)
     least = CLOSE * CLOSE * product if dense else 1e-10 * product
-    to[:] = go
+    for a in range(size):
+        to[a] = go[a]
     for _ in range(ITERATIONS):
         if not product > least or product == 0.0:
             return found
@@ -209,9 +216,9 @@ def _gradients(
             ahead, behind = i - first, i + 1 - first
             q[i] = gh * ((to[behind] if 0 <= behind < size else 0.0) - (to[ahead] if 0 <= ahead < size else 0.0))
         if dense:
-            psi[:] = np.dot(matrix, q)
+            psi = np.dot(matrix, q)
         else:
-            level(n, reach, q, y, x, a2, near, p, k, w, psi)
+            level(n, reach, q, y, x, a2, near, p, k, tables, w, psi)
         for a in range(size):
             j = a + first
             made[a] = resist[j] * to[a] + (psi[j - 1] if j > 0 else 0.0) - (psi[j] if j < n else 0.0)
@@ -219,8 +226,8 @@ def _gradients(
         if not grip > 0.0:  # not positive: the elements are too short for their radius
             break
         step = product / grip
-        before[:] = rest
         for a in range(size):
+            before[a] = rest[a]
             found[a] += step * to[a]
             rest[a] -= step * made[a]
         _divide(factor, rest, go)

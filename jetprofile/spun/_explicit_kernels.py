@@ -18,6 +18,7 @@ from spinline.jetprofile.spun._codes import (
     LONGEST,
     MX,
     OUTFLOW,
+    PAUSED,
     RADIUS,
     STALLED,
     VX,
@@ -86,6 +87,7 @@ def march_explicit(
     fixed: float,
     tol: float,
     reach: float,
+    most: int,
     clock: FloatArray,
     y: FloatArray,
     held: IntArray,
@@ -95,7 +97,7 @@ def march_explicit(
     k: IntArray,
     tables: FloatArray,
 ) -> tuple[int, float, int, float]:
-    """March to `end`; status, time, number of elements, next step.
+    """March to `end`, `most` steps at most; status, time, number of elements, next step.
 
     `clock`: volume of an element, number of elements that have entered, time of the first entry, label of the front,
     rows in `landed`, steps taken, steps refused. `fixed` > 0 takes equal steps (for orders); `tol` then does nothing.
@@ -105,7 +107,10 @@ def march_explicit(
     w, f = np.zeros((WORK, cap)), np.zeros((cap, 3))
     trial, new = np.zeros((cap, COLUMNS)), np.zeros((cap, COLUMNS))
     fresh = True
+    begun = clock[5] + clock[6]
     while t < end:
+        if clock[5] + clock[6] - begun >= most:
+            return PAUSED, t, n, h
         if n + 2 >= cap or int(clock[4]) + n >= landed.shape[0]:
             return FULL, t, n, h
         entry = clock[2] + clock[1] * clock[0] / p[FLOW]
@@ -137,8 +142,9 @@ def march_explicit(
         clock[5] += 1
         reached = t + step >= stop * (1.0 - 1e-15)
         t = stop if reached else t + step
-        y[: n + 1] = new[: n + 1]
-        d[0, : n + 1] = d[6, : n + 1]
+        for i in range(n + 1):
+            for c in range(COLUMNS):
+                y[i, c], d[0, i, c] = new[i, c], d[6, i, c]
         if fixed <= 0.0:
             grow = step * min(5.0, 0.9 * max(ratio, 1e-10) ** -0.2)
             h = max(h, grow) if reached or who >= 0 or cut else grow
@@ -191,5 +197,7 @@ def _try(
                 trial[i, c] = y[i, c] + h * total
         if not explicit_rates(t + _C[s] * h, n, held, trial, p, k, tables, w, f, d[s]):
             return False
-    new[: n + 1] = trial[: n + 1]
+    for i in range(n + 1):
+        for c in range(COLUMNS):
+            new[i, c] = trial[i, c]
     return True

@@ -1,4 +1,4 @@
-"""ARS(2,2,2), compiled: all but the solvent's viscosity and the charge explicit, those two implicit and L-stable.
+"""ARS(2,2,2), compiled: viscosity, bending moment and charge implicit and L-stable, all else explicit.
 
 gamma = 1 - 1/sqrt 2 and delta = 1 - 1/(2 gamma) (Ascher, Ruuth, Spiteri 1997). Steps are a fraction of the time a
 longitudinal wave needs for an element, and end where an element enters or a node lands.
@@ -10,6 +10,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
+from spinline.jetprofile.spun._bend_kernels import bent_stage
 from spinline.jetprofile.spun._chain_kernels import end_value, explicit_rates, geometry, inlet_radius
 from spinline.jetprofile.spun._charge_kernels import balance
 from spinline.jetprofile.spun._codes import (
@@ -17,6 +18,7 @@ from spinline.jetprofile.spun._codes import (
     ARR,
     AZZ,
     BALANCE,
+    BENDING,
     BROKEN,
     CHARGE,
     COLUMNS,
@@ -32,10 +34,15 @@ from spinline.jetprofile.spun._codes import (
     LAW,
     LENGTH,
     LONGEST,
+    MX,
+    NO_BENDING,
     OUTFLOW,
+    PAUSED,
     RADIUS,
     RATE,
     RHO,
+    SETTLE,
+    SETTLED,
     SOLVENT,
     SOLVENT_HERE,
     STALLED,
@@ -51,20 +58,30 @@ from spinline.jetprofile.spun._codes import (
 from spinline.jetprofile.spun._collector_kernels import first_touch
 from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._law_kernels import stiffness
-from spinline.jetprofile.spun._nozzle_kernels import nozzle, split
+from spinline.jetprofile.spun._nozzle_kernels import nozzle, smooth, split
 from spinline.jetprofile.spun._refine_kernels import refine
 
 __all__ = ["march_implicit"]
 
 _G = 1.0 - 1.0 / math.sqrt(2.0)
 _D = 1.0 - 1.0 / (2.0 * _G)
+SPLINTER = 1e-7  # of the time an element takes to enter, or of the step tried first: no step is smaller
+WEARY = 200.0  # refusals in excess of half a step each
 
 
 @njit(cache=True, error_model="numpy")
-def _longest(n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, cfl: float) -> float:
-    """Step over which no longitudinal wave crosses more than `cfl` of an element, nor a conformation relaxes more."""
+def _longest(n: int, y: FloatArray, held: IntArray, p: FloatArray, k: IntArray, w: FloatArray, cfl: float) -> float:
+    """Step over which no longitudinal wave crosses more than `cfl` of an element, nor a conformation relaxes more, nor what
+    lands falls through the collector (a jet of soft liquid lands faster than its waves run).
+    """
     best = math.inf
     for i in range(n):
+        if held[i] == 1 and held[i + 1] == 0:
+            closing = 0.0
+            for c in range(3):
+                closing += (y[i + 1, VX + c] - y[i, VX + c]) * w[TX + c, i]
+            if closing > 0.0:
+                best = min(best, 0.7 / cfl * w[LENGTH, i] / closing)
         speed = math.sqrt(max(w[G_HERE, i] * stiffness(k[LAW], y[i, AZZ], y[i, ARR], p), 0.0) / p[RHO])
         best = min(best, w[THETA_HERE, i])
         best = min(best, w[LENGTH, i] / max(speed, abs(w[RATE, i]) * w[LENGTH, i], 1e-300))
@@ -161,14 +178,18 @@ def _stage(
     push: FloatArray,
     flow: FloatArray,
 ) -> bool:
-    """The implicit part of a stage at time t: solvent, then charge."""
+    """The implicit part of a stage at time t: solvent and bending, then charge."""
+    p[SETTLED], _ = smooth(t, p[SETTLE])
     if not geometry(n, y, p, k, w):
         return False
     radius = inlet_radius(n, y, p, w)
     nozzle(t, n, p[FLOW] / (math.pi * radius * radius), y, p)
     if not geometry(n, y, p, k, w):
         return False
-    if p[SOLVENT] > 0.0:
+    if k[BENDING] != NO_BENDING:
+        if not bent_stage(n, gh, y, held, p, k, w, push):
+            return False
+    elif p[SOLVENT] > 0.0:
         _viscous(n, gh, y, held, p, w, push)
     if k[BALANCE] != FROZEN:
         front = 0.0
@@ -219,6 +240,7 @@ def _step(
         if i < n:
             for c in range(3):
                 new[i, VX + c] += h * (1.0 - _G) * push[i, c]
+                new[i, MX + c] += h * (1.0 - _G) * push[i, 3 + c]
             new[i, CHARGE] += h * (1.0 - _G) * flow[i]
     return _stage(t + h, n, _G * h, clock, new, held, p, k, tables, w, push, flow)
 
@@ -231,6 +253,7 @@ def march_implicit(
     h: float,
     fixed: float,
     cfl: float,
+    most: int,
     clock: FloatArray,
     y: FloatArray,
     held: IntArray,
@@ -240,46 +263,55 @@ def march_implicit(
     k: IntArray,
     tables: FloatArray,
 ) -> tuple[int, float, int, float]:
-    """March to `end` (see `march_explicit`); status, time, number of elements, step.
+    """March to `end` (see `march_explicit`), `most` steps at most; status, time, number of elements, step.
 
-    `clock` further: current in and out by conduction (7, 8), the charge that came and went so far (9, 10).
+    `clock` further: current in and out by conduction (7, 8), the charge that came and went so far (9, 10), and how often
+    steps were refused of late (13): a march that only creeps is given up.
     """
     cap = y.shape[0]
     d = np.zeros((2, cap, COLUMNS))
     w, f = np.zeros((WORK, cap)), np.zeros((cap, 3))
     mid, new = np.zeros((cap, COLUMNS)), np.zeros((cap, COLUMNS))
-    push, flow = np.zeros((cap, 3)), np.zeros(cap)
+    push, flow = np.zeros((cap, 6)), np.zeros(cap)
+    begun = clock[5] + clock[6]
     while t < end:
+        if clock[5] + clock[6] - begun >= most:
+            return PAUSED, t, n, h
         if n + 2 >= cap or int(clock[4]) + n >= landed.shape[0]:
             return FULL, t, n, h
         entry = clock[2] + clock[1] * clock[0] / p[FLOW]
         stop = min(end, entry)
         if not explicit_rates(t, n, held, y, p, k, tables, w, f, d[0]):
             return BROKEN, t, n, h
-        step = _longest(n, y, p, k, w, cfl)
+        step = _longest(n, y, held, p, k, w, cfl)
         if fixed > 0.0:
             step = min(step, fixed)
+        if not step > SPLINTER * min(clock[0] / p[FLOW], end):
+            return STALLED, t, n, h
         step = (stop - t) / max(math.ceil((stop - t) / step), 1)  # equal steps to the stop, so that none is a splinter
-        who, tries = -1, 0
+        who, least = -1, SPLINTER * step
         while True:
-            tries += 1
-            if tries > 40:
-                return STALLED, t, n, h
             if not _step(t, step, n, clock, y, held, p, k, tables, w, f, d, mid, new, push, flow):
                 step *= 0.25
                 clock[6] += 1
+                clock[13] += 1.0
+                if step < least or clock[13] > WEARY:
+                    return STALLED, t, n, h
                 continue
             who, when = first_touch(n, step, y, new, held, p, k)
             if who < 0 or when > step * (1.0 - 1e-9):
                 break
             step = max(when, 1e-9 * step)
         clock[5] += 1
+        clock[13] = max(clock[13] - 0.5, 0.0)
         if k[BALANCE] != FROZEN:
             clock[9] += step * ((1.0 - _G) * clock[11] + _G * clock[7])
             clock[10] += step * ((1.0 - _G) * clock[12] + _G * clock[8])
         reached = t + step >= stop * (1.0 - 1e-15)
         t = stop if reached else t + step
-        y[: n + 1] = new[: n + 1]
+        for i in range(n + 1):
+            for c in range(COLUMNS):
+                y[i, c] = new[i, c]
         h = step
         if who >= 0:
             touch(t, who, n, y, held, marks, p, k)

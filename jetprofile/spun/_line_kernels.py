@@ -13,7 +13,7 @@ import math
 
 from spinline.base.kernels import njit
 
-__all__ = ["far_rest", "feed_field", "point_pair", "segment_pair", "segment_self"]
+__all__ = ["far_rest", "feed_field", "point_pair", "ripple", "segment_pair", "segment_self"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -59,6 +59,22 @@ def point_pair(e: float, u: float, a2: float) -> tuple[float, float, float]:
     one = 1.0 / math.sqrt(u * u + a2)
     cube = one * one * one
     return e * one, -e * u * cube, -0.5 * e * cube
+
+
+@njit(cache=True, error_model="numpy")
+def ripple(li: float, lj: float, a2: float) -> tuple[float, float, float]:
+    """C of the energy ``C (e_i - e_j)^2/2`` of neighbours whose line charges differ, and its slopes with L and a^2.
+
+    A softened line hardly sees ripples shorter than its radius, ``K_0(k a)``, and would let them grow; the charge on a tube
+    does, ``I_0(k a) K_0(k a) -> 1/(2 k a)``. ``C = L^2 exp(-L^2/a^2)/(4 pi a)`` gives the shortest ripple of short elements the
+    energy of a tube's; elements twice as long as their radius have none of it. L is the harmonic mean: an
+    element that vanishes where the jet lands takes its part with it.
+    """
+    long = 2.0 * li * lj / (li + lj)
+    c = long * long * math.exp(-long * long / a2) / (4.0 * math.pi * math.sqrt(a2))
+    by_l = 2.0 * c * (1.0 / long - long / a2)
+    by_a = c / a2 * (long * long / a2 - 0.5)
+    return c, by_l, by_a
 
 
 @njit(cache=True, error_model="numpy")

@@ -29,8 +29,16 @@ from spinline.jetprofile.spun._codes import (
     X,
 )
 from spinline.jetprofile.spun._coulomb_kernels import beads
-from spinline.jetprofile.spun._line_kernels import far_rest, feed_field, point_pair, segment_pair, segment_self
+from spinline.jetprofile.spun._line_kernels import (
+    far_rest,
+    feed_field,
+    point_pair,
+    ripple,
+    segment_pair,
+    segment_self,
+)
 from spinline.jetprofile.spun._mirror_kernels import OPENING, middles, mirror_kernel, mirror_level
+from spinline.jetprofile.spun._needle_kernels import needle_level, needle_matrix
 from spinline.jetprofile.spun._tree_kernels import tree_sum
 
 __all__ = ["far_band", "level", "near_band", "outer_level", "potential_matrix"]
@@ -38,7 +46,14 @@ __all__ = ["far_band", "level", "near_band", "outer_level", "potential_matrix"]
 
 @njit(cache=True, error_model="numpy")
 def potential_matrix(
-    n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, matrix: FloatArray, outer: FloatArray
+    n: int,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+    w: FloatArray,
+    matrix: FloatArray,
+    outer: FloatArray,
 ) -> None:
     """P of the elements' charges, V/C, added to `matrix`, and the potential of the feed line, added to `outer`."""
     reach = n if k[REPULSION] == EXACT else k[NEAR]
@@ -54,11 +69,12 @@ def potential_matrix(
     if k[REPULSION] != EXACT:
         _bead_matrix(n, x, a2, p, matrix)
         _mirror_matrix(n, y, p, k, w, matrix)
+        needle_matrix(n, y, p, tables, w, matrix)
     for i in range(n):
         for j in range(n):
             matrix[i, j] *= w[SHARE, i] * w[SHARE, j]
         matrix[i, i] += local_level(i, p, w)
-    outer_level(n, y, p, k, w, a2, outer)
+    outer_level(n, y, p, k, tables, w, a2, outer)
 
 
 @njit(cache=True, error_model="numpy")
@@ -83,7 +99,7 @@ def near_band(n: int, reach: int, a2: FloatArray, p: FloatArray, k: IntArray, w:
             front, _ = far_rest(li, reach, i, ai)
             back, _ = far_rest(li, reach, n - 1 - i, ai)
             u += front + back - less
-        near[i, 0] = 2.0 * p[COUPLING] * u
+        near[i, 0] += 2.0 * p[COUPLING] * u
         gap = 0.0
         for j in range(i + 1, min(n, i + reach + 1)):
             lj, aj = w[LENGTH, j], w[AREA, j] / math.pi
@@ -95,6 +111,11 @@ def near_band(n: int, reach: int, a2: FloatArray, p: FloatArray, k: IntArray, w:
                             apart = gap + a * li + b * lj
                             less, _, _ = point_pair(0.25, apart, 0.5 * (a2[i + 1 - a] + a2[j + b]))
                             u -= less
+            if not exact and j == i + 1:
+                stiff, _, _ = ripple(li, lj, 0.5 * (ai + aj))
+                near[i, 0] += p[COUPLING] * stiff / (li * li)
+                near[j, 0] += p[COUPLING] * stiff / (lj * lj)
+                u -= stiff / (li * lj)
             near[i, j - i] = p[COUPLING] * u
             gap += lj
 
@@ -178,6 +199,7 @@ def level(
     near: FloatArray,
     p: FloatArray,
     k: IntArray,
+    tables: FloatArray,
     w: FloatArray,
     psi: FloatArray,
 ) -> None:
@@ -195,6 +217,7 @@ def level(
     for i in range(n):
         psi[i] = 0.0
     mirror_level(xm, own, am, p, k, w, psi)
+    needle_level(xm, own, False, n, y, p, tables, psi)
     for i in range(n):
         psi[i] = p[COUPLING] * (psi[i] + 0.5 * (potential[i] + potential[i + 1])) + near[i, 0] * own[i]
     for i in range(n):
@@ -207,9 +230,22 @@ def level(
 
 @njit(cache=True, error_model="numpy")
 def outer_level(
-    n: int, y: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, a2: FloatArray, outer: FloatArray
+    n: int,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+    w: FloatArray,
+    a2: FloatArray,
+    outer: FloatArray,
 ) -> None:
-    """Potential of the feed lines at the elements, added to `outer`."""
+    """Potential of the feed lines at the elements, and of what they induce on the needle, added to `outer`."""
+    if p[FEED_COUNT] > 0.0 and k[REPULSION] != EXACT:
+        x, soft2, answer = np.empty((n, 3)), np.empty(n), np.zeros(n)
+        middles(n, y, w, x, soft2)
+        needle_level(x, np.zeros(n), True, n, y, p, tables, answer)
+        for i in range(n):
+            outer[i] += p[COUPLING] * answer[i] * w[SHARE, i]
     exact = k[REPULSION] == EXACT
     reach = n if exact else k[NEAR]
     foot = p[RADIUS] ** 2

@@ -6,11 +6,12 @@ front. An element enters per ``V_step/Q``, so **flow rate and current are given*
 ``rho v_t = d/dq [(P + alpha pi r + P_charge) t] + rho_q E + rho g + air``, ``P = A (tau_zz - tau_rr)``, ``A = 1/|R_q|``
 
 with node masses ``rho (V_(i-1) + V_i)/2`` at fixed label and forces that are minus gradients of energies. With frozen
-charge the march is Dormand-Prince 5(4) with error control; with conduction or a solvent's viscosity it is ARS(2,2,2), those
-two implicit.
+charge the march is Dormand-Prince 5(4) with error control; with conduction, a solvent's viscosity or a bending moment it is
+ARS(2,2,2), those implicit. The compiled march comes back every second or so, so that a program can be stopped.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -64,6 +65,7 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     p[[c.CONDUCTIVITY, c.POTENTIAL_IN]] = s.conductivity, s.potential
     p[c.CURRENT] = 0.0 if s.current is None else s.current
     p[[c.NEEDLE_AT, c.CONE]] = loads.needle_at, grid.cone
+    p[[c.SETTLE, c.SETTLED]] = grid.settle, 1.0
     p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS, c.OUTFLOW]] = s.collector.speed, s.collector.radius, s.outflow
     p[c.COUPLING], p[c.LONGEST] = c.COULOMB, grid.longest
     _air_and_drying(s, p, k)
@@ -161,13 +163,15 @@ class Chain:
     step: float
     origin: FloatArray = field(default_factory=lambda: np.zeros(4))
 
-    def march(self, end: float) -> None:
-        """March to the time `end` in s."""
+    def march(self, end: float, progress: Callable[[float], None] | None = None) -> None:
+        """March to the time `end` in s; `progress` is called now and then with the time so far."""
         p, k = parameters(self.settings)
         tables = tables_of(self.settings)
         grid = self.settings.grid
         while self.time < end:
             status, self.time, self.n, self.step = self._kernel(end, p, k, tables, grid)
+            if progress is not None:
+                progress(self.time)
             if status == c.FULL:
                 self._grow()
             elif status in (c.BROKEN, c.STALLED):
@@ -181,6 +185,9 @@ class Chain:
         self, end: float, p: FloatArray, k: c.IntArray, tables: FloatArray, grid: object
     ) -> tuple[int, float, int, float]:
         g = self.settings.grid
+        most = max(4, 4_000_000 // (self.n * self.n))
+        # two explicit stages let undamped waves grow by (w h)^4/8 a step: a solvent's viscosity is what damps short ones
+        cfl = g.cfl if self.settings.law.solvent_viscosity > 0.0 else min(g.cfl, 0.1)
         if self.settings.implicit:
             return march_implicit(
                 self.time,
@@ -188,7 +195,8 @@ class Chain:
                 self.n,
                 self.step,
                 g.fixed_step,
-                g.cfl,
+                cfl,
+                most,
                 self.clock,
                 self.state,
                 self.held,
@@ -206,6 +214,7 @@ class Chain:
             g.fixed_step,
             g.tolerance,
             self.reach,
+            most,
             self.clock,
             self.state,
             self.held,

@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun._codes import FEEDS
 from spinline.jetprofile.spun.laws import JetLaw
+from spinline.jetprofile.spun.needle import COUNT, rings
 from spinline.jetprofile.spun.straight import StraightStart
 
 __all__ = ["Air", "Collector", "Drying", "Grid", "Inlet", "Loads", "SpunSettings"]
@@ -99,6 +101,8 @@ class Loads:
         Uniform magnetic field, T (Eq. 26; in Gaussian units that equation lacks a 1/c).
     image : bool
         Mirror charges behind an earthed plate at the gap.
+    metal : bool
+        The charge that the jet induces on its metal needle ("hyperboloid", "table"; with `tip`).
     needle_at : float
         x of the needle's tip, m: 0, or negative where the chain starts downstream of it.
     ramp : float
@@ -118,6 +122,7 @@ class Loads:
     side_frequency: float = 0.0
     magnetic: tuple[float, float, float] = (0.0, 0.0, 0.0)
     image: bool = False
+    metal: bool = False
     needle_at: float = 0.0
     ramp: float = 0.0
 
@@ -131,7 +136,7 @@ class Loads:
         if self.kind not in ("uniform", "hyperboloid", "table"):
             raise InputError("kind", "is not a known field", value=self.kind, allowed="uniform, hyperboloid, table")
         number("needle_at", self.needle_at, most=0.0, unit="m")
-        if self.kind == "hyperboloid":
+        if self.kind == "hyperboloid" or self.metal:
             positive("tip", self.tip, "m")
         if self.kind == "table":
             axis = real("axis", self.axis, unit="m")
@@ -252,6 +257,9 @@ class Grid:
         Length from the needle, m, over which the charge's own potential goes from the local logarithm (`log_length`), which the
         needle's straight jet has, to that of the whole thread: a line of charge means nothing where the jet is as wide as
         long. 0: the whole thread everywhere.
+    settle : float
+        Time, s, over which it does so everywhere: a chain that starts as a straight jet of the local logarithm would be pulled
+        anew, and its start would run down the jet as a step of its radius. 0: at once.
     bending : {"none", "viscous", "elastic"}
         Bending moment of the thread.
     tree : int
@@ -280,6 +288,7 @@ class Grid:
     fixed_step: float = 0.0
     longest: float = 0.0
     cone: float = 0.0
+    settle: float = 0.0
 
     def __post_init__(self) -> None:
         positive("element_length", self.element_length, "m")
@@ -358,15 +367,21 @@ class SpunSettings:
 
     @property
     def implicit(self) -> bool:
-        """Whether the march is the implicit one: charge that moves, or a solvent's viscosity."""
-        return self.conductivity > 0.0 or self.law.solvent_viscosity > 0.0
+        """Whether the march is the implicit one: charge that moves, a solvent's viscosity, a bending moment."""
+        return self.conductivity > 0.0 or self.law.solvent_viscosity > 0.0 or self.grid.bending != "none"
 
 
 def tables_of(settings: SpunSettings) -> FloatArray:
-    """Samples the kernels look up: rows 1-3 of the end, 4 and 5 of the field on the axis."""
+    """Samples the kernels look up: rows 1-3 of the end, 4 and 5 of the field on the axis; then the needle's rings."""
     ends, fields = len(settings.end_axis), len(settings.loads.axis)
-    tables = np.zeros((6, max(ends, fields, 3)))
-    tables[0, :2] = ends, fields
+    loads = settings.loads
+    count = COUNT if loads.metal else 0
+    tables = np.zeros((c.RINGS_FIRST + (2 + count if count else 0), max(ends, fields, count, 3)))
+    tables[0, :3] = ends, fields, count
+    if count:
+        depth, wide, inverse = rings(loads.gap - loads.needle_at, loads.tip)
+        tables[c.RINGS_FIRST, :count], tables[c.RINGS_FIRST + 1, :count] = loads.needle_at - depth, wide
+        tables[c.RINGS_FIRST + 2 :, :count] = inverse
     rows: dict[int, ArrayLike] = {1: settings.end_tension, 2: settings.end_share, 3: settings.end_axis}
     for row, values in (rows | {4: settings.loads.axis, 5: settings.loads.values}).items():
         tables[row, : len(np.atleast_1d(values))] = values

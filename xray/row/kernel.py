@@ -116,7 +116,8 @@ def blurred_columns(
     if reach == 0:
         for c in range(width):
             if parts == 1:
-                out[c, first:last] = columns[c, first:last]
+                for e in range(first, last):
+                    out[c, e] = columns[c, e]
             else:
                 for e in range(first, last):
                     out[c, e // parts] += columns[c, e] / parts

@@ -30,7 +30,9 @@ def fibre(
     ] = None,
     table: Annotated[Path | None, typer.Option(help="CSV table of experiments instead, one row each.")] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Table with the predictions, CSV.")] = None,
-    rung: Annotated[str, typer.Option(help='"race", or "terminal": charge against surface tension alone.')] = "race",
+    rung: Annotated[
+        str, typer.Option(help="race, terminal, envelope, or lagrangian (bead by bead; a minute).")
+    ] = "race",
     json: JsonOption = False,
     force: ForceOption = False,
     set_: SetOption = None,
@@ -84,6 +86,9 @@ def _table(table: Path, out: Path | None, rung: str, json: bool, force: bool) ->
     say(f"wrote {target}")
 
 
+_BY = {"terminal": "terminal law alone", "race": "race", "envelope": "envelope of loops"}
+
+
 def as_json(found: "Fibre") -> dict[str, Any]:
     """The answer by its fixed names, SI."""
     from dataclasses import asdict
@@ -109,20 +114,25 @@ def lines(found: "Fibre") -> list[str]:
         f"Decided by {found.decides}.",
         f"Strands in the solid fibre: {'mostly relaxed, ' if found.orientation < 0.05 else ''}orientation O = "
         f"{found.orientation:.2g} ({found.orientation_68[0]:.2g} to {found.orientation_68[1]:.2g}), an order of magnitude; "
-        "drawing by a drum is not in it.",
+        "neither drawing by a drum nor crystals are in it.",
     ]
     dry = "dry" if found.landing_fraction > 0.69 else "wet" if found.landing_fraction < 0.4 else "damp"
     said.append(
         f"It lands {dry} ({100 * found.landing_fraction:.0f} % of polymer); one unbroken fibre would be made at "
         f"{found.laying_speed:.3g} m/s."
     )
+    if found.envelope_radius is not None:
+        said.append(
+            f"Loops of {1e3 * found.envelope_radius:.2g} mm, {1e3 * found.flight_time:.3g} ms from the onset of bending; the "
+            "cone that the eye sees is of bends upon bends, and wider."
+        )
     known = {**UNKNOWNS, "measured": "scatter of the measured fibres"}
     parts = [f"{known[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
     if parts:
         said.append("The interval is made of: " + ", ".join(parts) + ".")
     said.append(
-        f"On the way: current {1e9 * found.current:.3g} nA, viscosity {found.viscosity:.2g} Pa s; by the "
-        + ", ".join(f"{name} law alone {nm(size)} nm" for name, size in found.trade.items())
+        f"On the way: current {1e9 * found.current:.3g} nA, viscosity {found.viscosity:.2g} Pa s; by "
+        + ", ".join(f"the {_BY[name]} {nm(size)} nm" for name, size in found.trade.items())
         + "."
     )
     said += [f"Not given, so taken: {key}: {words}." for key, words in found.borrowed.items()]

@@ -1,5 +1,7 @@
 """The command that spins a jet: bead by bead, from the nozzle to the collector."""
 
+import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -180,11 +182,16 @@ def _one(
     kept = Checkpoint(folder, fingerprint(f"{own!r} {times.tolist()} {__version__}", []))
     held = kept.load("run")
     run = SpunRun.start(own) if held is None else SpunRun.unpack(own, held)
-    with progress_of("moments") as progress:
-        for index in run.to(times):
-            progress(index + 1, frames)
-            if (index + 1) % max(frames // 20, 1) == 0 or index + 1 == frames:
-                kept.save("run", **run.pack())
+    with progress_of("moments") as progress, _stoppable():
+        try:
+            for index in run.to(times):
+                progress(index + 1, frames)
+                if (index + 1) % max(frames // 20, 1) == 0 or index + 1 == frames:
+                    kept.save("run", **run.pack())
+        except KeyboardInterrupt:
+            at = f"stopped at {1e3 * run.chain.time:.4g} ms of {1e3 * end:.4g} ms"
+            say(f"{at}; the same command with --resume goes on from the last moment kept", err=True)
+            raise typer.Exit(130) from None
     kept.clear()
     about = {"title": title, "model": _model(own), "spinline": __version__, "settings": repr(own)}
     if notes:
@@ -215,6 +222,25 @@ def _finished(settings: "SpunSettings", seed: int, end: float, frames: int, targ
             remedy="choose another name, or --force to overwrite",
         )
     return jet
+
+
+@contextlib.contextmanager
+def _stoppable() -> Iterator[None]:
+    """A request to end (SIGTERM) is taken like an interrupt from the keyboard; not where another thread has the signals."""
+    import signal
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGTERM, stop)
+    except ValueError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _model(s: "SpunSettings") -> str:

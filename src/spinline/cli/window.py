@@ -198,6 +198,12 @@ def _of_recipe(
     else:
         low, high = 1e9 * answer["fibre_diameter_least"], 1e9 * answer["fibre_diameter_most"]
         words = [f"fibres of {low:.3g} to {high:.3g} nm (medians); of the window: {share}"]
+    odd = found["remark"].values[1].ravel()
+    answer["outside"] = int(np.count_nonzero(odd != ""))
+    if answer["outside"]:
+        words.append(
+            f"warning: {answer['outside']} of {odd.size} points lie outside anything that is spun, as {odd[odd != ''][-1]}"
+        )
     points = [
         Point({name: float(getattr(one.recipe, name)) for name in AXES}, "fibre_diameter", one.diameter)
         for one in sheet.measurements()

@@ -196,6 +196,9 @@ _UNDERSHOOT = 1e-5  # of the solvent there was
 def _not_below_dryness(radial: "RadialDrying", path: "ElementPath", phi: float) -> "RadialDrying":
     """The same with cells that the integration left below dryness, by less than its error, dry.
 
+    What they lack is taken from the wet ones, in proportion: what is left and what has gone stay as they are. Only where
+    the whole cross-section is below dryness it ends dry, and what has gone is then all there was.
+
     Raises
     ------
     InputError
@@ -211,8 +214,11 @@ def _not_below_dryness(radial: "RadialDrying", path: "ElementPath", phi: float) 
             value=radial.polymer_share.size,
             remedy="raise it",
         )
-    wet = np.maximum(wet, 0.0)
-    volume = np.concatenate((np.zeros((wet.shape[0], 1)), np.cumsum(radial.polymer_share * (1 + wet), axis=1)), axis=1)
+    share = radial.polymer_share
+    total, wet = np.maximum(wet @ share, 0.0), np.maximum(wet, 0.0)
+    held = wet @ share
+    wet *= np.divide(total, held, out=np.ones_like(held), where=held > 0)[:, np.newaxis]
+    volume = np.concatenate((np.zeros((wet.shape[0], 1)), np.cumsum(share * (1 + wet), axis=1)), axis=1)
     left = phi * volume[:, -1]
     stretch = path.stretch(path.position) * (left if path.given == "radius" else 1.0)
     return replace(

@@ -263,7 +263,7 @@ def _drying(context: Context, missing: dict[str, str]) -> tuple[float, float, fl
 
 
 def _both_ways(context: Context, missing: dict[str, str]) -> tuple[Dried | None, Dried | None, float, float]:
-    """The flat balance at the jet's own temperature and with heat, what the second changes, and the wet-bulb depression."""
+    """The flat balance at the jet's own temperature and with heat, what leaving that out changes, the wet-bulb depression."""
     age = None if context.straight else context.ages[context.beads.usable]
     still, cold, depression = None, None, _NAN
     try:
@@ -288,7 +288,7 @@ def _both_ways(context: Context, missing: dict[str, str]) -> tuple[Dried | None,
     if still is None:
         missing.pop("evaporation", None)
         return None, cold, np.inf, depression
-    return still, cold, float(np.max(np.abs(still.remaining / cold.remaining - 1))), depression
+    return still, cold, float(np.max(np.abs(cold.remaining / still.remaining - 1))), depression
 
 
 def _places(context: Context) -> FloatArray:

@@ -142,6 +142,7 @@ def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed
             needle_radius=r0,
             volume_fraction=phi,
             solid_fraction=max(TAKEN.solid_fraction, 0.5 * (1 + phi)),
+            density=1 / (w / solid + (1 - w) / rho),
             viscosity=recipe.viscosity,
             current=recipe.current,
             sd=sd,

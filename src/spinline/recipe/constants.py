@@ -67,21 +67,21 @@ class Calibrated:
         Standard deviations of ln d that no recipe explains, by the names of `spinline.recipe.model.UNKNOWNS`.
     """
 
-    trouton: float = 50.1  # posterior sd 1.1 of its logarithm
-    current_level: float = 4.678e-07  # posterior sd 0.32 of its logarithm
-    viscosity_power: float = 4.819  # posterior sd 0.63
-    current_conductivity: float = 0.2981  # posterior sd 0.072
-    concentration_beyond: float = 0.6738  # posterior sd 0.25
+    trouton: float = 56.77  # posterior sd 1.1 of its logarithm
+    current_level: float = 4.492e-07  # posterior sd 0.33 of its logarithm
+    viscosity_power: float = 4.871  # posterior sd 0.64
+    current_conductivity: float = 0.3105  # posterior sd 0.073
+    concentration_beyond: float = 0.6846  # posterior sd 0.26
     sd: dict[str, float] = field(
         default_factory=lambda: {
-            "laboratory": 0.2063,
-            "setting": 0.08637,
-            "repeat": 0.2595,
-            "concentration_response": 0.8053,
-            "voltage_response": 0.2901,
-            "flow_response": 0.1349,
-            "gap_response": 0.1169,
-            "unevenness": 0.702,
+            "laboratory": 0.2288,
+            "setting": 0.08726,
+            "repeat": 0.259,
+            "concentration_response": 0.7883,
+            "voltage_response": 0.2879,
+            "flow_response": 0.135,
+            "gap_response": 0.1162,
+            "unevenness": 0.7026,
         }
     )
 

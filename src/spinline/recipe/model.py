@@ -3,6 +3,8 @@
     c/c_e, mu_s -> mu -> eta_E = Tr mu ;  V, Q, K, mu -> I -> q = I/Q ;  solvent, air -> k_ev (with heat)
     q, gamma, eta_E, k_ev, phi_0, flight time -> thinning (`spinline.jetprofile.whipping`) -> d = 2 a phi_0^(1/2)
 
+or, by rung, the terminal law, or the thread of its envelope (`spinline.jetprofile.envelope`) in place of the thinning.
+
 Every unknown is a median times ``exp(sd z)`` with z normal, so that the chain is a function of the normal draws z and of the
 recipe's medians; shares of variance and a measured fibre act on the z's. What the laws do not know is in it too: how a
 laboratory differs from the next, how its fibres answer a setting beyond the laws, how one setting and one mat differ.
@@ -16,6 +18,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
+from spinline.jetprofile.envelope import Envelope, envelope, onset_radius
 from spinline.jetprofile.whipping import Thinning, terminal_radius, thinning
 from spinline.recipe.constants import CONSTANTS, TAKEN, Calibrated
 
@@ -73,6 +76,8 @@ class Believed:
         V, m3/s, m, m.
     volume_fraction, solid_fraction : float
         Polymer at the needle, and where it is solid.
+    density : float
+        Of the solution, kg/m3.
     viscosity, current : float
         Pa s, A; NaN where they follow from the laws.
     sd : mapping
@@ -94,6 +99,7 @@ class Believed:
     needle_radius: float
     volume_fraction: float
     solid_fraction: float = TAKEN.solid_fraction
+    density: float = 1000.0
     viscosity: float = float("nan")
     current: float = float("nan")
     sd: Mapping[str, Any] = field(default_factory=dict)
@@ -124,13 +130,13 @@ class Fibres:
     ----------
     log_diameter : ndarray
         ln of the fibre's dry diameter in m, laboratory, setting and repeat included.
-    thinning : Thinning
+    thinning : Thinning or Envelope
     charge_density, viscosity, current, coil, terminal, terminal_radius : ndarray
         q (C/m3), mu (Pa s), I (A), c/c_e, the fibre's diameter by the terminal law alone (m), and the undried radius of that.
     """
 
     log_diameter: FloatArray
-    thinning: Thinning
+    thinning: "Thinning | Envelope"
     charge_density: FloatArray
     viscosity: FloatArray
     current: FloatArray
@@ -154,10 +160,10 @@ def spun(
     believed : Believed
     normal : ndarray, (draw, unknown)
         Standard normal, columns in the order of `UNKNOWNS`.
-    rung : {"race", "terminal"}
-        The whole thinning, or the balance of charge and surface tension alone.
+    rung : {"race", "terminal", "envelope"}
+        The whole thinning, the balance of charge and surface tension alone, or the thread of the envelope.
     steps : int
-        Of the march.
+        Of the march of the thinning.
     constants : Calibrated
 
     Returns
@@ -188,19 +194,26 @@ def spun(
     q = current / believed.flow_rate
     gamma = believed.surface_tension * factor("surface_tension")
     terminal = terminal_radius(q, gamma, TAKEN.chi)
-    found = thinning(
-        q,
-        gamma,
-        constants.trouton * viscosity * factor("extensional_viscosity"),
-        believed.evaporation * factor("evaporation"),
-        believed.volume_fraction,
-        believed.flight_time * factor("flight_time"),
-        believed.onset_radius * factor("onset_radius"),
-        power=constants.viscosity_power,
-        solid_fraction=believed.solid_fraction,
-        chi=TAKEN.chi,
-        steps=steps,
-    )
+    eta = constants.trouton * viscosity * factor("extensional_viscosity")
+    drying = believed.evaporation * factor("evaporation")
+    if rung == "envelope":
+        found: Thinning | Envelope = _enveloped(
+            believed, factor, current, gamma, eta, drying, constants.viscosity_power
+        )
+    else:
+        found = thinning(
+            q,
+            gamma,
+            eta,
+            drying,
+            believed.volume_fraction,
+            believed.flight_time * factor("flight_time"),
+            believed.onset_radius * factor("onset_radius"),
+            power=constants.viscosity_power,
+            solid_fraction=believed.solid_fraction,
+            chi=TAKEN.chi,
+            steps=steps,
+        )
     dry = 2 * np.sqrt(believed.volume_fraction)
     log_d = np.log(dry * (terminal if rung == "terminal" else found.radius))
     log_d = log_d + constants.concentration_beyond * believed.away.get("concentration_response", 0.0)
@@ -210,6 +223,31 @@ def spun(
     for name in ("setting", "repeat"):
         log_d = log_d + believed.sd.get(name, 0.0) * factor("unevenness") * z[name]
     return Fibres(log_d, found, q, viscosity, current, coil, dry * terminal, terminal)
+
+
+def _enveloped(
+    believed: Believed, factor: Any, current: Any, gamma: Any, eta: Any, drying: Any, power: float
+) -> Envelope:
+    """The thread of the envelope, from where the current is carried by the surface; never thicker than the needle."""
+    conductivity = believed.conductivity * factor("conductivity")
+    rides = onset_radius(current, conductivity, believed.flow_rate, believed.voltage, believed.gap)
+    begin = np.minimum(rides * factor("onset_radius"), believed.needle_radius)
+    return envelope(
+        current / believed.flow_rate,
+        gamma,
+        eta,
+        drying,
+        believed.volume_fraction,
+        believed.flow_rate,
+        believed.gap,
+        begin,
+        believed.voltage / believed.gap,
+        density=believed.density,
+        power=power,
+        solid_fraction=believed.solid_fraction,
+        chi=TAKEN.chi,
+        fraction=0.2,
+    )
 
 
 def _field(voltage: Any, gap: Any, radius: Any) -> Any:

@@ -205,7 +205,7 @@ def fibre(recipe: "str | Path | RecipeSheet | Recipe", *, rung: str = "race", sh
     ----------
     recipe : path, str, RecipeSheet or Recipe
         A recipe file, a bundled recipe's name, or a recipe.
-    rung : {"race", "terminal"}
+    rung : {"race", "terminal", "envelope", "lagrangian"}
     shares : bool
         With variance shares.
 

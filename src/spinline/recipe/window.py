@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 from spinline.base.version import __version__
+from spinline.recipe.outside import outside_remarks
 from spinline.recipe.predict import Fibre, predict
 from spinline.recipe.recipe_file import RecipeSheet
 from spinline.recipe.regime import REGIMES
@@ -66,8 +67,8 @@ def fibre_window(
     Returns
     -------
     xarray.Dataset
-        Along `interval` (16 %, median, 84 %) and the four axes: `fibre_diameter`, `orientation`, `regime`, `status` (0 or 2)
-        and `reason`.
+        Along `interval` (16 %, median, 84 %) and the four axes: `fibre_diameter`, `orientation`, `regime`, `status` (0 or 2),
+        `reason`, and `remark` (what lies outside all that is spun).
 
     Raises
     ------
@@ -86,13 +87,16 @@ def fibre_window(
     shape = tuple(values.size for values in axes.values())
     found = {name: np.full((3, *shape), np.nan) for name in _OUT}
     regime, reason = np.full((3, *shape), "no answer", dtype=object), np.full((3, *shape), "", dtype=object)
+    remark = reason.copy()
     total = int(np.prod(shape))
     borrowed: dict[str, str] = {}
     for done, (place, values) in enumerate(zip(np.ndindex(shape), product(*axes.values()), strict=True)):
         changes: dict[str, Any] = {name: float(x) for name, x in zip(axes, values, strict=True)}
         at = (slice(None), *place)
+        here = replace(recipe, **changes)
+        remark[at] = "; ".join(outside_remarks(here))
         try:
-            one = predict(replace(recipe, **changes), measured, rung=rung, draws=_DRAWS, shares=False)
+            one = predict(here, measured, rung=rung, draws=_DRAWS, shares=False)
         except InputError as error:
             reason[at] = str(error)
             continue
@@ -112,6 +116,11 @@ def fibre_window(
         {"long_name": "0 ok, 2 refused"},
     )
     variables["reason"] = (dims, reason.astype(str), {"long_name": "why a point has no numbers"})
+    variables["remark"] = (
+        dims,
+        remark.astype(str),
+        {"long_name": "what of a point's settings lies outside all that is spun"},
+    )
     coordinates = {name: (name, values, {"units": _AXES[name][0]}) for name, values in axes.items()}
     attributes = {
         "title": sheet.title or sheet.name,

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["across", "along"]
 
+_HEADROOM = 0.6  # of the curves' height, for the legend over them
+
 
 def across(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
     """Map of the polymer fraction; without radial drying, the volume that is left, or the stress."""
@@ -83,7 +85,13 @@ def along(axis: "Axes", place: Any, result: "xr.Dataset | NamedArrays") -> None:
         )
         warm.tick_params(axis="y", pad=2, labelsize=7, labelcolor=RED)
         warm.grid(False)
-    if handles:
-        top = axis if "temperature" not in result else warm  # the last that is drawn, over the curves of both
-        top.legend(handles=handles, **LEGEND, loc="best")
+        # two scales: no place is free of both curves but above them
+        if axis.get_yscale() == "log":
+            low, high = (float(np.log10(v)) for v in axis.get_ylim())
+            axis.set_ylim(10**low, 10 ** min(high + _HEADROOM * (high - low), 305.0))
+        cold, hot = warm.get_ylim()
+        warm.set_ylim(cold, hot + _HEADROOM * (hot - cold))
+        warm.legend(handles=handles, **LEGEND, loc="upper right")
+    elif handles:
+        axis.legend(handles=handles, **LEGEND, loc="best")
     axis.set_ylabel("the solution along the jet")

@@ -30,6 +30,7 @@ from spinline.report.style import (
     sheet_of,
     titled,
 )
+from spinline.report.window_axes import drawn_axes
 from spinline.report.window_page import AXES
 
 __all__ = ["fibre_window_figure", "save_fibre_window_figure"]
@@ -51,11 +52,7 @@ def fibre_window_figure(window: xr.Dataset, axes: SheetAxes = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    varied = [name for name in AXES if window.sizes[name] > 1]
-    if not varied:
-        raise InputError("window", "is one point: nothing to draw", remedy="give a range, voltage 5 kV .. 20 kV")
-    shown = varied[:2]
-    held = {name: window.sizes[name] // 2 for name in AXES if name not in shown}
+    shown, held = drawn_axes(window, AXES)
     cut = window.isel(held).transpose("interval", *shown[::-1])
     own = axes is None
     sheet, panels = sheet_of(axes, 2, 2, (9.6, 7.2), layout="constrained")

@@ -152,6 +152,8 @@ def _dried(result: "xr.Dataset | NamedArrays", end: int) -> list[str]:
         surface, axis = (float(result[f"{name}_polymer_fraction"].values[end]) for name in ("surface", "axis"))
         skin = 1e6 * float(result["skin_thickness"].values[end])
         thick = f"the skin is {skin:.3g} µm thick" if skin > 0 else "there is no skin"
+        if skin >= 1e6 * float(result["radius"].values[end]) * (1 - 1e-9):
+            thick = "all of the section is past its glass"
         sentences.append(
             f"Drying leaves a fraction of {surface:.3g} at the surface against {axis:.3g} on the axis; {thick}."
         )

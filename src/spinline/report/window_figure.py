@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from spinline.base.errors import InputError
 from spinline.report.style import BLUE, GREY, LEGEND, SheetAxes, check_format, grid, save_sheet, sheet_of, titled
+from spinline.report.window_axes import drawn_axes
 from spinline.study.window import AXES
 
 if TYPE_CHECKING:
@@ -48,11 +48,7 @@ def window_figure(window: xr.Dataset, axes: SheetAxes = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    varied = [name for name in AXES if window.sizes[name] > 1]
-    if not varied:
-        raise InputError("window", "is one point: nothing to draw", remedy="give a range, voltage 5 kV .. 20 kV")
-    shown = varied[:2]
-    held = {name: window.sizes[name] // 2 for name in AXES if name not in shown}
+    shown, held = drawn_axes(window, AXES)
     cut = window.isel(held)
     own = axes is None
     sheet, axes = sheet_of(axes, 2, 2, (9.6, 7.2), layout="constrained")

@@ -172,8 +172,8 @@ def _kinds(window: xr.Dataset, dims: tuple[str, ...]) -> dict[str, Any]:
     if "regime" in window:
         words = window["regime"].transpose(*dims).values.astype(str)
         names, codes = np.unique(words, return_inverse=True)
-        said = window["regime"].attrs
-        names = np.array([f"{name}: {said[name]}" if name in said else name for name in names])
+        meant = window["regime"].attrs
+        names = np.array([f"{name}: {meant[name]}" if name in meant else name for name in names])
         label = "the regimes"
     else:
         answered = window["status"].transpose(*dims).values <= INCOMPLETE
@@ -184,7 +184,10 @@ def _kinds(window: xr.Dataset, dims: tuple[str, ...]) -> dict[str, Any]:
         codes = np.where(answered, np.where(reached, 2, 1), 0)
         label = "where the network is fully stretched within the jet from where it is not"
     codes = np.reshape(codes, [window.sizes[name] for name in dims]).astype(np.uint8)
-    why, told = np.unique(window["reason"].transpose(*dims).values.astype(str), return_inverse=True)
+    said = window["reason"].transpose(*dims).values.astype(str)
+    if "remark" in window:
+        said = np.where(said == "", window["remark"].transpose(*dims).values.astype(str), said)
+    why, told = np.unique(said, return_inverse=True)
     return {
         "kinds": {
             "label": label,

@@ -40,7 +40,8 @@ class Read:
             raise PydanticCustomError("quantity", "{problem}", words) from None
         value = measured.value
         if not (self.low <= value <= self.high if self.closed else self.low < value < self.high):
-            raise PydanticCustomError("range", "is out of range", {"allowed": self.allowed, "remedy": self.remedy})
+            remedy = self.remedy or _percent(self.kind, value)
+            raise PydanticCustomError("range", "is out of range", {"allowed": self.allowed, "remedy": remedy})
         return measured
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -50,6 +51,12 @@ class Read:
         quantity = QUANTITIES[self.kind]
         kinds: Any = "string" if quantity.unit else ["string", "number"]
         return {"type": kinds, "description": f"{self.kind}, {self.allowed}", "examples": [quantity.example]}
+
+
+def _percent(kind: str, value: float) -> str:
+    """What a share above 1 was meant to be."""
+    unit = {"mass fraction": "wt%", "volume fraction": "vol%", "fraction": "%"}.get(kind)
+    return f'a share is at most 1; percent are written "{value:g} {unit}"' if unit and 1 < value <= 100 else ""
 
 
 Length = Annotated[Measured, Read("length", 1e-12, 1e3)]

@@ -32,8 +32,10 @@ __all__ = [
     "build_air",
     "humidity_of",
     "interaction_with",
+    "known_interaction",
     "library_name",
     "unit_volume",
+    "water_with",
 ]
 
 ATMOSPHERE = 101325.0  # Pa
@@ -192,38 +194,54 @@ def library_name(name: str) -> str:
     return known_as(name, VAPOURS) or name
 
 
-def interaction_with(scene: Scene, solution: Solution, name: str) -> float:
-    """Chi of the polymer with a liquid: the scene's, the library's, or that of the solvent's quality."""
+def known_interaction(scene: Scene, solution: Solution, name: str) -> float | None:
+    """Chi of the polymer with a liquid: the scene's (chi_water of water, chi of the solvents), or the library's; None where
+    neither has it.
+    """
     from spinline.rheology.interactions import interaction
 
     laws = scene.rheology or RheologySection()
     library = interaction(solution.polymer.name, name)
-    known = None if library is None else min(library[0], 5.0)
-    among = name in map(library_name, solution.solvent)
-    found = (laws.chi, known) if among else (laws.chi_water, known, laws.chi)
-    for value in found:
+    own = laws.chi if name in map(library_name, solution.solvent) else None
+    given_one = laws.chi_water if name == "water" and laws.chi_water is not None else own
+    return given_one if given_one is not None else None if library is None else min(library[0], 5.0)
+
+
+def interaction_with(scene: Scene, solution: Solution, name: str) -> float:
+    """`known_interaction`, or what is taken where it is not known: of water from the air that of the solvents, and of these
+    what the solvent's quality says.
+    """
+    laws = scene.rheology or RheologySection()
+    for value in (known_interaction(scene, solution, name), laws.chi):
         if value is not None:
             return value
     return 0.5 if scene.network.solvent_quality == "theta" else 0.0
+
+
+def water_with(scene: Scene, solvent: str) -> float | None:
+    """Chi of water with another solvent, by water's volume: the scene's, or the library's; None where neither has it."""
+    from spinline.rheology.interactions import water_interaction
+
+    laws = scene.rheology or RheologySection()
+    known = water_interaction(solvent)
+    return laws.chi_water_solvent if laws.chi_water_solvent is not None else None if known is None else known[0]
 
 
 def assumed_interactions(scene: Scene, solution: Solution) -> list[tuple[str, str, float]]:
     """Liquids in the balance whose chi with the polymer neither the scene nor the library has: name, the key that
     gives it, and what is taken.
     """
-    from spinline.rheology.interactions import interaction
-
     laws, ambient = scene.rheology or RheologySection(), scene.ambient or AmbientSection()
     if laws.activity != "flory-huggins":
         return []
     names = [library_name(name) for name in solution.solvent]
-    keys = dict.fromkeys(names, ("rheology.chi", laws.chi))
+    keys = dict.fromkeys(names, "rheology.chi")
     if ambient.relative_humidity is not None and ambient.relative_humidity.value > 0 and "water" not in names:
-        keys["water"] = ("rheology.chi_water", laws.chi_water)
+        keys["water"] = "rheology.chi_water"
     return [
         (name, key, interaction_with(scene, solution, name))
-        for name, (key, own) in keys.items()
-        if own is None and interaction(solution.polymer.name, name) is None
+        for name, key in keys.items()
+        if known_interaction(scene, solution, name) is None
     ]
 
 

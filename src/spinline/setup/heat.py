@@ -17,7 +17,7 @@ from spinline.rheology.solution import Solution
 from spinline.rheology.thermal import COLDEST, HOTTEST
 from spinline.scene.air_and_rheology import AmbientSection, RheologySection
 from spinline.scene.file import Scene, SolventData
-from spinline.setup.air import ATMOSPHERE, humidity_of, interaction_with, library_name, unit_volume
+from spinline.setup.air import ATMOSPHERE, humidity_of, interaction_with, library_name, unit_volume, water_with
 from spinline.setup.values import given
 
 if TYPE_CHECKING:
@@ -214,7 +214,7 @@ def build_heated_air(scene: Scene, solution: Solution) -> HeatedAir:
         polymer_density=solution.polymer.density,
         polymer_heat_capacity=heat if heat > 0 else POLYMER_HEAT_CAPACITY,
         polymer_molar_volume=unit_volume(solution, laws),
-        pairs=_pairs(laws, liquids),
+        pairs=_pairs(scene, liquids),
     )
 
 
@@ -290,13 +290,16 @@ def _water(scene: Scene, solution: Solution, warm: float, pressure: float, far: 
     )
 
 
-def _pairs(laws: RheologySection, liquids: "list[Evaporant]") -> FloatArray | None:
-    """Interaction of water with the other solvents where the scene gives it; they mix without heat otherwise."""
+def _pairs(scene: Scene, liquids: "list[Evaporant]") -> FloatArray | None:
+    """Interaction of water with the other solvents, the scene's or the library's: where neither has it, and among
+    themselves, they mix without heat.
+    """
     names = [e.name for e in liquids]
-    if laws.chi_water_solvent is None or "water" not in names:
+    if "water" not in names:
         return None
     w = names.index("water")
     found = np.zeros((len(names), len(names)))
-    found[w, :] = found[:, w] = laws.chi_water_solvent * liquids[w].density / liquids[w].molar_mass
-    found[w, w] = 0.0
-    return found
+    for i, name in enumerate(names):
+        if i != w:
+            found[w, i] = found[i, w] = (water_with(scene, name) or 0.0) * liquids[w].density / liquids[w].molar_mass
+    return found if found.any() else None

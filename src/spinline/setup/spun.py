@@ -35,7 +35,7 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
     elif frozen and section.current is not None:
         density = section.current.value / flow
     loads = _loads(section, gap, radius)
-    step = given(section.element_length) or radius / 5
+    step = given(section.element_length) or radius / (15 if section.charge == "conducting" else 5)
     amplitude = given(section.nozzle_amplitude) or 0.0
     frequency = 2 * math.pi * (given(section.nozzle_frequency) or 0.0)
     given_stress = law.solvent_viscosity > 0.0 or section.inlet_stress == "given"

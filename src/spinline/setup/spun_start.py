@@ -24,6 +24,7 @@ __all__ = ["CONE", "conducting"]
 
 CONE = 10.0
 """Radii of the needle over which the charge's own potential goes from the local logarithm to the whole thread's."""
+SETTLE = 20e-3
 FEEDS = 8
 SAMPLES = 4000
 LATERAL = 1e-3
@@ -60,8 +61,8 @@ def conducting(settings: SpunSettings, needle: "NeedleSettings", position: float
     if position is None:
         axis = _axis(needle.end_position, needle.radius)
         start = _samples(jet, axis, 0.0)
-        grid = replace(settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius)
-        loads = replace(settings.loads, image=True)
+        grid = replace(settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius, settle=SETTLE)
+        loads = replace(settings.loads, image=True, metal=True)
         return replace(
             settings, grid=grid, loads=loads, start=start, conductivity=needle.conductivity, current=needle.current
         )
@@ -115,8 +116,9 @@ def _downstream(settings: SpunSettings, jet: "StraightEhdJet", position: float) 
         repulsion="hybrid",
         pressure=True,
         feed_lines=tuple(zip(cuts[1:].tolist(), steps.tolist(), strict=True)),
+        settle=SETTLE,
     )
-    loads = replace(settings.loads, gap=gap, needle_at=-position, image=True)
+    loads = replace(settings.loads, gap=gap, needle_at=-position, image=True, metal=True)
     if loads.kind == "table":
         loads = replace(loads, axis=tuple(np.asarray(loads.axis) - position))
     return replace(

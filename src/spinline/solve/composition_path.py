@@ -1,16 +1,15 @@
 """Does the jet stay one phase as it dries in humid air: what can be said of it, in a sentence.
 
-Needs one solvent, water (in the jet or from the air), and three interaction parameters: given in ``[rheology]`` (chi,
-chi_water, chi_water_solvent) or known to the library; of a single liquid one. Where one is not known, that is said, and
-nothing is guessed. Inside the spinodal before it is solid the jet separates at once: porous.
+Needs one solvent, water (in the jet or from the air), and three interaction parameters, the ones of the jet's balance: given in
+``[rheology]`` (chi, chi_water, chi_water_solvent) or known to the library; of a single liquid one. Where one is not known,
+that is said, and nothing is guessed. Inside the spinodal before it is solid the jet separates at once: porous.
 """
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.rheology.interactions import interaction, water_interaction
 from spinline.rheology.ternary import Ternary
-from spinline.scene.air_and_rheology import RheologySection
+from spinline.setup.air import known_interaction, water_with
 from spinline.setup.context import Context
 from spinline.setup.solid import Liquids
 
@@ -31,24 +30,19 @@ def composition_path(context: Context, position: FloatArray, here: Liquids, name
     if len(names) > 2:
         return "not judged: more than one solvent beside water"
     water, solvent = names.index("water"), 1 - names.index("water")
-    laws = context.scene.rheology or RheologySection()
     name, polymer = names[solvent], context.solution.polymer.name
-    library = interaction(polymer, name), interaction(polymer, "water"), water_interaction(name)
-    chosen = (laws.chi, laws.chi_water, laws.chi_water_solvent)
     keys = (
         f"rheology.chi ({polymer} with {name})",
         f"rheology.chi_water ({polymer} with water)",
         f"rheology.chi_water_solvent (water with {name})",
     )
-    found = [
-        given if given is not None else None if known is None else known[0]
-        for given, known in zip(chosen, library, strict=True)
-    ]
+    s = context.solution
+    found = [known_interaction(context.scene, s, liquid) for liquid in (name, "water")]
+    found.append(water_with(context.scene, name))
     missing = [key for key, value in zip(keys, found, strict=True) if value is None]
     values = [value for value in found if value is not None]
     if missing:
         return f"not judged, for want of {' and '.join(missing)}: give what is known of it"
-    s = context.solution
     chain = (s.molar_mass or _CHAIN) / s.polymer.density
     path = Ternary(
         float(here.molar_volume[water]), float(here.molar_volume[solvent]), chain, values[2], values[1], values[0]
@@ -73,9 +67,8 @@ def composition_path(context: Context, position: FloatArray, here: Liquids, name
 def _alone(context: Context, position: FloatArray, here: Liquids, names: list[str], arrest: float) -> str:
     """Of one liquid: Flory and Huggins' binary spinodal, ``1/(1 - phi) + v/(V phi) = 2 chi``."""
     name = next((n for n in names if n != "water"), "water")
-    polymer, laws = context.solution.polymer, context.scene.rheology or RheologySection()
-    library = interaction(polymer.name, name)
-    chi = laws.chi if laws.chi is not None or library is None else library[0]
+    polymer = context.solution.polymer
+    chi = known_interaction(context.scene, context.solution, name)
     if chi is None:
         return f"not judged, for want of rheology.chi ({polymer.name} with {name}): give what is known of it"
     chain = (context.solution.molar_mass or _CHAIN) / polymer.density

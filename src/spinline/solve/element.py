@@ -73,7 +73,11 @@ class Followed:
 
 
 def follow(
-    context: Context, profile: dict[str, FloatArray], slipping: FloatArray | None = None, *, bare: bool = False
+    context: Context,
+    profile: dict[str, FloatArray],
+    slipping: tuple[FloatArray, FloatArray] | None = None,
+    *,
+    bare: bool = False,
 ) -> Followed:
     """Follow the solution along one moment of a jet.
 
@@ -83,8 +87,8 @@ def follow(
         Rung and effects chosen.
     profile : dict
         Jet variables without the effects.
-    slipping : ndarray, optional
-        Stretch w of the network at the profile's places, of a rung that slips.
+    slipping : tuple of ndarray, optional
+        Stretch of the strands and velocity w of the network at the profile's places, of a rung that slips.
     bare : bool
         Do not look beyond the jet for where it would turn to glass.
 
@@ -129,8 +133,10 @@ def follow(
             remarks += _cold(context, dried)
     fields |= _material_fields(material, history.fraction)
     w = history.stretch
+    slip = np.ones(x.size)  # velocity of the network over that of the jet
     if slipping is not None:
-        w = np.exp(np.interp(x, place[known], np.log(slipping[known])))
+        w, moves = (np.exp(np.interp(x, place[known], np.log(values[known]))) for values in slipping)
+        slip = moves / history.stretch
     if context.effects.relaxation:
         relaxed = rung_in(context.scene.network).relax(context, _held(history, arrest))
         attributes["constitutive_model"] = relaxed.words
@@ -141,7 +147,7 @@ def follow(
     frozen = None
     if dried is not None:
         assert arrest is not None
-        frozen = _frozen(context, along, dried, arrest)
+        frozen = _frozen(context, along, dried, arrest, slip)
         attributes |= {f"{name}_structure": words for name, words in frozen.words.items()}
         if not np.isnan(frozen.position):
             beyond = x > frozen.position
@@ -270,7 +276,7 @@ def _material_fields(material: Material, fraction: FloatArray) -> dict[str, Floa
     return fields
 
 
-def _frozen(context: Context, along: Along, dried: Dried, arrest: Arrest) -> Frozen:
+def _frozen(context: Context, along: Along, dried: Dried, arrest: Arrest, slip: FloatArray) -> Frozen:
     places = {"frozen": (arrest.position, arrest.predicted)}
     if dried.radial is not None:
         places |= {"skin": (arrest.skin, arrest.skin), "core": (arrest.core, arrest.core)}
@@ -283,18 +289,14 @@ def _frozen(context: Context, along: Along, dried: Dried, arrest: Arrest) -> Fro
     found = freeze(
         along, places, arrest.fraction, arrest.why, lambda w: strand_conformation(context, w), arrest.never, exact
     )
-    slips = exact is not None and rung_in(context.scene.network).slips
     nan = float("nan")
+    behind = nan if exact is None else float(np.interp(arrest.position, along.position, slip))
     grown = arrest.crystallinity
     solid = {
         "arrest_position": arrest.position,
         "arrest_fraction": nan if exact is None else arrest.fraction,
         "arrest_temperature": arrest.temperature,
-        "arrest_slip": nan
-        if exact is None
-        else found.scalars["frozen_stretch"] / exact["stretch_ratio"]
-        if slips
-        else 1.0,
+        "arrest_slip": behind if exact is None else max(behind, arrest.fraction),  # no section holds more than itself
         "crystallinity": nan if grown is None else float(grown[-1]),
     }
     # the fraction of the glass at the solution's temperature keeps its name where the jet holds it

@@ -103,7 +103,7 @@ class Moments:
 def follow_moments(
     context: Context,
     profile: dict[str, FloatArray],
-    slipping: FloatArray | None,
+    slipping: tuple[FloatArray, FloatArray] | None,
     found: dict[str, list[Crossover]],
     *,
     bare: bool = False,
@@ -116,8 +116,8 @@ def follow_moments(
         Rung and effects chosen.
     profile : dict
         Jet variables without the effects.
-    slipping : ndarray or None
-        Stretch w at the profile's places of a network that slips.
+    slipping : tuple of ndarray or None
+        Stretch and velocity w at the profile's places of a network that slips.
     found : dict
         Crossovers without the effects, one a moment; replaced in place.
     bare : bool
@@ -133,7 +133,7 @@ def follow_moments(
         follow(
             frame,
             {name: values[i] for name, values in profile.items()} if lead else profile,
-            slipping[i] if lead and slipping is not None else slipping,
+            (slipping[0][i], slipping[1][i]) if lead and slipping is not None else slipping,
             bare=bare,
         )
         for i, frame in enumerate(frames)

@@ -160,7 +160,10 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "arrest_position": ("m", "where the jet becomes solid: glass or crystals"),
     "arrest_fraction": ("1", "polymer volume fraction there"),
     "arrest_temperature": ("K", "temperature there"),
-    "arrest_slip": ("1", "stretch of the strands over that of the jet there, where the network slips; 1 otherwise"),
+    "arrest_slip": (
+        "1",
+        "velocity of the network over that of the jet there, at least arrest_fraction: a section holds no more than itself",
+    ),
     "crystallinity": ("1", "degree of crystallinity at the end of the jet"),
     "x": ("m", "position along the spinning axis"),
     "y": ("m", "position across the spinning axis"),

@@ -127,6 +127,8 @@ def find_arrest(
     glass_place, glass_next, level, why, never = _glass(context, dried, solid, here, beyond)
     crystal_place, crystal_next, crystallinity = _crystals(context, dried, history, solid, here, beyond)
     by_crystals = _first(crystal_place, glass_place) or (np.isnan(glass_place) and _first(crystal_next, glass_next))
+    undercooled = _least_crystalline(context, solid, here)
+    by_crystals |= np.isnan(glass_place) and np.isnan(level) and not np.isnan(undercooled)  # no glass to speak of
     place, following = (crystal_place, crystal_next) if by_crystals else (glass_place, glass_next)
     if by_crystals:
         why = f"crystals: {solid.words}" if solid.kinetics is None else f"crystals, {GEL:g} of what there will be"
@@ -136,14 +138,21 @@ def find_arrest(
         at = _value(place, dried.position, here.polymer)
         fraction = level if not by_crystals and not _follows(context, dried) else at
         kelvin = _value(place, dried.position, here.temperature)
-    elif by_crystals and solid.when_dry:
-        fraction = DRY
-    elif by_crystals and solid.crystals is not None:
-        fraction = solid.crystals.crystallisation_fraction(
-            context.solution.temperature + solid.supercooling, float(here.mean_volume[0]), float(here.mean_chi[0])
-        )
+    elif by_crystals:
+        fraction = undercooled
     skin, core = _layers(context, dried, solid, level)
     return Arrest(place, following, fraction, kelvin, why, never, skin, core, crystallinity)
+
+
+def _least_crystalline(context: Context, solid: Solid, here: Liquids) -> float:
+    """Polymer fraction whose crystals do not melt at the solution's temperature; NaN where there are none."""
+    if solid.when_dry:
+        return DRY
+    if solid.crystals is None:
+        return _NAN
+    return solid.crystals.crystallisation_fraction(
+        context.solution.temperature + solid.supercooling, float(here.mean_volume[0]), float(here.mean_chi[0])
+    )
 
 
 def _value(place: float, position: FloatArray, samples: FloatArray) -> float:

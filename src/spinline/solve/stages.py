@@ -108,7 +108,7 @@ def solve_stages(
     if context.effects.any:
         from spinline.solve.moments import follow_moments  # drying, heat and crystals: what a plain run does without
 
-        moments = follow_moments(context, profile, None if slipping is None else slipping[0], found, bare=bare)
+        moments = follow_moments(context, profile, slipping, found, bare=bare)
         profile |= moments.profile
         remarks += moments.remarks
     fields = profile | network_stage(context, profile, slipping, moments)

@@ -1,0 +1,142 @@
+"""Rungs of a recipe side by side: no jump where a setting sweeps, the chain of beads refused by name, what nobody spins said."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spinline as sl
+from spinline.base.errors import InputError
+from spinline.recipe import Measurement, Recipe
+from spinline.recipe import lagrangian as beads
+from spinline.recipe.believe import believe
+from spinline.recipe.predict import RUNGS, predict
+from spinline.recipe.window import fibre_window
+
+PAN = Recipe(
+    polymer="PAN",
+    solvent={"DMF": 1.0},
+    voltage=15e3,
+    gap=0.15,
+    flow_rate=1e-6 / 3600,
+    mass_fraction=0.10,
+    usual_fraction=0.1,
+)
+COMMITTED = json.loads((Path(__file__).parents[1] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("rung", ["terminal", "envelope"])
+def test_no_jump_where_a_setting_sweeps(rung):
+    """Within a rung, and between it and the race: neither leaves the other suddenly."""
+    for name, values in (
+        ("voltage", np.geomspace(5e3, 4e4, 9)),
+        ("mass_fraction", np.linspace(0.04, 0.25, 9)),
+        ("gap", np.geomspace(0.02, 0.5, 9)),
+        ("flow_rate", np.geomspace(1e-11, 1e-8, 9)),
+    ):
+        both = [
+            [predict(replace(PAN, **{name: v}), rung=r, draws=256, shares=False).fibre_diameter for v in values]
+            for r in (rung, "race")
+        ]
+        logs = np.log(both)
+        assert np.abs(np.diff(logs[0])).max() < 0.9
+        assert np.abs(np.diff(logs[0], 2)).max() < 0.3
+        if rung == "envelope":
+            assert np.abs(np.diff(logs[0] - logs[1])).max() < 0.15
+
+
+def test_the_envelope_and_the_race_are_near_where_the_jet_is_viscous():
+    found = predict(PAN, rung="envelope", shares=False)
+    assert abs(np.log(found.fibre_diameter / found.trade["race"])) < 0.15
+    assert 1e-4 < found.envelope_radius < 1e-2
+    assert 1e-3 < found.flight_time < 0.5
+    race = predict(PAN)
+    assert set(race.trade) == {"terminal", "envelope"}
+    assert race.envelope_radius is None
+    # a liquid of 1 mPa s has inertia
+    thin = replace(PAN, viscosity=1e-3)
+    apart = predict(thin, rung="envelope", shares=False)
+    assert abs(np.log(apart.fibre_diameter / apart.trade["race"])) > 0.05
+
+
+def test_a_chain_holds_no_more_charge_than_the_voltage():
+    believed, _ = believe(PAN)
+    settings, carried = beads.settings_of(believed)
+    inlet = settings.inlet
+    line = inlet.charge_density * np.pi * inlet.radius**2
+    volts = line * np.log(2 * 0.15 / inlet.radius) / (2 * np.pi * 8.8541878188e-12)
+    assert volts == pytest.approx(15e3, rel=1e-6)
+    assert 0 < carried < 1
+    weak, all_of_it = beads.settings_of(believe(replace(PAN, current=1e-10))[0])
+    assert all_of_it == 1
+    assert weak.inlet.charge_density == pytest.approx(1e-10 / PAN.flow_rate, rel=1e-9)
+
+
+def test_a_chain_that_cannot_be_is_refused_by_name():
+    with pytest.raises(InputError, match="lagrangian cannot spin this recipe") as refusal:
+        beads.laid(believe(PAN)[0], seconds=0.01)
+    assert "race" in str(refusal.value)
+    with pytest.raises(InputError, match="no longer than a jet is wide"):
+        beads.laid(believe(replace(PAN, gap=1e-4))[0])
+
+
+def test_the_interval_stands_about_what_the_chain_laid(monkeypatch):
+    chain = beads.Laid(1e-6, 0.1, 5e-3, 0.3, 4.0, 0.1, 100, 1.0)
+    monkeypatch.setattr(beads, "laid", lambda believed: chain)
+    race, found = predict(PAN, shares=False), predict(PAN, rung="lagrangian", shares=False)
+    assert found.rung == "lagrangian"
+    ratio = found.fibre_diameter / race.fibre_diameter
+    assert found.fibre_diameter_95[1] / race.fibre_diameter_95[1] == pytest.approx(ratio)
+    assert found.fibre_diameter == pytest.approx(1e-6, rel=0.2)
+    assert any("bead by bead" in words for words in found.remarks)
+    known = predict(PAN, [Measurement(PAN, 5e-7, 0.02)], rung="lagrangian", shares=False)
+    assert 5e-7 < known.fibre_diameter < found.fibre_diameter
+
+
+def test_rungs_are_named(spinline):
+    done = spinline("fibre", "pan-dmf", "--rung", "envelop")
+    assert done.code != 0
+    assert all(rung in done.err for rung in RUNGS)
+    answer = spinline("fibre", "pan-dmf", "--rung", "envelope", "--json").json
+    assert answer["rung"] == "envelope"
+    assert answer["envelope_radius"] > 0
+
+
+def test_the_committed_rungs_stand_side_by_side():
+    """`benchmarks/spindb_rungs.py`, with the constants of the folds of `benchmarks/spindb.py`."""
+    rungs = COMMITTED["rungs"]
+    assert set(rungs) == {"terminal", "race", "envelope"}
+    assert abs(np.log(rungs["envelope"]["factor"] / rungs["race"]["factor"])) < 0.1
+    assert rungs["race"]["factor"] < rungs["terminal"]["factor"]
+    ratio = COMMITTED["envelope over race, 5 25 50 75 95 %"]
+    assert 0.8 < ratio[0] < ratio[4] < 1.25
+    known = COMMITTED["one known"]
+    low, high = known["over papers, 68 and 95 %"][:2]
+    assert low < known["chain"] < high
+
+
+def test_points_that_nobody_spins_say_so():
+    sheet = sl.recipe.load_recipe("pan-dmf")
+    found = fibre_window(sheet, voltage=[15e3, 9e5])
+    words = found["remark"].isel(interval=1).values.ravel()
+    assert words[0] == ""
+    assert "air breaks down" in words[1]
+    assert (found["status"] == 0).all()
+    from spinline.report.window_page import window_page
+
+    assert "air breaks down" in window_page(found)
+
+
+def test_percent_without_a_sign_are_recognised(spinline):
+    done = spinline("fibre", "pan-dmf", "--set", "solution.concentration=10")
+    assert '"10 wt%"' in done.err
+    assert '"45 %"' in spinline("fibre", "pan-dmf", "--set", "ambient.relative_humidity=45").err
+    assert "wt%" not in spinline("fibre", "pan-dmf", "--set", "solution.concentration=-1").err
+
+
+def test_the_readme_shows_what_is_printed(spinline):
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    shown = text.split("$ spinline fibre pan-dmf\n")[1].split("```")[0]
+    assert spinline("fibre", "pan-dmf").out.strip() == shown.strip()
