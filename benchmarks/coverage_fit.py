@@ -1,7 +1,10 @@
-"""Do the intervals of `spinline fit` hold what they say? Simulated experiments, truths drawn from the priors.
+r"""Do the intervals of `spinline fit` hold what they say? Simulated experiments, truths drawn from the priors.
 
     python benchmarks/coverage_fit.py                       # 1,000 experiments of every design: about half an hour
     python benchmarks/coverage_fit.py --design drying -n 50 # a look
+    python benchmarks/coverage_fit.py --design manifold -n 300 --records rows.jsonl --minutes 9    # again and again: it goes on
+    python benchmarks/coverage_fit.py --design stretch --design fene-p --design manifold -n 300 --records rows.jsonl \
+        --minutes 0 --out benchmarks/coverage_rungs.json
 
 For each parameter: share of experiments whose 68 % and 95 % interval holds the truth (1,000 experiments: standard errors
 1.5 % and 0.7 %), mean and standard deviation of the z-score in the coordinates of the fit, and how much the data narrow
@@ -128,22 +131,38 @@ def experiment(design, index, seed=SEED):
     }
 
 
-def campaign(design, count, seed=SEED, show=lambda *_: None):
-    """Coverage of one design, as a dictionary ready for JSON."""
-    cpu, wall = time.process_time(), time.perf_counter()
+def recorded(design, count, seed, path, minutes):
+    """Rows of the first experiments of a design, made until the time is up; with a file, written one a line as they come."""
     rows = []
-    for index in range(count):
-        rows.append(experiment(design, index, seed))
-        show(design, index, count)
+    if path is not None and path.exists():
+        lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
+        rows = [row for row in lines if (row["design"], row["seed"]) == (design, seed)][:count]
+    began = time.monotonic()
+    while len(rows) < count and time.monotonic() - began < 60 * minutes:
+        cpu, wall = time.process_time(), time.perf_counter()
+        row = {"design": design, "seed": seed, "index": len(rows), **experiment(design, len(rows), seed)}
+        row |= {"cpu": time.process_time() - cpu, "wall": time.perf_counter() - wall}
+        rows.append(row)
+        if path is not None:
+            with path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(row) + "\n")
+    return rows
+
+
+def campaign(design, count, seed=SEED, path=None, minutes=1e9):
+    """Coverage of one design, as a dictionary ready for JSON; None where no experiment was made."""
+    rows = recorded(design, count, seed, path, minutes)
+    if not rows:
+        return None
     names = problem(design).names
     pick = lambda key: np.array([row[key] for row in rows])  # noqa: E731
     z, in68, in95, narrow = pick("z"), pick("in68"), pick("in95"), pick("narrowed")
     return {
         "design": design,
-        "experiments": count,
+        "experiments": len(rows),
         "seed": seed,
-        "cpu_seconds_per_experiment": (time.process_time() - cpu) / count,
-        "wall_seconds": time.perf_counter() - wall,
+        "cpu_seconds_per_experiment": sum(row["cpu"] for row in rows) / len(rows),
+        "wall_seconds": sum(row["wall"] for row in rows),
         "experiments_with_a_note": sum(bool(row["notes"]) for row in rows),
         "parameters": {
             name: {
@@ -163,12 +182,18 @@ def main():
     parser.add_argument("-n", type=int, default=1000, help="experiments of each design")
     parser.add_argument("--design", choices=DESIGNS, action="append", help="default: all")
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument(
+        "--records", type=Path, help="experiments, one a line: added to, and what the summary is made of"
+    )
+    parser.add_argument("--minutes", type=float, default=1e9, help="for each design")
     parser.add_argument("--out", type=Path, help="JSON summary, default: print only")
     options = parser.parse_args()
     found = []
     for design in options.design or DESIGNS:
-        found.append(campaign(design, options.n, options.seed))
-        one = found[-1]
+        one = campaign(design, options.n, options.seed, options.records, options.minutes)
+        if one is None:
+            continue
+        found.append(one)
         print(
             f"{design}: {one['experiments']} experiments, {one['cpu_seconds_per_experiment']:.3g} s CPU each, "
             f"{one['experiments_with_a_note']} with a note"

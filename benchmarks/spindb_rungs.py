@@ -24,7 +24,7 @@ from spinline.recipe.predict import normals
 HERE = Path(__file__).parent
 
 
-def quantiles(data, folds, draws=1024):
+def quantiles(data, folds, draws=2048):
     """Quantiles of ln d of every setting by its paper's constants, (setting, 5), by rung."""
     z = normals(draws)
     found = {"terminal": [], "race": [], "envelope": []}

@@ -184,7 +184,7 @@ def test_notebook_runs_from_any_folder(path, tmp_path, monkeypatch):
     code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
     import matplotlib.pyplot as plt
 
-    with pytest.warns(spinline.SpinlineWarning) if "pvp" in code else contextlib.nullcontext():
+    with pytest.warns(spinline.SpinlineWarning) if "pvp-jetspin" in code else contextlib.nullcontext():
         exec(compile(code, path.name, "exec"), {})
     plt.close("all")
 

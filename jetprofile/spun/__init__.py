@@ -9,6 +9,7 @@ module           what it is
 `laws`           constitutive laws of an element
 `chain`          rungs 1 to 3: the chain and its march
 `run`            frames, impulses of the air, what a checkpoint holds
+`several`        jets side by side that repel one another
 `noise`          the air's impulses, the same on every grid
 `dataset`        the result
 ===============  =================================================================================
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.spun.laws import JetLaw
     from spinline.jetprofile.spun.run import SpunRun
     from spinline.jetprofile.spun.settings import Air, Collector, Drying, Grid, Inlet, Loads, SpunSettings
+    from spinline.jetprofile.spun.several import SpunJets, pattern, shifted
     from spinline.jetprofile.spun.steady import SteadyJet, steady_jet
 
 _NAMES = {
@@ -36,12 +38,15 @@ _NAMES = {
     "Inlet": "settings",
     "JetLaw": "laws",
     "Loads": "settings",
+    "SpunJets": "several",
     "SpunRun": "run",
     "SpunSettings": "settings",
     "SteadyJet": "steady",
     "TwoBeadJet": "dumbbell",
     "earnshaw_rate": "dumbbell",
     "landings": "dataset",
+    "pattern": "several",
+    "shifted": "several",
     "start_cylinder": "chain",
     "steady_jet": "steady",
     "to_dataset": "dataset",
@@ -57,12 +62,15 @@ __all__ = [
     "Inlet",
     "JetLaw",
     "Loads",
+    "SpunJets",
     "SpunRun",
     "SpunSettings",
     "SteadyJet",
     "TwoBeadJet",
     "earnshaw_rate",
     "landings",
+    "pattern",
+    "shifted",
     "start_cylinder",
     "steady_jet",
     "to_dataset",

@@ -78,6 +78,7 @@ from spinline.jetprofile.spun._dry_kernels import drying_rates, material
 from spinline.jetprofile.spun._field_kernels import field_forces
 from spinline.jetprofile.spun._law_kernels import inlet_stretch, law_rates, stress_ratio
 from spinline.jetprofile.spun._needle_kernels import needle_forces
+from spinline.jetprofile.spun._neighbour_kernels import neighbour_forces
 from spinline.jetprofile.spun._nozzle_kernels import nozzle, smooth
 
 __all__ = ["explicit_rates", "geometry", "inlet_radius"]
@@ -181,8 +182,10 @@ def _forces(
             f[i, c] -= pull * w[TX + c, i]
             f[i + 1, c] += pull * w[TX + c, i]
     field_forces(t, n, y, p, k, tables, f)
+    if tables[0, 3] > 0.0:
+        neighbour_forces(t, n, y, p, tables, w, f)
     if k[AIR] == 1:
-        air_forces(n, y, p, k, w, f)
+        air_forces(n, y, p, k, tables, w, f)
     for i in range(n):
         mass = 0.5 * p[RHO] * (y[i, VOLUME] + (y[i - 1, VOLUME] if i > 0 else 0.0))
         f[i, 0] += share * mass * p[GRAVITY]
@@ -244,7 +247,7 @@ def explicit_rates(
         dy[i, CHARGE] = dy[i, VOLUME] = dy[i, TEMP] = dy[i, LABEL] = dy[i, SPIN] = 0.0
     moment_rates(n, y, k, w, dy)
     if k[DRYING] == 1:
-        drying_rates(n, y, p, w, dy)
+        drying_rates(n, y, p, tables, w, dy)
     for i in range(n):
         if held[i] == 1:  # on the collector, whose surface it moves with
             for c in range(3):

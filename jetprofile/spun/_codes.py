@@ -87,7 +87,8 @@ COLUMNS = 16  # LABEL: the element's volume when it left the nozzle; SPIN: its t
 ) = range(73)
 FEED_FIRST = 73  # their lengths and line charges in turn
 FEEDS = 12
-PARAMETERS = FEED_FIRST + 2 * FEEDS
+CROSS = FEED_FIRST + 2 * FEEDS  # weight of the flow across in the transfer to the air
+PARAMETERS = CROSS + 1
 
 # switches
 (
@@ -155,5 +156,6 @@ CLOCK = 14
 # tables: row 0 holds how many samples of the end, of the field, of rings; rows 1 to 5 the samples
 ENDS, FIELDS, RINGS = range(3)
 RINGS_FIRST = 6  # x and radius of the needle's rings, then the inverse of their potentials
+AIR_FIRST = 100  # rows x, speed, half width of the air; beyond them the other jets' charges
 # what an integration stopped for
 DONE, FULL, BROKEN, STALLED, PAUSED = range(5)

@@ -1,4 +1,4 @@
-"""Dormand-Prince 5(4) with error control, compiled: a step ends where an element enters or a node lands."""
+"""Dormand-Prince 5(4) with error control, compiled; a step ends where an element enters or a node lands."""
 
 import math
 

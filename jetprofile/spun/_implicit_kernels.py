@@ -24,6 +24,7 @@ from spinline.jetprofile.spun._codes import (
     COLUMNS,
     CURRENT,
     DONE,
+    DRYING,
     END,
     FLOW,
     FROZEN,
@@ -56,6 +57,7 @@ from spinline.jetprofile.spun._codes import (
     X,
 )
 from spinline.jetprofile.spun._collector_kernels import first_touch
+from spinline.jetprofile.spun._dry_kernels import drying_pace
 from spinline.jetprofile.spun._land_kernels import leave, remove_landed, touch
 from spinline.jetprofile.spun._law_kernels import stiffness
 from spinline.jetprofile.spun._nozzle_kernels import nozzle, smooth, split
@@ -284,6 +286,8 @@ def march_implicit(
         if not explicit_rates(t, n, held, y, p, k, tables, w, f, d[0]):
             return BROKEN, t, n, h
         step = _longest(n, y, held, p, k, w, cfl)
+        if k[DRYING] == 1:
+            step = min(step, cfl * drying_pace(n, y, p, tables, w))
         if fixed > 0.0:
             step = min(step, fixed)
         if not step > SPLINTER * min(clock[0] / p[FLOW], end):

@@ -21,6 +21,7 @@ from spinline.base.errors import InputError
 from spinline.jetprofile.spun import _codes as c
 from spinline.jetprofile.spun._explicit_kernels import march_explicit
 from spinline.jetprofile.spun._implicit_kernels import march_implicit
+from spinline.jetprofile.spun._neighbour_kernels import NEIGHBOURS
 from spinline.jetprofile.spun.settings import SpunSettings, tables_of
 
 __all__ = ["Chain", "parameters", "start_cylinder"]
@@ -124,6 +125,7 @@ def _air_and_drying(s: SpunSettings, p: FloatArray, k: c.IntArray) -> None:
         d.latent_slope,
         d.activation,
     )
+    p[c.CROSS] = d.cross_flow
     p[[c.AIR_CONDUCTIVITY, c.PRANDTL, c.AIR_TEMPERATURE, c.START_TEMPERATURE]] = (
         d.air_conductivity,
         d.prandtl,
@@ -163,10 +165,26 @@ class Chain:
     step: float
     origin: FloatArray = field(default_factory=lambda: np.zeros(4))
 
-    def march(self, end: float, progress: Callable[[float], None] | None = None) -> None:
-        """March to the time `end` in s; `progress` is called now and then with the time so far."""
+    def march(
+        self,
+        end: float,
+        progress: Callable[[float], None] | None = None,
+        others: tuple[float, FloatArray] | None = None,
+    ) -> None:
+        """March to the time `end` in s.
+
+        `progress` is called now and then with the time so far; `others` are charges beside it: a moment, and rows of their
+        place, velocity and charge then.
+        """
         p, k = parameters(self.settings)
         tables = tables_of(self.settings)
+        if others is not None and others[1].size:
+            count = others[1].shape[1]
+            wide = np.zeros((max(NEIGHBOURS + 7, tables.shape[0]), max(tables.shape[1], count)))
+            wide[: tables.shape[0], : tables.shape[1]] = tables
+            wide[NEIGHBOURS : NEIGHBOURS + 7, :count] = others[1]
+            wide[0, 3], wide[0, 4] = count, others[0]
+            tables = wide
         grid = self.settings.grid
         while self.time < end:
             status, self.time, self.n, self.step = self._kernel(end, p, k, tables, grid)

@@ -40,6 +40,7 @@ _ELEMENT = {
     "volume": ("m3", "volume of the element"),
     "charge": ("C", "charge of the element"),
     "temperature": ("K", "temperature of the element"),
+    "polymer_fraction": ("1", "volume fraction of polymer in the element"),
     "valid_element": ("", "element is whole and in flight"),
 }
 _DEPOSIT = {
@@ -86,7 +87,9 @@ def to_dataset(
     p, k = parameters(settings)
     width = max(f.shape[0] for f in run.frames)
     bead = {name: np.full((len(run.frames), width), np.nan) for name in _BEAD}
-    element = {name: np.full((len(run.frames), width - 1), np.nan) for name in _ELEMENT}
+    dry = settings.drying
+    held = [name for name in _ELEMENT if dry is not None or name not in ("temperature", "polymer_fraction")]
+    element = {name: np.full((len(run.frames), width - 1), np.nan) for name in held}
     for row, stored in enumerate(run.frames):
         _fill(row, stored, r0, p, k, bead, element)
     bead["deposited"] = bead["deposited"] == 1.0
@@ -142,10 +145,12 @@ def _fill(
         "volume": state[:n, c.VOLUME],
         "charge": state[:n, c.CHARGE],
         "temperature": state[:n, c.TEMP],
+        "polymer_fraction": p[c.FRACTION] * state[:n, c.LABEL] / state[:n, c.VOLUME],
         "valid_element": (~held[1:] & ~held[:-1]).astype(float),
     }
     for name, values in own.items():
-        element[name][row, :n] = values[back]
+        if name in element:
+            element[name][row, :n] = values[back]
     element["element_arc_length"][row, :n] = 0.5 * (arc[1:] + arc[:-1])
 
 

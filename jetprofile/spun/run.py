@@ -55,13 +55,18 @@ class SpunRun:
         return cls(start_cylinder(settings))
 
     def advance(self, end: float) -> None:
-        """March to `end` in s, with the air's impulses on the way, and store a frame."""
+        """March to `end` in s, and store a frame."""
+        self.march(end)
+        self.store()
+
+    def march(self, end: float, others: tuple[float, FloatArray] | None = None) -> None:
+        """March to `end` in s, with the air's impulses on the way; `others`: see `Chain.march`."""
         chain, air = self.chain, self.chain.settings.air
         if air is not None and air.noise > 0.0:
             done = math.floor(chain.time / air.interval * (1 + 1e-12) + 1e-9)
             while (done + 1) * air.interval <= end * (1 + 1e-12):
                 done += 1
-                chain.march(done * air.interval)
+                chain.march(done * air.interval, others=others)
                 kick = impulses(
                     chain.state,
                     chain.n,
@@ -75,7 +80,11 @@ class SpunRun:
                 )
                 free = chain.held[: chain.n] == 0
                 chain.state[: chain.n, c.VX : c.VX + 3][free] += kick[free]
-        chain.march(end)
+        chain.march(end, others=others)
+
+    def store(self) -> None:
+        """Keep the state of now as a frame."""
+        chain = self.chain
         stored: FloatArray = np.column_stack((chain.nodes, chain.held[: chain.n + 1].astype(np.float64)))
         self.frames.append(stored)
         self.times.append(chain.time)

@@ -156,6 +156,9 @@ class Air:
     `noise`: D_v m of Eq. (23), kg m2/s3: the velocity of a piece of mass m diffuses with D_v = noise/m, so that the force on
     a piece does not depend on how finely the jet is cut. It acts as impulses `interval` seconds apart, the same for any
     grid, by seed, label and time; `grain` is the volume of material (m3) that feels one impulse as a whole.
+
+    A field of air: `axis` (m, increasing) and `speeds` along the jet (m/s, added to `velocity`), and where they are given
+    `widths`, the distances off the axis at which half of it is left (m; 0: it is the same across).
     """
 
     density: float = 1.205
@@ -168,6 +171,9 @@ class Air:
     noise: float = 0.0
     interval: float = 1e-6
     grain: float = 0.0
+    axis: tuple[float, ...] = ()
+    speeds: tuple[float, ...] = ()
+    widths: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         positive("air density", self.density, "kg/m3")
@@ -178,11 +184,24 @@ class Air:
         positive("interval", self.interval, "s")
         if self.noise > 0.0:
             positive("grain", self.grain, "m3", remedy="noise needs the volume that moves as one")
+        if self.axis or self.speeds or self.widths:
+            axis = real("air axis", self.axis, unit="m")
+            real("air speeds", self.speeds, unit="m/s")
+            real("air widths", self.widths, least=0.0, unit="m")
+            if axis.size < 2 or len(self.speeds) != axis.size or not (np.diff(axis) > 0).all():
+                raise InputError("air axis", "needs two or more increasing positions, one for each speed")
+            if self.widths and len(self.widths) != axis.size:
+                raise InputError("air widths", "needs one for each position", value=len(self.widths))
 
 
 @dataclass(frozen=True)
 class Drying:
-    """Evaporation along the beads and what it does to the liquid, Eqs. (43a)-(45), with heat where `heat_capacity` > 0."""
+    """Evaporation along the beads and what it does to the liquid, Eqs. (43a)-(45), with heat where `heat_capacity` > 0.
+
+    `equilibrium` is the vapour's mass concentration at the pure solvent's surface over the liquid's density, at `temperature`;
+    it goes as ``exp[latent_slope (1/temperature - 1/T)]``; `far` that in the air. `cross_flow`: weight of the flow across the
+    thread in the transfer: 64 by Kase and Matsuo, 0 without, 1 for the total speed.
+    """
 
     fraction: float
     vapour_diffusion: float
@@ -201,13 +220,14 @@ class Drying:
     prandtl: float = 0.71
     air_temperature: float = 293.15
     temperature: float = 293.15
+    cross_flow: float = 1.0
 
     def __post_init__(self) -> None:
         number("fraction", self.fraction, above=0.0, below=1.0)
         positive("vapour_diffusion", self.vapour_diffusion, "m2/s")
         number("equilibrium", self.equilibrium, least=0.0)
         number("far", self.far, least=0.0)
-        for name in ("least_sherwood", "heat_capacity", "latent", "viscosity_factor"):
+        for name in ("least_sherwood", "heat_capacity", "latent", "viscosity_factor", "cross_flow"):
             number(name, getattr(self, name), least=0.0)
         positive("air_temperature", self.air_temperature, "K")
         positive("temperature", self.temperature, "K")
@@ -361,6 +381,14 @@ class SpunSettings:
                 value=self.conductivity,
                 remedy="start as a straight jet that reaches the plate, or give end_axis, end_tension, end_share of a cut",
             )
+        first = self.inlet.length or 2.5 * self.grid.element_length
+        if self.collector.kind != "none" and self.start is None and not first < self.loads.gap:
+            raise InputError(
+                "element_length",
+                "is too long: the jet starts with two elements, and they reach the collector",
+                value=self.grid.element_length,
+                allowed=f"< {0.4 * self.loads.gap:.3g} m with this gap",
+            )
         sizes = {len(self.end_axis), len(self.end_tension), len(self.end_share)}
         if len(sizes) != 1:
             raise InputError("end_axis", "needs as many positions as tensions and shares")
@@ -372,17 +400,23 @@ class SpunSettings:
 
 
 def tables_of(settings: SpunSettings) -> FloatArray:
-    """Samples the kernels look up: rows 1-3 of the end, 4 and 5 of the field on the axis; then the needle's rings."""
-    ends, fields = len(settings.end_axis), len(settings.loads.axis)
-    loads = settings.loads
+    """Samples the kernels look up: rows 1-3 of the end, 4 and 5 of the field on the axis, the needle's rings and the air's
+    motion (`_codes` has their first rows); other jets' charges come with `Chain.march`.
+    """
+    air, loads = settings.air or Air(), settings.loads
+    ends, fields, winds = len(settings.end_axis), len(loads.axis), len(air.axis)
     count = COUNT if loads.metal else 0
-    tables = np.zeros((c.RINGS_FIRST + (2 + count if count else 0), max(ends, fields, count, 3)))
-    tables[0, :3] = ends, fields, count
+    total = c.AIR_FIRST + 3 if winds else c.RINGS_FIRST + (2 + count if count else 0)
+    tables = np.zeros((total, max(ends, fields, count, winds, 6)))
+    tables[0, [0, 1, 2, 5]] = ends, fields, count, winds
     if count:
         depth, wide, inverse = rings(loads.gap - loads.needle_at, loads.tip)
         tables[c.RINGS_FIRST, :count], tables[c.RINGS_FIRST + 1, :count] = loads.needle_at - depth, wide
-        tables[c.RINGS_FIRST + 2 :, :count] = inverse
+        tables[c.RINGS_FIRST + 2 : c.RINGS_FIRST + 2 + count, :count] = inverse
     rows: dict[int, ArrayLike] = {1: settings.end_tension, 2: settings.end_share, 3: settings.end_axis}
-    for row, values in (rows | {4: settings.loads.axis, 5: settings.loads.values}).items():
+    rows |= {4: loads.axis, 5: loads.values}
+    if winds:
+        rows |= {c.AIR_FIRST: air.axis, c.AIR_FIRST + 1: air.speeds, c.AIR_FIRST + 2: air.widths}
+    for row, values in rows.items():
         tables[row, : len(np.atleast_1d(values))] = values
     return tables

@@ -58,6 +58,7 @@ QUANTITIES = {
         Quantity("molar enthalpy", "J/mol", "8.66 kJ/mol"),
         Quantity("viscosity", "Pa*s", "2 Pa s"),
         Quantity("diffusivity", "m^2/s", "2.5e-5 m2/s"),
+        Quantity("velocity diffusivity", "m^2/s^3", "10 m2/s3"),
         Quantity("intrinsic viscosity", "m^3/kg", "0.3 m3/kg", "an"),
         Quantity("pressure", "Pa", "1 atm"),
         Quantity("surface tension", "N/m", "21.1 dyn/cm"),

@@ -176,7 +176,7 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
     if loaded.jet.profile == "spun":  # what it is given is checked; it is not spun for that
         from spinline.setup.spun import spun_remarks
 
-        for remark in spun_remarks(loaded.jet, solution):
+        for remark in spun_remarks(loaded.jet, solution, loaded):
             say(f"remark: {remark}")
         say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
         return

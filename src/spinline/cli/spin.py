@@ -15,11 +15,17 @@ from spinline.cli.speech import say
 if TYPE_CHECKING:
     import xarray as xr
 
+    from spinline.base.checkpoint import Checkpoint
+    from spinline.base.checks import FloatArray
+    from spinline.jetprofile.spun.run import SpunRun
     from spinline.jetprofile.spun.settings import SpunSettings
+    from spinline.jetprofile.spun.several import SpunJets
 
 __all__ = ["register", "spin"]
 
 Text = str | None
+MOST = 1e6
+"""Elements that may enter in a run: each ends a step."""
 
 
 def register(app: typer.Typer) -> None:
@@ -68,11 +74,15 @@ def spin(
         files = {"figure": figure, "movie": movie, "vtk": vtk, "xyz": xyz}
         spin_blown(blown, out, seeds, frames, files, json=json, force=force, resume=resume)
         return
-    settings, end, notes, title = _settings(source, set_, flow_rate, law, quick, time)
+    settings, end, notes, title, nozzles = _settings(source, set_, flow_rate, law, quick, time)
     stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
     target = out or Path(f"{stem or 'jet'}.nc")
-    names = [target] if seeds == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(seeds)]
-    done = [resume and not force and name.exists() for name in names]  # which their own settings will have to show
+    if len(nozzles) > 1 and seeds > 1:
+        raise InputError("--seeds", "is for one jet", value=seeds, remedy="run several jets once for each jet.seed")
+    count = max(seeds, len(nozzles))
+    names = [target] if count == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(count)]
+    alone = len(nozzles) < 2  # results that are there have to show that they are of this very run
+    done = [alone and resume and not force and name.exists() for name in names]
     outputs(*(name for name, there in zip(names, done, strict=True) if not there), figure, movie, vtk, xyz, force=force)
     if figure is not None:
         from spinline.report.style import check_format
@@ -85,11 +95,13 @@ def spin(
     for note in notes:
         say(note, err=True)
     answers = []
+    together = _together(settings, nozzles, end, frames, target, resume, title, notes) if len(nozzles) > 1 else []
     for index, name in enumerate(names):
+        seed = settings.seed + index
         if done[index]:
-            jet = _finished(settings, settings.seed + index, end, frames, name)
+            jet = _finished(settings, seed, end, frames, name)
         else:
-            jet = _one(settings, settings.seed + index, end, frames, name, resume, title, notes)
+            jet = together[index] if together else _one(settings, seed, end, frames, name, resume, title, notes)
             _store(jet, name, force)
         answers.append(_answer(jet, name))
         say(json_.dumps(answers[-1]) if json else _words(answers[-1]))
@@ -115,13 +127,16 @@ def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time
 
 def _settings(
     source: str, overrides: list[str] | None, flow_rate: Text, law: str, quick: bool, time: Text
-) -> tuple["SpunSettings", float, tuple[str, ...], str]:
-    """Settings, the end in s, what is to be said, and a title."""
+) -> tuple["SpunSettings", float, tuple[str, ...], str, "FloatArray"]:
+    """Settings, the end in s, what is to be said, a title, and the nozzles' places (jet, 2), m."""
     from dataclasses import replace
+
+    import numpy as np
 
     from spinline.base.units import parse
 
     notes: tuple[str, ...] = ()
+    nozzles = np.zeros((1, 2))
     if Path(source).name == "input.dat" or Path(source).suffix == ".dat":
         from spinline.base.files import readable
         from spinline.jetprofile.spun.jetspin_input import translate
@@ -136,24 +151,34 @@ def _settings(
     else:
         from spinline.scene.spun import SpunJet
         from spinline.setup.build import build_solution
-        from spinline.setup.spun import spun_settings
+        from spinline.setup.spun import spun_nozzles, spun_settings
 
         if flow_rate is not None:
             raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
         scene = load(source, None, None, overrides)
         if not isinstance(scene.jet, SpunJet):
             raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"')
-        settings, end, title = spun_settings(scene.jet, build_solution(scene)), scene.jet.time.value, scene.title
+        settings = spun_settings(scene.jet, build_solution(scene), scene=scene)
+        end, title = scene.jet.time.value, scene.title
+        nozzles = spun_nozzles(scene.jet)
     if time is not None:
         end = parse(time, "time", "--time").value
     if not end > 0:
         raise InputError("--time", "must be more than 0", value=end)
+    length, inlet = settings.grid.element_length, settings.inlet
+    if inlet.speed * end > MOST * length:
+        raise InputError(
+            "element_length",
+            f"is too short: {inlet.speed * end / length:.3g} elements would enter until {end:.3g} s",
+            value=length,
+            allowed=f">= {inlet.speed * end / MOST:.3g} m, or a shorter time",
+        )
     if quick:
         grid = settings.grid
         wider = min(10 * grid.tolerance, 1e-2)
         settings = replace(settings, grid=replace(grid, element_length=2 * grid.element_length, tolerance=wider))
         notes += ("quick: elements twice as long; compare with the full run before you trust a number",)
-    return settings, end, notes, title
+    return settings, end, notes, title, nozzles
 
 
 def _one(
@@ -169,34 +194,80 @@ def _one(
     """One run, kept beside its result while it is under way."""
     from dataclasses import replace
 
-    from spinline.base.checkpoint import Checkpoint, fingerprint
-    from spinline.base.version import __version__
     from spinline.jetprofile.spun.dataset import to_dataset
     from spinline.jetprofile.spun.run import SpunRun, moments
 
     own = replace(settings, seed=seed)
     times = moments(end, frames)
+    kept = _checkpoint(target, f"{own!r} {times.tolist()}", resume)
+    held = kept.load("run")
+    run = SpunRun.start(own) if held is None else SpunRun.unpack(own, held)
+    _follow(run, times, kept)
+    return to_dataset(run, attributes=_about(own, title, notes))
+
+
+def _together(
+    settings: "SpunSettings",
+    nozzles: "FloatArray",
+    end: float,
+    frames: int,
+    target: Path,
+    resume: bool,
+    title: str,
+    notes: tuple[str, ...],
+) -> list["xr.Dataset"]:
+    """Jets that repel one another: one result each."""
+    from spinline.jetprofile.spun.dataset import to_dataset
+    from spinline.jetprofile.spun.run import moments
+    from spinline.jetprofile.spun.several import SpunJets, shifted
+
+    times = moments(end, frames)
+    kept = _checkpoint(target, f"{settings!r} {nozzles.tolist()} {times.tolist()}", resume)
+    held = kept.load("run")
+    jets = SpunJets.start(settings, nozzles) if held is None else SpunJets.unpack(settings, nozzles, held)
+    _follow(jets, times, kept)
+    about = _about(settings, title, notes) | {"jets": len(nozzles)}
+    return [
+        shifted(to_dataset(run, attributes=about), place, index)
+        for index, (run, place) in enumerate(zip(jets.runs, nozzles, strict=True))
+    ]
+
+
+def _checkpoint(target: Path, what: str, resume: bool) -> "Checkpoint":
+    """Where a run is kept while it is under way, beside its result."""
+    from spinline.base.checkpoint import Checkpoint, fingerprint
+    from spinline.base.version import __version__
+
     folder = target.with_name(f".{target.name}.spin")
     if not resume and folder.exists():
         Checkpoint(folder, "").clear()
-    kept = Checkpoint(folder, fingerprint(f"{own!r} {times.tolist()} {__version__}", []))
-    held = kept.load("run")
-    run = SpunRun.start(own) if held is None else SpunRun.unpack(own, held)
+    return Checkpoint(folder, fingerprint(f"{what} {__version__}", []))
+
+
+def _follow(run: "SpunRun | SpunJets", times: "FloatArray", kept: "Checkpoint") -> None:
+    """March through the moments, kept on the way."""
+    frames, reached = len(times), 0
     with progress_of("moments") as progress, _stoppable():
         try:
             for index in run.to(times):
-                progress(index + 1, frames)
-                if (index + 1) % max(frames // 20, 1) == 0 or index + 1 == frames:
+                reached = index + 1
+                progress(reached, frames)
+                if reached % max(frames // 20, 1) == 0 or reached == frames:
                     kept.save("run", **run.pack())
         except KeyboardInterrupt:
-            at = f"stopped at {1e3 * run.chain.time:.4g} ms of {1e3 * end:.4g} ms"
+            chain = (run.runs[0] if hasattr(run, "runs") else run).chain
+            at = f"stopped at {1e3 * chain.time:.4g} ms of {1e3 * times[-1]:.4g} ms"
             say(f"{at}; the same command with --resume goes on from the last moment kept", err=True)
             raise typer.Exit(130) from None
     kept.clear()
-    about = {"title": title, "model": _model(own), "spinline": __version__, "settings": repr(own)}
-    if notes:
-        about["notes"] = "\n".join(notes)
-    return to_dataset(run, attributes=about)
+
+
+def _about(settings: "SpunSettings", title: str, notes: tuple[str, ...]) -> dict[str, Any]:
+    """Attributes of a result."""
+    from spinline.base.version import __version__
+
+    about = {"title": title, "model": _model(settings), "spinline": __version__, "settings": repr(settings)}
+    return about | ({"notes": "\n".join(notes)} if notes else {})
 
 
 def _finished(settings: "SpunSettings", seed: int, end: float, frames: int, target: Path) -> "xr.Dataset":
@@ -271,7 +342,8 @@ def _answer(jet: "xr.Dataset", target: Path) -> dict[str, Any]:
     if "current" in jet.attrs:
         answer["current"] = float(jet.attrs["current"])
     if jet.sizes["deposit"]:
-        r = np.hypot(jet["deposit_y1"].values, jet["deposit_z1"].values)  # of the nodes: a chord's middle lies inside
+        y, z = (jet[f"deposit_{a}1"].values - jet.attrs.get(f"nozzle_{a}", 0.0) for a in "yz")
+        r = np.hypot(y, z)  # of the nodes: a chord's middle lies inside
         late = jet["deposit_time"].values > 0.5 * (jet["deposit_time"].values[0] + jet["deposit_time"].values[-1])
         answer |= {
             "landing_radius": float(np.mean(r[late])) if late.any() else float(r.mean()),

@@ -10,7 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.envelope import Envelope
 from spinline.recipe.believe import Recipe, believe
-from spinline.recipe.constants import CONSTANTS
+from spinline.recipe.constants import CONSTANTS, TAKEN
 from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
 from spinline.recipe.outside import outside_remarks
 from spinline.recipe.regime import Regime, regime_of
@@ -25,6 +25,7 @@ RUNGS = {
     "lagrangian": "bead by bead to the collector, at the recipe's medians: a minute",
 }
 _DRAWS = 2048
+_INERT = 0.2  # of ln d, between envelope and race, beyond which it is said
 _QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 
 
@@ -132,7 +133,10 @@ def predict(
     recipe, measured = _one_laboratory(recipe, measured)
     believed, borrowed = believe(recipe)
     z = normals(draws)
-    about, shift = _spun_by_beads(believed) if rung == "lagrangian" else ((), 0.0)
+    about: tuple[str, ...] = ()
+    shift = 0.0
+    if rung == "lagrangian":
+        about, shift = _spun_by_beads(believed)
     law = "race" if rung == "lagrangian" else rung
     found = spun(believed, z, rung=law)
     log_d, far = found.log_diameter, 0.0
@@ -143,6 +147,13 @@ def predict(
     orientation = _orientation(found, believed, z)
     regime = regime_of(believed, recipe, found)
     ended = _decides(found)
+    trade = _trade(believed, z, found, rung, law, dear=shares)
+    alone = 2 * np.sqrt(believed.volume_fraction) * float(np.median(found.thinning.radius))
+    if rung == "race" and abs(np.log(trade.get("envelope", alone) / alone)) > _INERT:
+        about += (
+            f"inertia, air and the speed of the flight matter here: the envelope of loops gives {1e9 * trade['envelope']:.3g} "
+            f"nm where the race gives {1e9 * alone:.3g}; --rung envelope follows them",
+        )
     return Fibre(
         fibre_diameter=float(median),
         fibre_diameter_68=(float(low68), float(high68)),
@@ -157,7 +168,7 @@ def predict(
         current=float(np.median(found.current)),
         viscosity=float(np.median(found.viscosity)),
         charge_density=float(np.median(found.charge_density)),
-        trade=_trade(believed, z, found, rung, law, dear=shares),
+        trade=trade,
         borrowed=borrowed,
         remarks=(*outside_remarks(recipe), *about, *_remarks(regime, far), *_pores(recipe, believed)),
         landing_fraction=float(np.median(found.thinning.volume_fraction)),
@@ -285,7 +296,7 @@ def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray
 
     thin, p = found.thinning, CONSTANTS.viscosity_power
     slower = np.exp(believed.sd.get("relaxation_time", 0.0) * z[:, list(UNKNOWNS).index("relaxation_time")])
-    theta = 3 * slower * found.viscosity / (2e6 * believed.volume_fraction**2.3)
+    theta = 3 * slower * found.viscosity / (TAKEN.plateau * believed.volume_fraction**TAKEN.plateau_power)
     thicker = np.maximum((thin.time / theta) ** (1 / 2.33), 1.0)  # phi at which the strands freeze over phi_0
     whole = believed.onset_radius**2 / thin.radius**2
     late = -np.expm1(-p * np.log(np.maximum(thicker, 1 + 1e-12)))

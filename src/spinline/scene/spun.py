@@ -18,8 +18,10 @@ ChargeDensity = Annotated[Measured, Read("charge density", 0.0, 1e12)]
 Speed = Annotated[Measured, Read("velocity", -1e3, 1e3)]
 Permittivity = Annotated[Measured, Read("number", 1.0, 1e6, closed=True, remedy="relative, 80 for water")]
 Acceleration = Annotated[Measured, Read("acceleration", -1e4, 1e4)]
+Interval = Annotated[Measured, Read("time", 1e-9, 1.0)]
 SideField = Annotated[Measured, Read("electric field", 0.0, 1e9, closed=True)]
 MagneticField = Annotated[Measured, Read("magnetic field", -1e3, 1e3, closed=True)]
+Noise = Annotated[Measured, Read("velocity diffusivity", 0.0, 1e12)]
 Stress = Annotated[Measured, Read("pressure", 0.0, 1e9, closed=True)]
 
 
@@ -62,6 +64,16 @@ class SpunJet(Section):
     side_frequency: Frequency | None = None
     magnetic_field: MagneticField | None = None
     magnetic_direction: Literal["x", "y", "z"] = "x"
+    drying: bool = False
+    air_drag: bool = False
+    air_lift: bool = False
+    air_field: str | None = None
+    noise: Noise | None = None
+    noise_length: Length | None = None
+    noise_time: Interval = Measured(2e-5, 0.0, "20 us")
+    jets: Annotated[int, Field(ge=1, le=400)] = 1
+    jet_spacing: Length | None = None
+    jet_pattern: Literal["line", "square", "ring"] = "line"
     collector: Literal["plate", "belt", "drum", "none"] = "plate"
     collector_speed: Speed | None = None
     collector_radius: Length | None = None
@@ -74,6 +86,14 @@ class SpunJet(Section):
             raise refusal("nozzle_frequency", "is missing: a nozzle with an amplitude circles")
         if (self.side_field is None) != (self.side_frequency is None):
             raise refusal("side_frequency", "and side_field go together: a transverse field that turns or switches")
+        if self.noise_length is not None and self.noise is None:
+            raise refusal("noise", "is missing: noise_length says which piece of the jet it belongs to")
+        if self.jets > 1 and self.jet_spacing is None:
+            raise refusal("jet_spacing", "is missing: the distance between the nozzles of several jets")
+        if self.jets > 1 and self.charge == "conducting":
+            raise refusal("charge", 'moves in the liquid: jets side by side need charge = "frozen", or "none"')
+        if self.jet_pattern == "square" and round(self.jets**0.5) ** 2 != self.jets:
+            raise refusal("jets", "are no square: 4, 9, 16, ...")
         if self.collector == "drum" and self.collector_radius is None:
             raise refusal("collector_radius", "is missing: a drum has one")
         return self

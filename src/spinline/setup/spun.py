@@ -1,6 +1,7 @@
 """Settings of a spun jet from a scene: ``[jet]`` with ``profile = "spun"`` and the solution."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from spinline.base.errors import InputError
@@ -9,16 +10,19 @@ from spinline.jetprofile.spun.settings import Collector, Grid, Inlet, Loads, Spu
 from spinline.setup.values import given
 
 if TYPE_CHECKING:
+    from spinline.base.checks import FloatArray
     from spinline.jetprofile.lagrangian import LagrangianJet
     from spinline.rheology.solution import Solution
     from spinline.scene.file import Scene
     from spinline.scene.spun import SpunJet
 
-__all__ = ["build_spun", "spun_remarks", "spun_settings"]
+__all__ = ["build_spun", "spun_nozzles", "spun_remarks", "spun_settings"]
 
 
-def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None = None) -> SpunSettings:
-    """What the solver is given.
+def spun_settings(
+    section: "SpunJet", solution: "Solution", *, scene: "Scene | None" = None, seed: int | None = None
+) -> SpunSettings:
+    """What the solver is given; air and drying come with the `scene`.
 
     Raises
     ------
@@ -72,6 +76,12 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
         ),
         seed=section.seed if seed is None else seed,
     )
+    if scene is not None:
+        from spinline.setup.spun_air import spun_air, spun_drying
+
+        settings = replace(
+            settings, air=spun_air(section, scene, solution), drying=spun_drying(section, scene, solution)
+        )
     if section.charge == "conducting":
         return _conducting(section, solution, settings)
     if section.start == "straight-jet":
@@ -82,6 +92,13 @@ def spun_settings(section: "SpunJet", solution: "Solution", *, seed: int | None 
             remedy='charge = "conducting", or start = "needle"',
         )
     return settings
+
+
+def spun_nozzles(section: "SpunJet") -> "FloatArray":
+    """Places of the nozzles across the axis, (jet, 2), m."""
+    from spinline.jetprofile.spun.several import pattern
+
+    return pattern(section.jet_pattern, section.jets, given(section.jet_spacing) or 0.0)
 
 
 def _loads(section: "SpunJet", gap: float, radius: float) -> Loads:
@@ -157,9 +174,9 @@ def _conducting(section: "SpunJet", solution: "Solution", settings: SpunSettings
     return conducting(settings, needle, place)
 
 
-def spun_remarks(section: "SpunJet", solution: "Solution") -> tuple[str, ...]:
+def spun_remarks(section: "SpunJet", solution: "Solution", scene: "Scene | None" = None) -> tuple[str, ...]:
     """What is odd about a jet to be spun: the numbers that decide, before anything runs."""
-    s = spun_settings(section, solution)
+    s = spun_settings(section, solution, scene=scene)
     r0, v0 = s.inlet.radius, s.inlet.speed
     wave = math.sqrt(3 * s.law.modulus / s.density)
     said = [
@@ -177,6 +194,26 @@ def spun_remarks(section: "SpunJet", solution: "Solution") -> tuple[str, ...]:
             said.append(f"charge frozen, but about {share:.0%} of the current is still conducted at a tenth of the gap")
         if surface > 3e6:
             said.append(f"charge frozen: {surface / 1e6:.3g} MV/m at the surface, over the breakdown of air (3)")
+    return tuple(said) + _air_remarks(s)
+
+
+def _air_remarks(s: SpunSettings) -> tuple[str, ...]:
+    """What dries, and what the drying along beads leaves out."""
+    said = []
+    if s.drying is not None:
+        d = s.drying
+        least = max(d.least_sherwood, 0.1)
+        time = s.inlet.radius**2 / (d.vapour_diffusion * least * max(d.equilibrium - d.far, 1e-300))
+        words = "with heat" if d.heat_capacity > 0 else "at the jet's temperature"
+        said.append(
+            f"dries along the beads, {words}: {time:.3g} s at the nozzle's radius (it goes as the radius squared); its "
+            "conductivity stays that of the solution, and no water of the air enters"
+        )
+    if s.air is not None and s.air.noise > 0:
+        piece = s.density * s.air.grain
+        said.append(
+            f"noise: D_v = {s.air.noise / piece:.3g} m2/s3 of a piece of {s.air.grain:.3g} m3, every {s.air.interval:.3g} s"
+        )
     return tuple(said)
 
 
@@ -220,7 +257,14 @@ def build_spun(section: "SpunJet", scene: "Scene", solution: "Solution") -> "Lag
     from spinline.jetprofile.spun.dataset import to_dataset
     from spinline.jetprofile.spun.run import SpunRun, moments
 
-    run = SpunRun.start(spun_settings(section, solution))
+    if section.jets > 1:
+        raise InputError(
+            "jet.jets",
+            "are several, and a network is followed along one",
+            value=section.jets,
+            remedy='`spinline spin` them, and take one file with profile = "lagrangian"',
+        )
+    run = SpunRun.start(spun_settings(section, solution, scene=scene))
     for _ in run.to(moments(section.time.value, 4)):
         pass
     return LagrangianJet.from_dataset(to_dataset(run)).at(None)
