@@ -2,8 +2,8 @@
 
     python benchmarks/bench_spun.py [PART ...] [-o benchmarks/bench_spun.json]
 
-Parts: orders, published, sums, whipping, whole. Each is written to the JSON file by itself; times are processor time, to be
-read as ratios within one run.
+Parts: many, orders, published, sums, whipping, whole. Each is written to the JSON file by itself; times are processor time,
+to be read as ratios within one run.
 """
 
 import itertools
@@ -21,6 +21,7 @@ from spun_cases import material, pvp, radii, rotating, spun  # noqa: E402
 
 from spinline.jetprofile.spun import _codes as c  # noqa: E402
 from spinline.jetprofile.spun._tree_kernels import direct_sum, pair_sum, tree_sum  # noqa: E402
+from spinline.jetprofile.spun.chain import start_cylinder  # noqa: E402
 from spinline.jetprofile.spun.run import SpunRun  # noqa: E402
 from spinline.jetprofile.spun.settings import Air, Collector  # noqa: E402
 
@@ -197,7 +198,22 @@ def whole():
     return out
 
 
-PARTS = {"orders": orders, "published": published, "sums": sums, "whipping": whipping, "whole": whole}
+def many():
+    """A few steps of charged straight jets of up to 1e5 elements: seconds a step, and the exponent of the cost."""
+    out = {}
+    for n in (1000, 10000, 100000):
+        chain = start_cylinder(pvp(0.1 / n, charge=8800.0, repulsion="hybrid", start=0.1))
+        chain.march(1e-12)
+        begun, before = time.process_time(), chain.clock[5]
+        chain.march(0.2 * 0.1 / n / 1.75)
+        took = (time.process_time() - begun) / (chain.clock[5] - before)
+        out[str(chain.n)] = {"seconds a step": took, "finite": bool(np.isfinite(chain.nodes).all())}
+    first, last = (out[n]["seconds a step"] for n in ("10000", "100000"))
+    out["cost exponent, 1e4 to 1e5"] = float(np.log10(last / first))
+    return out
+
+
+PARTS = {"many": many, "orders": orders, "published": published, "sums": sums, "whipping": whipping, "whole": whole}
 
 if __name__ == "__main__":
     target = Path(sys.argv[sys.argv.index("-o") + 1]) if "-o" in sys.argv else ROOT / "benchmarks" / "bench_spun.json"

@@ -1,7 +1,8 @@
 """Compiled rates of `disentanglement`."""
 
 import numpy as np
-from numba import njit
+
+from spinline.base.kernels import njit
 
 __all__ = ["slopes"]
 

@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray
+from spinline.base.kernels import njit
 from spinline.network._force_kernels import LINEAR, extension_kernel
 from spinline.network.chain._kernels import compliance_kernel
 

@@ -37,12 +37,13 @@ def test_a_sample_of_it_replays() -> None:
 
 
 def test_estimated_errors_are_the_true_ones_within_a_factor_of_two() -> None:
-    """But for the radius of one jet of a hundred, 0.41 of the true error."""
     again, kept = campaign("ehd_errors")
-    assert kept["jets"] == 100
-    found = [kept[f"{name}: estimate over true"] for name in ("radius", "current")]
-    assert [one["beyond a factor of 2"] for one in found] == [1, 0]
-    assert min(one["least"] for one in found) > 0.4
+    assert kept["jets"] >= 80
+    for name in ("radius", "current"):
+        found = kept[f"{name}: estimate over true"]
+        assert found["number"] > 55
+        assert found["beyond a factor of 2"] == 0
+    assert kept["radius: true error by a mesh half as fine, off by at most"] < 0.02  # the truth is one
     one = next(row for row in kept["rows"] if row["verdict"] == "jet" and row["radius"][1] > 1e-9)
     estimate, true = again.row(one["index"])["radius"]
     assert 0.5 < estimate / true < 2

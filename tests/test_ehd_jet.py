@@ -555,7 +555,10 @@ def test_a_sample_of_the_campaign_of_random_settings_replays() -> None:
     spec.loader.exec_module(campaign)
     kept = json.loads((folder / "ehd_settings.json").read_text())
     assert kept["number"] > 400
-    assert kept["apart_by_more_than_1e-3"] == [144]  # two jets that pass every test: which of them is spun is not known
+    # by three ways the same jet: where a second one passed the three tests (15, 144), its end made it (test_ehd_end_pull.py)
+    assert kept["apart_by_more_than_1e-3"] == []
+    assert kept["furthest_apart"] < 1e-4
+    assert min(kept["reached_again"].values()) > 0
     rows = [one for one in kept["rows"] if one["seconds"] < 0.4][:6]
     assert len(rows) == 6
     for one in rows:

@@ -25,6 +25,8 @@ def test_stored_numbers_are_those_asked_for():
     assert min(STORED["orders"]["bent jet, 4400 statC/cm3"]["last order"][3:]) > 1.0
     assert STORED["sums"]["10000"]["rms error"] < 1e-3
     assert STORED["sums"]["cost exponent, 1e4 to 1e5"] < 1.2
+    assert STORED["many"]["100000"]["finite"]
+    assert STORED["many"]["cost exponent, 1e4 to 1e5"] < 1.2
 
 
 def test_straight_part_of_a_bending_jet_stays():

@@ -7,9 +7,9 @@ last element grows. `p` holds the constants in the order of `bead_jet._Constants
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["advance", "elastic_step", "gap_of"]
 

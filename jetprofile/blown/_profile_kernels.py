@@ -7,9 +7,9 @@ Unknowns: u = ln v/v_0, F in units of `scale`, ln B_zz, ln B_rr, with B = f(A) A
 import math
 
 import numpy as np
-from numba import njit
 
 from spinline.base.checks import FloatArray
+from spinline.base.kernels import njit
 
 __all__ = ["CONSTANTS", "entry", "jacobian", "residual", "slopes"]
 

@@ -64,8 +64,9 @@ class NeedleSettings:
         Giesekus's a, in [0, 1].
     field : {"hyperboloid", "needle", "uniform"} or AppliedField
         Field of the electrodes. "uniform" is V / H, never the field at a needle.
-    log : {"local", "constant"}
-        Slenderness ``ln(L / r)``, whose force is that of an energy, or Feng's ``ln(L / r_0)``.
+    log : {"local", "constant", "slender"}
+        Slenderness ``ln(L / r)``, whose force is that of an energy, or Feng's ``ln(L / r_0)``; or "slender", the potential of
+        the whole charged line with its answers in needle and plate (`whole_line`): what a hand-over to a moving jet needs.
     end : float, optional
         L in m: where the end condition and the logarithm's length lie. Default the gap.
     current : float, optional
@@ -91,7 +92,7 @@ class NeedleSettings:
     extensibility: float | None = None
     mobility: float = 0.0
     field: str | AppliedField = "hyperboloid"
-    log: Literal["local", "constant"] = "local"
+    log: Literal["local", "constant", "slender"] = "local"
     end: float | None = None
     current: float | None = None
     gravity: float = 9.81
@@ -106,8 +107,8 @@ class NeedleSettings:
         number("mobility", self.mobility, least=0.0, most=1.0)
         if self.law not in LAWS:
             raise InputError("law", "is not known", value=self.law, allowed=", ".join(LAWS))
-        if self.log not in ("local", "constant"):
-            raise InputError("log", "is not known", value=self.log, allowed="local, constant")
+        if self.log not in ("local", "constant", "slender"):
+            raise InputError("log", "is not known", value=self.log, allowed="local, constant, slender")
         if isinstance(self.field, str) and self.field not in FIELDS:
             raise InputError("field", "is not known", value=self.field, allowed=", ".join(FIELDS))
         if self.polymer:
@@ -136,6 +137,14 @@ class NeedleSettings:
                 value=length,
                 allowed=f"up to {self.applied_field.gap:g} m",
                 remedy="the default is the gap",
+            )
+        if self.log == "slender" and length < 0.99 * self.applied_field.gap:
+            raise InputError(
+                "end",
+                "cuts the line whose potential is asked",
+                value=length,
+                allowed=f"the gap, {self.applied_field.gap:g} m",
+                remedy='leave it out; or log = "local"',
             )
         real("end", length / self.radius, least=3.0, most=1e6, remedy="end over radius: the jet must be slender")
 
@@ -255,7 +264,7 @@ class NeedleSettings:
             left.append([3, float(np.log(self.current / self.current_scale))])
         if polymer:
             left += [[4, 0.0], [5, 0.0]]
-        return Problem(parameters, applied, chi, np.array(left), polymer, charge, self.log == "local", work=work)
+        return Problem(parameters, applied, chi, np.array(left), polymer, charge, self.log != "constant", work=work)
 
     def as_dict(self) -> dict[str, Any]:
         """Every parameter by name."""

@@ -17,6 +17,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.jetprofile.ehd.boundary_value import (
     Discrete,
+    Linear,
     OutOfWork,
     Problem,
     Work,
@@ -28,10 +29,11 @@ from spinline.jetprofile.ehd.boundary_value import (
     spline,
 )
 from spinline.jetprofile.ehd.continuation import Path, distance, follow
+from spinline.jetprofile.ehd.end_pull import end_pull
 from spinline.jetprofile.ehd.equations import rates
 from spinline.jetprofile.ehd.settings import NeedleSettings
 
-__all__ = ["Solved", "between", "raise_pull", "solve", "thins"]
+__all__ = ["Solved", "between", "errors_of", "raise_pull", "solve", "thins"]
 
 _COARSE = 161
 _UPWIND = 321
@@ -54,7 +56,7 @@ class Solved:
     problem, discrete
         What was solved, and its finest solution; where there is none, the last one on the way (perhaps empty).
     error : dict
-        Estimated errors from the last halving of the mesh, relative: radius (worst), current, tension (of its maximum).
+        Estimated errors, relative: radius (worst, between the nodes too), current, tension (of its maximum).
     why : str
         Empty, or why there is no solution: "fold" (the branch ends), "lost" (the path ended), "mesh" (the mesh moves it).
     pull : float
@@ -116,15 +118,29 @@ class _Search:
         return other
 
     def ascend(self, charge: bool, predicted: bool, upwind: bool) -> Discrete | None:
-        """The top of the path of rising pull, by the order-4 equations or, those lost, by the upwind ones."""
+        """The top of the path of rising pull, by the order-4 equations or, those lost, by the upwind ones.
+
+        A long relaxation time may put the thread that nothing pulls on the stretched side already, where its end makes it: the
+        pull is then raised at a short time too.
+        """
         found = self.climb(charge, predicted, 1.0, upwind)
-        de = self.settings.deborah
-        if found is None and self.settings.polymer and de > _SLACK:
-            slack = _SLACK / de
+        if not self.settings.polymer or self.settings.deborah <= _SLACK:
+            return found
+        problem = self.problem(charge=charge, predicted=predicted)
+        if found is not None and not end_pull(problem, found).rules:
+            return found
+        slack, told = _SLACK / self.settings.deborah, (self.folded, self.time_share)
+        try:
             loose = self.climb(charge, predicted, slack, upwind)
-            if loose is not None:
-                found = self.lengthen(loose, charge, predicted, slack)
-        return found
+            longer = None if loose is None else self.lengthen(loose, charge, predicted, slack)
+        except OutOfWork:
+            if found is None:
+                raise
+            longer = None
+        if found is not None and (longer is None or not thins(problem, longer) or end_pull(problem, longer).rules):
+            self.folded, self.time_share = told
+            return found
+        return longer
 
     def lengthen(self, loose: Discrete, charge: bool, predicted: bool, slack: float) -> Discrete | None:
         """From a short relaxation time to its own at the full pull; a fold on the way is a limit of the relaxation time."""
@@ -212,7 +228,7 @@ class _Search:
             coarse = newton(problem, s, interpolate(fine.s, fine.y, s))
             fine = newton(problem, halved(s), interpolate(s, coarse.y, halved(s))) if coarse.converged else coarse
             if fine.converged:
-                error = _errors(problem, coarse, fine)
+                error = errors_of(problem, fine) or _moved(problem, coarse, fine)
                 worst = max(error["radius"], error["current"])
                 result = Solved(problem, fine, error, "mesh" if worst * 15 > 0.005 else "")
                 if worst <= tolerance:
@@ -231,10 +247,34 @@ def thins(problem: Problem, found: Discrete) -> bool:
     return bool(tension.min() > 0 and rate.min() > -_FLAT * max(1.0, float(rate.max())))
 
 
-def _errors(problem: Problem, coarse: Discrete, fine: Discrete) -> dict[str, float]:
-    """Errors of the fine solution, between its nodes too, where they may be several times those at its nodes."""
+def errors_of(problem: Problem, fine: Discrete) -> dict[str, float] | None:
+    """Errors at four places an interval, by two Newton steps on twice the mesh (one matrix); None where that is singular.
+
+    Halving the mesh once more, and no extrapolation of what the last halving changed: where the unknowns bend sharply the
+    cubics between the nodes are not in their asymptotic range, and a fifteenth of the last change may be 0.4 of the error.
+    """
+    curve, _ = spline(problem, fine)
+    s = halved(fine.s)
+    y = curve(s)
+    system = Linear(problem, s, y)
+    if not system.ok:
+        return None
+    y = y + system.solve(-system.value)
+    y = y + system.solve(-system.residual(y))
+    if not np.isfinite(y).all():
+        return None
+    at = halved(s)
+    return _sizes(spline(problem, Discrete(s, y))[0](at) - curve(at), fine)
+
+
+def _moved(problem: Problem, coarse: Discrete, fine: Discrete) -> dict[str, float]:
+    """Errors by what the last halving changed, order 4."""
     at = halved(fine.s)
-    change = np.abs(spline(problem, fine)[0](at) - spline(problem, coarse)[0](at)) / 15  # order 4
+    return _sizes((spline(problem, fine)[0](at) - spline(problem, coarse)[0](at)) / 15, fine)
+
+
+def _sizes(change: FloatArray, fine: Discrete) -> dict[str, float]:
+    change = np.abs(change)
     return {
         "radius": 0.5 * float(change[:, 0].max()),
         "current": float(change[0, 3]),
@@ -266,6 +306,8 @@ def solve(
             charge = near.problem.charge
             if found is not None and not charge:
                 found, charge = search.with_relaxation(found, predicted=False)
+            if found is not None and end_pull(search.problem(charge=charge, predicted=False), found).rules:
+                found, direct = None, False  # its end makes it: perhaps another thread is there
     except OutOfWork:
         pass
     try:

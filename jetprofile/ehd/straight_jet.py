@@ -13,29 +13,39 @@ from spinline.base.quadrature import gauss
 from spinline.jetprofile.ehd.bending import BendingOnset, bending_onset
 from spinline.jetprofile.ehd.boundary_value import spline
 from spinline.jetprofile.ehd.capillary import capillary_growth
+from spinline.jetprofile.ehd.end_pull import SLACK, EndPull, end_pull
 from spinline.jetprofile.ehd.equations import rates
 from spinline.jetprofile.ehd.settings import NeedleSettings
 from spinline.jetprofile.ehd.solver import Solved, solve, thins
 from spinline.jetprofile.ehd.verdicts import Verdict, judge
+from spinline.jetprofile.ehd.whole_line import whole_line
 from spinline.jetprofile.straight import StraightJet
 
 __all__ = ["NoSteadyJet", "StraightEhdJet"]
 
 _GAUSS = gauss(16)
+_ENDED = {
+    "fold": "steady threads end at {:.3g} of the forces",
+    "lost": "no steady thread was found beyond {:.3g} of the forces",
+    "mesh": "the thread found at {:.3g} of the forces moves with the mesh",
+    "": "the thread found at {:.3g} of the forces does not thin",
+}
 
 
 class NoSteadyJet(InputError):
     """The settings give no steady thinning jet; ``reason`` names why, ``pull`` says how far the forces could be raised.
 
-    Reasons: "swells", "held", "fold", "cone", "spray", "unresolved".
+    Reasons: "swells", "held", "fold", "cone", "end", "spray", "unresolved". ``search`` says how the search ended: "fold" (the
+    branch ends), "lost" (the path could not be followed further), "mesh" (the mesh moves what was found), or "" (a solution
+    was found, and failed a test).
     """
 
-    def __init__(self, reason: str, text: str, pull: float, remedy: str) -> None:
+    def __init__(self, reason: str, text: str, pull: float, remedy: str, search: str = "") -> None:
         super().__init__("jet", text, remedy=remedy)
-        self.reason, self.text, self.pull, self.remedy = reason, text, pull, remedy
+        self.reason, self.text, self.pull, self.remedy, self.search = reason, text, pull, remedy, search
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return NoSteadyJet, (self.reason, self.text, self.pull, self.remedy)
+        return NoSteadyJet, (self.reason, self.text, self.pull, self.remedy, self.search)
 
 
 class StraightEhdJet(StraightJet):
@@ -60,6 +70,8 @@ class StraightEhdJet(StraightJet):
     needle_potential : float
         Potential in V that the jet has at the needle beyond the needle's own: 0 with a predicted current; with a given
         one, what the setup lacks (or has too much).
+    end_pull : EndPull
+        What the condition at the end makes of the jet.
     error : dict
         Estimated relative errors of radius, current, tension.
     residual : float
@@ -88,6 +100,16 @@ class StraightEhdJet(StraightJet):
         super().__init__(settings.radius, settings.flow_rate)
         self.settings = settings
         found = solve(settings, tolerance=tolerance, near=None if near is None else near.solved)
+        if settings.log == "slender" and not found.why:
+            found = whole_line(settings, found)
+            if found.why:
+                raise NoSteadyJet(
+                    "unresolved",
+                    "the charge of the whole line does not settle on this jet",
+                    1.0,
+                    'log = "local"',
+                    found.why,
+                )
         self._adopt(found)
         reach = settings.end_position
         if length is not None:
@@ -107,6 +129,9 @@ class StraightEhdJet(StraightJet):
         self._s = s
         if not thins(found.problem, found.discrete):
             raise _refusal(settings, found)
+        self.end_pull = end_pull(found.problem, found.discrete)
+        if self.end_pull.share > SLACK:
+            raise _wound_up(self.end_pull.share)
         self.error, self.residual = found.error, max(found.error.values())
         self.current = float(settings.current_scale * np.exp(y[0, 3]))
         self.needle_potential = 0.0
@@ -261,7 +286,7 @@ class StraightEhdJet(StraightJet):
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The numbers that decide, each with its sentence."""
-        return _verdicts(self.settings, self.solved)
+        return _verdicts(self.settings, self.solved, self.end_pull)
 
     @property
     def model(self) -> str:
@@ -294,7 +319,7 @@ def _along(found: Solved) -> tuple[FloatArray, FloatArray, FloatArray]:
     return _evaluate(found, found.discrete.s, found.discrete.y)
 
 
-def _verdicts(x: NeedleSettings, found: Solved) -> tuple[Verdict, ...]:
+def _verdicts(x: NeedleSettings, found: Solved, pulled: EndPull) -> tuple[Verdict, ...]:
     s, u = found.discrete.s, found.discrete.y[:, 0]
     _, share, pull = _along(found)
     z, ratio = s * x.radius, np.exp(u)
@@ -322,7 +347,16 @@ def _verdicts(x: NeedleSettings, found: Solved) -> tuple[Verdict, ...]:
         relaxation_length=0.5 * p[5] * p[3] * ratio * x.radius,
         full_stretch=float(stretch),
         fold=fold,
+        end=pulled,
     )
+
+
+def _wound_up(share: float) -> NoSteadyJet:
+    text = (
+        f"{100 * min(share, 1.0):.0f} % of the tension at the needle is made by the condition at the end, not by field or "
+        "weight: the only thread found would have to be wound up"
+    )
+    return NoSteadyJet("end", text, 1.0, "a higher voltage, a longer jet.end, or a shorter relaxation time")
 
 
 def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
@@ -334,30 +368,31 @@ def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
             text = (
                 f"the tension at the needle is {x.force_scale * pull[0]:.3g} N: the jet swells, it does not thin{share}"
             )
-            return NoSteadyJet("swells", text, found.pull, "more conductivity, or a higher voltage")
+            return NoSteadyJet("swells", text, found.pull, "more conductivity, or a higher voltage", found.why)
         if not found.why:
             text = "the only steady thread found thins and thickens again: no thinning jet at these settings"
             return NoSteadyJet("swells", text, found.pull, "a shorter jet.end, or a higher voltage")
     if found.why == "fold" and np.isfinite(found.time_share):
         time = found.time_share * x.relaxation_time
         text = f"no steady jet beyond a relaxation time of {time:.4g} s at these settings"
-        return NoSteadyJet("fold", text, found.pull, 'law = "fene-p" has no such end; or another voltage')
+        return NoSteadyJet("fold", text, found.pull, 'law = "fene-p" has no such end; or another voltage', "fold")
     n = x.numbers
     if x.pull_against_capillarity < 0.5:
         text = (
-            f"pull against capillarity is {x.pull_against_capillarity:.3g} (4 A^(1/3) Ca): the drop is held, it drips"
+            f"pull against capillarity is {x.pull_against_capillarity:.3g} (4 A^(1/3) Ca): the drop is held, it drips; "
+            f"{_ENDED[found.why].format(found.pull)}"
         )
-        return NoSteadyJet("held", text, found.pull, "a higher voltage, or a higher flow rate")
+        return NoSteadyJet("held", text, found.pull, "a higher voltage, or a higher flow rate", found.why)
     if found.why == "fold":
         text = f"the branch of steady jets ends at {found.pull:.3g} of the pull"
-        return NoSteadyJet("fold", text, found.pull, 'a lower voltage, or law = "fene-p"')
+        return NoSteadyJet("fold", text, found.pull, 'a lower voltage, or law = "fene-p"', "fold")
     if found.discrete.y.size and x.polymer and x.extensibility:
         jump = float(_along(found)[2][0]) * x.force_scale / (np.pi * x.radius**2 * x.modulus)
         if jump > np.sqrt(x.extensibility):
             text = f"the pull stretches the network fully within the cone (V1 = {jump:.3g}){share}: outside this theory"
-            return NoSteadyJet("cone", text, found.pull, "a lower voltage, or a higher flow rate")
+            return NoSteadyJet("cone", text, found.pull, "a lower voltage, or a higher flow rate", found.why)
     if n["reynolds"] > 0.1:
         text = f"inertia rules from the needle on (Re = {n['reynolds']:.3g}){share}: a spray, not a fibre"
-        return NoSteadyJet("spray", text, found.pull, "a more viscous solution")
+        return NoSteadyJet("spray", text, found.pull, "a more viscous solution", found.why)
     text = f"a steady jet was followed to {found.pull:.3g} of the forces and not further"
-    return NoSteadyJet("unresolved", text, found.pull, "a shorter jet.end, or a measured current")
+    return NoSteadyJet("unresolved", text, found.pull, "a shorter jet.end, or a measured current", found.why)

@@ -9,6 +9,8 @@
 ``conducted``       share of the current still conducted at the end: above 0.1 the predicted current depends on L
 ``inertia``         Re max(V): above 1 inertia, below it viscosity or elasticity, bounds the speed
 ``beads``           growth of capillary waves ``int w dz / v``: above 5 with ``w theta < 1``, beads or drops
+``end``             share of the tension at the needle that the condition at the end makes (`end_pull`): above 1/2, or where
+                    the end draws a neck into the thread, widen the end; above 0.9 the scene is refused
 ``fold``            relaxation time (s) beyond which the branch of steady jets ends
 ==================  ==================================================================================================
 """
@@ -18,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spinline.base.checks import FloatArray
+from spinline.jetprofile.ehd.end_pull import LIMIT, EndPull
 
 __all__ = ["Verdict", "judge"]
 
@@ -69,6 +72,7 @@ def judge(
     relaxation_length: FloatArray,
     full_stretch: float,
     fold: float,
+    end: EndPull,
 ) -> tuple[Verdict, ...]:
     """Verdicts of a computed jet, from its columns along z (m) and the numbers of its settings (SI)."""
     found = []
@@ -105,6 +109,14 @@ def judge(
     drops = grown > 5 and slow < 1
     words = "beads or drops: a spray, not a fibre" if drops else "capillary waves do not break it"
     found.append(Verdict("beads", grown, 5.0, not drops, words))
+    words = "field and weight draw it"
+    if end.rules:
+        most, neck = (
+            "most of the tension is made by the condition at the end",
+            "the condition at the end draws a neck into it",
+        )
+        words = _pick(end.share, LIMIT, most, neck) + ": widen the end"
+    found.append(Verdict("end", end.share, LIMIT, not end.rules, words))
     if np.isfinite(fold):
         found.append(Verdict("fold", fold, fold, True, f"no steady jet beyond a relaxation time of {fold:.4g} s"))
     return tuple(found)

@@ -33,6 +33,8 @@ class Taken:
         Polymer where the jet no longer gives way.
     chi : float
         Wavelength of the bending over the radius (Fridrikh et al. 2003).
+    plateau, plateau_power : float
+        Modulus of a melt's network, Pa, and its exponent in the volume fraction: relaxation times, and the chain of beads.
     """
 
     current_voltage: float = 2 / 3
@@ -45,6 +47,8 @@ class Taken:
     sherwood: float = 0.5
     solid_fraction: float = 0.7
     chi: float = 100.0
+    plateau: float = 2e6
+    plateau_power: float = 2.3
 
 
 @dataclass(frozen=True)

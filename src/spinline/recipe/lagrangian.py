@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Laid", "laid", "settings_of"]
 
-_PLATEAU, _DILUTED = 2e6, 2.3  # Pa, of melts; exponent in the volume fraction
 _ELEMENT, _LONGEST = 4.0, 2e-3  # radii at the start; m in flight
 _CIRCLE = 0.2  # of the radius: what bends has something to grow from
 
@@ -77,7 +76,7 @@ def settings_of(believed: Believed, constants: Calibrated = CONSTANTS) -> tuple[
         raise InputError("jet.gap", "is no longer than a jet is wide", value=gap, allowed=f"> {100 * a0:.2g} m")
     whole = current / flow
     q = min(whole, 2 * EPS0 * volts / (a0 * a0 * math.log(2 * gap / a0)))
-    modulus = _PLATEAU * phi**_DILUTED / 3
+    modulus = TAKEN.plateau * phi**TAKEN.plateau_power / 3
     push = q * q * a0 * a0 * log_term(TAKEN.chi) / (4 * EPS0) - believed.surface_tension / a0
     wave = float(fastest_wave(push, a0, 3 * mu, believed.density)[0])
     speed = flow / (math.pi * a0 * a0)

@@ -10,7 +10,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.envelope import Envelope
 from spinline.recipe.believe import Recipe, believe
-from spinline.recipe.constants import CONSTANTS
+from spinline.recipe.constants import CONSTANTS, TAKEN
 from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
 from spinline.recipe.outside import outside_remarks
 from spinline.recipe.regime import Regime, regime_of
@@ -202,8 +202,9 @@ def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float]:
     alone = spun(believed, np.zeros((1, len(UNKNOWNS))), rung="race").thinning.radius[0]
     words = (
         f"bead by bead: {1e9 * chain.fibre_diameter:.3g} nm within a factor of {np.exp(chain.spread):.2g} along the fibre, "
-        f"landing at {chain.impact_speed:.2g} m/s within {1e3 * chain.spot_radius:.2g} mm of the axis; the chain's charge is "
-        f"{100 * chain.carried:.2g} % of what the current would bring"
+        f"landing at {chain.impact_speed:.2g} m/s within {1e3 * chain.spot_radius:.2g} mm of the axis with "
+        f"{100 * chain.landing_fraction:.0f} % of polymer; its charge is {100 * chain.carried:.2g} % of what the current "
+        "would bring, a bound from the thick side; interval, regime and orientation are those of the race"
     )
     return (words,), float(np.log(chain.fibre_diameter / (2 * np.sqrt(believed.volume_fraction) * alone)))
 
@@ -296,7 +297,7 @@ def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray
 
     thin, p = found.thinning, CONSTANTS.viscosity_power
     slower = np.exp(believed.sd.get("relaxation_time", 0.0) * z[:, list(UNKNOWNS).index("relaxation_time")])
-    theta = 3 * slower * found.viscosity / (2e6 * believed.volume_fraction**2.3)
+    theta = 3 * slower * found.viscosity / (TAKEN.plateau * believed.volume_fraction**TAKEN.plateau_power)
     thicker = np.maximum((thin.time / theta) ** (1 / 2.33), 1.0)  # phi at which the strands freeze over phi_0
     whole = believed.onset_radius**2 / thin.radius**2
     late = -np.expm1(-p * np.log(np.maximum(thicker, 1 + 1e-12)))

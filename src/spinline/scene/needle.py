@@ -62,7 +62,7 @@ class NeedleJet(Section):
     permittivity: Permittivity
     current: Current | None = None
     field: Annotated[str | FieldTable, _FieldRead()] = "hyperboloid"
-    log: Literal["local", "constant"] = "local"
+    log: Literal["local", "constant", "slender"] = "local"
     law: Literal["fene-p", "oldroyd-b", "giesekus", "newtonian"] = "fene-p"
     solvent_share: Share = Measured(0.1, 0.0, "0.1")
     extensibility: Number | None = None
