@@ -332,7 +332,7 @@ def test_fixed_beads_relax_to_rest():
 def test_random_draws_stay_finite_and_bounded():
     rng = np.random.default_rng(20261122)
     failed = 0
-    for i in range(240):
+    for i in range(160):
         length = float(rng.uniform(3, 30))
         jet = PowerLaw(**PEO, k=float(rng.uniform(0.6, 1.5)), beta=float(rng.uniform(0.3, 0.7)))
         law = LAWS[i % 4]
@@ -357,7 +357,7 @@ def test_random_draws_stay_finite_and_bounded():
         if law != "linear":
             assert np.all(profile.stretch <= chain.contour * (1 + 1e-9))
             assert np.all(profile.relative_extension <= 1)
-    assert failed <= 3
+    assert failed <= 2
 
 
 # --- refusals -------------------------------------------------------------------------------------------------------

@@ -100,7 +100,7 @@ def test_bytes_flipped_anywhere(kind, place):
     target = place(path)
     content = path.read_bytes()[: ENOUGH.get(kind)]
     refused = 0
-    for at, value in zip(rng.integers(0, len(content), 2000), rng.integers(0, 256, 2000), strict=True):
+    for at, value in zip(rng.integers(0, len(content), 600), rng.integers(0, 256, 600), strict=True):
         damaged = bytearray(content)
         damaged[at] = value
         target.write_bytes(bytes(damaged))
@@ -108,7 +108,7 @@ def test_bytes_flipped_anywhere(kind, place):
         refused += data is None
         if data is not None:
             check(data)
-    assert refused < 200 or kind.startswith("frame")
+    assert refused < 60 or kind.startswith("frame")
 
 
 @pytest.mark.parametrize("kind", ["traj.xyz", "traj.dat 5", "save.dat 6", "statout.dat", "log.txt"])
