@@ -202,8 +202,9 @@ def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float]:
     alone = spun(believed, np.zeros((1, len(UNKNOWNS))), rung="race").thinning.radius[0]
     words = (
         f"bead by bead: {1e9 * chain.fibre_diameter:.3g} nm within a factor of {np.exp(chain.spread):.2g} along the fibre, "
-        f"landing at {chain.impact_speed:.2g} m/s within {1e3 * chain.spot_radius:.2g} mm of the axis; the chain's charge is "
-        f"{100 * chain.carried:.2g} % of what the current would bring"
+        f"landing at {chain.impact_speed:.2g} m/s within {1e3 * chain.spot_radius:.2g} mm of the axis with "
+        f"{100 * chain.landing_fraction:.0f} % of polymer; its charge is {100 * chain.carried:.2g} % of what the current "
+        "would bring, a bound from the thick side; interval, regime and orientation are those of the race"
     )
     return (words,), float(np.log(chain.fibre_diameter / (2 * np.sqrt(believed.volume_fraction) * alone)))
 
