@@ -20,7 +20,13 @@ def campaign(name):
 def test_every_compared_jet_agrees_with_scipy() -> None:
     _, kept = campaign("ehd_independent")
     assert kept["compared"] >= 15
-    assert {one["verdict"] for one in kept["not_compared"]} <= {"fold", "swells", "held", "cone", "scipy does not converge"}
+    assert {one["verdict"] for one in kept["not_compared"]} <= {
+        "fold",
+        "swells",
+        "held",
+        "cone",
+        "scipy does not converge",
+    }
     assert kept["largest radius_apart"] < 1e-5
     assert kept["largest current_apart"] < 1e-5
 
