@@ -33,11 +33,12 @@ LONGEST = 30.0  # s for one scene
 PATIENCE = 5.0
 
 
-def damage(count: int, seed: int) -> dict[str, Any]:
+def damage(count: int, seed: int, only: list[str] | None = None) -> dict[str, Any]:
     """Damaged files of every kind."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         victims = make_victims(folder, HERE.parent / "tests" / "data")
+        victims = [victim for victim in victims if not only or victim.name in only]
         each = -(-count // len(victims))
         (folder / "copies").mkdir()
         found, worst = {}, []
@@ -352,10 +353,11 @@ def main() -> None:
     arguments.add_argument("--log", type=Path, default=Path("attack-scenes.jsonl"), help="Verdicts, gone on with.")
     arguments.add_argument("--longest", type=float, default=np.inf, help="Seconds after which scenes stop.")
     arguments.add_argument("--commands", nargs="*", help="Of the kills: run, sweep, reduce, chain, fit.")
+    arguments.add_argument("--victims", nargs="*", help="Of the damage: their names; default all.")
     arguments.add_argument("--json", type=Path, default=HERE / "attack.json")
     asked = arguments.parse_args()
     if asked.part == "damage":
-        found = damage(asked.count, asked.seed)
+        found = damage(asked.count, asked.seed, asked.victims)
     elif asked.part == "kills":
         found = kills(asked.count, asked.seed, asked.commands)
     else:

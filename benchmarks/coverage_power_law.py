@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from spinline.base.errors import SpinlineWarning
 from spinline.jetprofile.fit import fit_power_law
 
 R0, BETA, SAMPLES = 125e-6, 0.47, 60
@@ -55,7 +56,7 @@ def judge(make, draws, seed=7):
     for _ in range(draws):
         r, std = make(rng)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+            warnings.simplefilter("ignore", SpinlineWarning)
             fit = fit_power_law(Z, r, std, initial_radius=R0)
         off.append((fit.k - 1, fit.beta - BETA))
         held.append((abs(fit.k - 1) < 1.96 * fit.k_std, abs(fit.beta - BETA) < 1.96 * fit.beta_std))

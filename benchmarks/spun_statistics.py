@@ -30,11 +30,11 @@ NOISE = Air(xi=0.0, lift=False, noise=1e-9, interval=2e-5, grain=1e-13)
 NAMES = ("landing radius m", "2 atan(R/h) deg", "radius at the collector m", "turns per s")
 CASES: dict[str, dict[str, Any]] = {
     "published charge": {"change": (), "elements": (4e-4, 2e-4), "time": 24e-3, "from": 16e-3},
-    "a tenth of it": {
-        "change": ('jet.charge_density="4400 statC/cm3"',),
-        "elements": (4e-4, 2e-4),
-        "time": 60e-3,
-        "from": 45e-3,
+    "six tenths of it": {
+        "change": ('jet.charge_density="26400 statC/cm3"',),
+        "elements": (2e-4, 1e-4),
+        "time": 24e-3,
+        "from": 18e-3,
     },
 }
 

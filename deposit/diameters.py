@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 
 __all__ = ["WEIGHTS", "Comparison", "Lognormal", "compare_diameters", "diameter_density", "lognormal", "moments"]
@@ -34,6 +34,7 @@ class Lognormal(NamedTuple):
     d32: float  # <d^3>/<d^2>, the volume-weighted mean
 
 
+@computable
 def lognormal(mean: float, deviation: float) -> Lognormal:
     """Lognormal law of mean and standard deviation.
 
@@ -151,7 +152,7 @@ def compare_diameters(
     InputError
         For fewer than two diameters.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(int(number("seed", seed, least=0, most=2.0**53)))
     (d1, w1), (d2, w2) = _sample(first, first_length, "length"), _sample(second, second_length, "length")
     if min(d1.size, d2.size) < 2:
         raise InputError("diameters", "need two or more in each sample", value=(d1.size, d2.size))

@@ -24,7 +24,7 @@ from spinline.deposit.stack import Stack
 __all__ = ["write_csv", "write_ply", "write_raw", "write_tiff", "write_vtp"]
 
 
-def write_vtp(path: str | Path, stack: Stack) -> None:
+def write_vtp(path: str | Path, stack: Stack, *, force: bool = True) -> None:
     """Centre lines of a stack as VTK XML poly-data with data appended raw."""
     points, offsets = _points(stack), stack.passages.offsets
     fibre = np.repeat(stack.passages.fibre, np.diff(offsets)).astype("<i4")
@@ -52,7 +52,7 @@ def write_vtp(path: str | Path, stack: Stack) -> None:
         f'<PointData Scalars="radius">{entry(0)}{entry(1)}</PointData>\n<Points>{entry(2, 3)}</Points>\n'
         f'<Lines>{entry(3)}{entry(4)}</Lines>\n</Piece></PolyData>\n<AppendedData encoding="raw">\n_'
     )
-    with streaming(path, force=True) as file:
+    with streaming(path, force=force) as file:
         file.write(head.encode("ascii"))
         for array in arrays:
             file.write(np.uint64(array.nbytes).astype("<u8").tobytes())
@@ -60,23 +60,23 @@ def write_vtp(path: str | Path, stack: Stack) -> None:
         file.write(b"\n</AppendedData>\n</VTKFile>\n")
 
 
-def write_ply(path: str | Path, stack: Stack) -> None:
+def write_ply(path: str | Path, stack: Stack, *, force: bool = True) -> None:
     """Centre lines of a stack as ASCII PLY: vertices (x, y, z, radius, fibre) and edges."""
     points, edges, fibre = _points(stack), _edges(stack), _fibres(stack)
     head = "ply\nformat ascii 1.0\ncomment lengths in m\n" + f"element vertex {len(points)}\n"
     head += "".join(f"property float {name}\n" for name in ("x", "y", "z", "radius"))
     head += f"property int fibre\nelement edge {len(edges)}\nproperty int vertex1\nproperty int vertex2\nend_header\n"
-    with streaming(path, force=True) as file:
+    with streaming(path, force=force) as file:
         file.write(head.encode("ascii"))
         table = np.column_stack([points, stack.passages.radius, fibre])
         np.savetxt(file, table, fmt=["%.9g"] * 4 + ["%d"])
         np.savetxt(file, edges, fmt="%d")
 
 
-def write_csv(path: str | Path, stack: Stack) -> None:
+def write_csv(path: str | Path, stack: Stack, *, force: bool = True) -> None:
     """Centre lines of a stack as a table with units in its header."""
     table = np.column_stack([_points(stack), stack.passages.radius, _fibres(stack)])
-    with streaming(path, force=True) as file:
+    with streaming(path, force=force) as file:
         np.savetxt(
             file,
             table,
@@ -87,7 +87,7 @@ def write_csv(path: str | Path, stack: Stack) -> None:
         )
 
 
-def write_tiff(path: str | Path, solid: BoolArray, voxel: float) -> None:
+def write_tiff(path: str | Path, solid: BoolArray, voxel: float, *, force: bool = True) -> None:
     """Voxels as a TIFF stack, planes from the bottom up; pixels per centimetre in the resolution tag."""
     import tifffile
 
@@ -103,14 +103,14 @@ def write_tiff(path: str | Path, solid: BoolArray, voxel: float) -> None:
         resolutionunit="CENTIMETER",
         metadata={"spacing": size * 1e6, "unit": "um", "axes": "ZYX"},
     )
-    write_bytes(path, file.getbuffer(), force=True)
+    write_bytes(path, file.getbuffer(), force=force)
 
 
-def write_raw(path: str | Path, solid: BoolArray, voxel: float) -> None:
+def write_raw(path: str | Path, solid: BoolArray, voxel: float, *, force: bool = True) -> None:
     """Voxels as bytes, x fastest, 1 in pores, and beside them a JSON file with shape and voxel."""
     box = _voxels(solid)
     target = Path(path)
-    write_bytes(target, np.transpose(~box, (2, 1, 0)).astype(np.uint8).tobytes(), force=True)
+    write_bytes(target, np.transpose(~box, (2, 1, 0)).astype(np.uint8).tobytes(), force=force)
     about = {
         "shape": list(box.shape),
         "order": "x fastest",
@@ -119,7 +119,7 @@ def write_raw(path: str | Path, solid: BoolArray, voxel: float) -> None:
         "pore": 1,
         "voxel_m": positive("voxel", voxel, "m"),
     }
-    write_text(target.with_suffix(".json"), json.dumps(about, indent=1) + "\n", force=True)
+    write_text(target.with_suffix(".json"), json.dumps(about, indent=1) + "\n", force=force)
 
 
 def _points(stack: Stack) -> FloatArray:

@@ -1,11 +1,14 @@
 """Laid fibres in a file: rows streamed in, chunks streamed out, never all in memory.
 
-An HDF5 file that xarray opens (engine ``h5netcdf``), dimension `segment`, one row per segment (`Segments`). Positions and
-touch-down times are double precision (a mat may be metres long), the rest single: 60 bytes a row, 262144 rows a chunk. What
-single precision would blur is kept in the attributes in double: number, length, volume and polymer volume of all rows.
+An HDF5 file that xarray opens (engine ``h5netcdf``), sealed, every column with a
+checksum; dimension `segment`, one row per segment (`Segments`). Positions and
+touch-down times are double precision (a mat may be metres long), the rest single: 60 bytes a row, read 262144 rows at a
+time. What single precision would blur is kept in the attributes in double: number, length, volume and polymer volume of
+all rows.
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -14,11 +17,16 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.base.file_format import FORMAT, FORMAT_NAME, require_format
+from spinline.base.files import readable, streaming
+from spinline.base.netcdf import examine_hdf5
+from spinline.base.netcdf_file import NetcdfFile
+from spinline.base.seals import verified
 from spinline.deposit.segments import Segments
 
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
 
 CHUNK = 262144
+_STORED = 16384  # rows that lie together in the file
 _COLUMNS: Mapping[str, tuple[str, str, str]] = {
     "x": ("f8", "m", "start of the segment, along the machine"),
     "y": ("f8", "m", "start of the segment, across the machine"),
@@ -44,34 +52,40 @@ class FibreWriter:
         HDF5 file, written anew.
     attributes : mapping, optional
         Where the fibres come from; kept in the file (numbers and text).
+    force : bool
+        Replace a file that is there.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written; then nothing takes the name, and what was there stays.
 
     Examples
     --------
     ``with FibreWriter("fibres.h5") as file: file.write(segments)``
     """
 
-    def __init__(self, path: str | Path, attributes: Mapping[str, Any] | None = None) -> None:
-        import h5netcdf  # type: ignore[import-untyped]
-
+    def __init__(self, path: str | Path, attributes: Mapping[str, Any] | None = None, *, force: bool = True) -> None:
         self.rows = 0
         self._sums = dict.fromkeys(_SUMS, 0.0)
-        self._file = h5netcdf.File(str(path), "w")
-        self._file.dimensions["segment"] = None
-        for name, (kind, unit, text) in _COLUMNS.items():
-            variable = self._file.create_variable(name, ("segment",), dtype=kind, chunks=(CHUNK,))
-            variable.attrs["units"], variable.attrs["long_name"] = unit, text
-        for key, value in (attributes or {}).items():
-            self._file.attrs[key] = value
+        with ExitStack() as opened:  # left again if anything fails before the file is whole
+            self._sink = opened.enter_context(streaming(path, force=force, sealing=True))
+            self._file = opened.enter_context(NetcdfFile(self._sink, {"segment": 0}, ["segment"]))
+            for name, (kind, unit, text) in _COLUMNS.items():
+                self._file.variable(name, ("segment",), kind, {"units": unit, "long_name": text}, chunks=(_STORED,))
+            self._file.attributes({} if attributes is None else attributes)
+            self._opened = opened.pop_all()
 
     def write(self, segments: Segments) -> None:
         """Append rows."""
         if not len(segments):
             return
         start, self.rows = self.rows, self.rows + len(segments)
-        self._file.resize_dimension("segment", self.rows)
+        self._file.resize(segment=self.rows)
         for name, (kind, _, _) in _COLUMNS.items():
             with np.errstate(over="ignore", under="ignore"):
-                self._file.variables[name][start : self.rows] = getattr(segments, name).astype(kind)
+                self._file.write(name, getattr(segments, name).astype(kind), start)
+        self._sink.check()
         self._sums["total_length"] += float(np.sum(segments.length))
         self._sums["total_volume"] += float(np.sum(segments.volume))
         self._sums["total_dry_volume"] += float(np.sum(segments.dry_volume))
@@ -81,11 +95,9 @@ class FibreWriter:
         return self._sums[name]
 
     def close(self) -> None:
-        """Write the sums and close."""
-        for key, value in self._sums.items():
-            self._file.attrs[key] = value
-        self._file.attrs[FORMAT_NAME] = FORMAT
-        self._file.close()
+        """Write the sums; then the file takes its name."""
+        with self._opened:
+            self._file.attributes({**self._sums, FORMAT_NAME: FORMAT})
 
     def __enter__(self) -> Self:
         return self
@@ -93,7 +105,10 @@ class FibreWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        if kind is None:
+            self.close()
+        else:
+            self._opened.__exit__(kind, error, trace)
 
 
 class FibreFile:
@@ -109,34 +124,48 @@ class FibreFile:
     def __init__(self, path: str | Path) -> None:
         import h5py
 
+        if not Path(path).exists():
+            raise InputError(str(path), "does not exist", remedy="write one with `spinline deposit`")
+        file = readable(path, remedy="write one with `spinline deposit`")
+        verified(file)
         try:
-            self._file = h5py.File(path, "r")
+            self._file = h5py.File(file, "r")
         except OSError:
-            missing = not Path(path).exists()
-            raise InputError(
-                str(path),
-                "does not exist" if missing else "is not a file of fibres",
-                remedy="write one with `spinline deposit`",
-            ) from None
-        lost = [name for name in _COLUMNS if name not in self._file and name != "excess"]
-        if lost:
-            self._file.close()
-            raise InputError(
-                str(path),
-                f"is not a file of fibres: it has no {', '.join(lost)}",
-                remedy="write one with `spinline deposit`",
-            )
+            raise InputError(str(path), "is not a file of fibres", remedy="write one with `spinline deposit`") from None
         try:
-            require_format(str(path), self._file.attrs.get(FORMAT_NAME))
-        except InputError:
+            self._examine(str(path))
+        except BaseException:
             self._file.close()
             raise
-        self.rows = int(self._file["x"].shape[0])
         self.attributes = {
-            key: value.item() if isinstance(value, np.generic) else value
+            key: value.item() if isinstance(value, np.generic | np.ndarray) and value.size == 1 else value
             for key, value in self._file.attrs.items()
             if not key.startswith("_NC")
         }
+
+    @property
+    def rows(self) -> int:
+        """Segments in it."""
+        return int(self._file["x"].shape[0])
+
+    def _examine(self, path: str) -> None:
+        examine_hdf5(self._file, path)
+        require_format(path, self._file.attrs.get(FORMAT_NAME))
+        lost = [name for name in _COLUMNS if name not in self._file and name != "excess"]
+        if lost:
+            raise InputError(
+                path,
+                f"is not a file of fibres: it has no {', '.join(lost)}",
+                remedy="write one with `spinline deposit`",
+            )
+        for name in _COLUMNS:
+            column = self._file.get(name)
+            if column is not None and (column.ndim != 1 or column.dtype.kind not in "fiu" or len(column) != self.rows):
+                raise InputError(
+                    path,
+                    f"is not a file of fibres: {name} is no column of numbers, one a segment",
+                    remedy="write one with `spinline deposit`",
+                )
 
     def chunks(self, rows: int = CHUNK) -> Iterator[Segments]:
         """All rows in order, at most `rows` at a time."""
@@ -149,7 +178,12 @@ class FibreFile:
 
         def get(name: str) -> Any:
             kind = np.int32 if _COLUMNS[name][0] == "i4" else np.float64
-            return self._file[name][part].astype(kind)
+            try:
+                return self._file[name][part].astype(kind)
+            except OSError:
+                raise InputError(
+                    self._file.filename, f"is damaged: {name} cannot be read", remedy="make it again, or take a copy"
+                ) from None
 
         names = ("x", "y", "dx", "dy", "touch_time", "radius", "polymer_fraction", "length", "jet", "fibre")
         return Segments(*(get(name) for name in names))

@@ -15,6 +15,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, positive
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 
 __all__ = ["MeasuredDiameters", "read_diameters"]
 
@@ -63,7 +64,7 @@ def read_diameters(
     """
     name = str(path)
     try:
-        text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
+        text = readable(path).read_text(encoding="utf-8-sig", errors="replace")
     except OSError:
         raise InputError(name, "cannot be read", remedy="check the path") from None
     header, rows = _table(text, name)

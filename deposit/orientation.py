@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from spinline.base.checks import FloatArray, number, real
+from spinline.base.checks import FloatArray, computable, number, real
 from spinline.base.errors import InputError
 
 __all__ = ["Order", "hermans", "image_orientation", "isotropic_order", "order_of", "orientation_density", "tensor"]
@@ -26,6 +26,7 @@ class Order(NamedTuple):
     director: float
 
 
+@computable
 def order_of(angle: ArrayLike, weight: ArrayLike | None = None) -> Order:
     """Order of plane directions.
 
@@ -75,6 +76,7 @@ def tensor(direction: ArrayLike, weight: ArrayLike | None = None) -> FloatArray:
     return np.asarray(np.einsum("n,ni,nj->ij", w, t, t) / w.sum())
 
 
+@computable
 def hermans(orientation_tensor: ArrayLike, axis: ArrayLike) -> float:
     """Hermans' factor ``(3 u.T.u - 1)/2`` about an axis."""
     u = real("axis", axis)
@@ -82,6 +84,8 @@ def hermans(orientation_tensor: ArrayLike, axis: ArrayLike) -> float:
     if u.shape != (3,) or size == 0:
         raise InputError("axis", "must be a direction (3,)", value=np.asarray(axis).tolist())
     t = real("orientation_tensor", orientation_tensor)
+    if t.shape != (3, 3):
+        raise InputError("orientation_tensor", "must be a tensor (3, 3)", value=f"shape {t.shape}")
     return float((3 * (u / size) @ t @ (u / size) - 1) / 2)
 
 

@@ -40,7 +40,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import k0e, k1e
 
-from spinline.base.checks import FloatArray, number, real
+from spinline.base.checks import FloatArray, computable, number, real
 from spinline.base.errors import InputError, SpinlineWarning
 
 __all__ = ["LAWS", "PermeabilityLaw", "permeability_of", "pressure_drop", "quality_factor", "slip_permeability"]
@@ -97,6 +97,7 @@ def permeability_of(law: str, solidity: ArrayLike, radius: ArrayLike) -> FloatAr
     return np.where(inside, value, np.nan) * a**2
 
 
+@computable
 def slip_permeability(solidity: ArrayLike, knudsen: ArrayLike) -> FloatArray:
     """``k/a^2`` across fibres in a gas that slips on them (Kuwabara cell, Pich).
 
@@ -121,6 +122,7 @@ def slip_permeability(solidity: ArrayLike, knudsen: ArrayLike) -> FloatArray:
     return np.asarray((_kuwabara_number(phi) + slip * (-np.log(phi) / 2 - 0.25 + phi**2 / 4)) / (4 * phi * (1 + slip)))
 
 
+@computable
 def pressure_drop(
     thickness: ArrayLike, permeability: ArrayLike, face_velocity: ArrayLike, viscosity: ArrayLike = 1.81e-5
 ) -> FloatArray:

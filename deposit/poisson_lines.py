@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from spinline.base.checks import FloatArray, real
+from spinline.base.checks import FloatArray, computable, real
 
 __all__ = [
     "CELL_VARIATION",
@@ -40,6 +40,7 @@ CELL_VARIATION = float(np.sqrt(np.pi**2 / 2 - 1))  # 1.98363
 SAMPSON_VARIATION = float(np.sqrt(16 - np.pi**2) / np.pi)  # 0.788124
 
 
+@computable
 def ball_probability(length_density: ArrayLike, radius: ArrayLike, ball: ArrayLike) -> FloatArray:
     """Ogston: share of the volume where a ball fits; nu >= 0 (1/m2), a >= 0, r >= 0 (m).
 
@@ -65,18 +66,21 @@ def plane_distance_survival(length_density: ArrayLike, distance: ArrayLike) -> F
     return np.asarray(np.exp(-2 * tau * r))
 
 
+@computable
 def vertex_density(length_density: ArrayLike) -> FloatArray:
     """Crossings per area, ``tau^2/pi``; also cells per area."""
     tau = real("length_density", length_density, least=0.0)
     return np.asarray(tau**2 / np.pi)
 
 
+@computable
 def mean_cell_area(length_density: ArrayLike) -> FloatArray:
     """Mean area of a cell between lines, ``pi/tau^2``."""
     tau = real("length_density", length_density, above=0.0)
     return np.asarray(np.pi / tau**2)
 
 
+@computable
 def sampson_mean_radius(open_share: ArrayLike, width: ArrayLike = 1.0) -> FloatArray:
     """Mean pore radius of a layer of open share eps in (0, 1), fibres of `width`.
 

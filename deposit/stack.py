@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.deposit.passages import Passages, Window, passages
 from spinline.deposit.segments import Segments
@@ -186,6 +186,7 @@ def _margin(margin: float | None, radius: float, slope: float) -> float:
     return float(min(10 * radius / slope if slope > 0 else np.inf, 100 * radius))
 
 
+@computable
 def beam_slope(modulus: ArrayLike, radius: ArrayLike, adhesion: ArrayLike) -> FloatArray:
     """Estimate of m: slope of a beam stuck down beside a step of one diameter.
 

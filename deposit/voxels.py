@@ -10,12 +10,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spinline.base.checks import BoolArray, FloatArray, number, positive, real
+from spinline.base.checks import BoolArray, FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.base.kernels import njit
 from spinline.deposit.stack import Stack
 
 __all__ = ["VoxelBox", "stamp", "voxelise"]
+
+_MOST = 4_000_000_000  # voxels, a byte each
 
 VoxelBox = NDArray[np.bool_]
 _MOST = 1_000_000_000
@@ -56,6 +58,7 @@ def stamp(
     return box
 
 
+@computable
 def voxelise(
     stack: Stack, voxel: float, *, thickness: float | None = None, bottom: float = 0.0, grown: float = 0.0
 ) -> BoolArray:
@@ -89,6 +92,10 @@ def voxelise(
         max(round(run.window.height / h), 1),
         max(math.ceil(top / h - 1e-9), 1),
     )
+    if math.prod(shape) > _MOST:
+        raise InputError(
+            "mat.voxel", "makes too many voxels", value=h, allowed=f"{_MOST:,} voxels", remedy="take a larger one"
+        )
     points = np.stack([run.x, run.y, stack.axis_height - low], axis=-1) / h
     joined = np.ones(len(points), dtype=bool)
     joined[run.offsets[1:] - 1] = False

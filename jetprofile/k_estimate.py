@@ -25,7 +25,7 @@ Reznik and Zussman, Phys. Rev. E 81, 026313 (2010).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, real
+from spinline.base.checks import FloatArray, positive, real
 from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 
@@ -75,7 +75,7 @@ def estimate_k(
     """
     r, velocity, sigma, mu, field = _checked(radius, flow_rate, conductivity, viscosity, electric_field)
     pull, conduction = EPS0 * field / mu * field * r / velocity, sigma * r / (EPS0 * velocity)
-    k: FloatArray = prefactor * pull ** (5 / 12) * conduction**0.25
+    k: FloatArray = positive("prefactor", prefactor) * pull ** (5 / 12) * conduction**0.25
     if surface_tension is not None:
         gamma = real("surface_tension", surface_tension, least=1e-40, most=1e40, unit="N/m")
         free = 4 * pull ** (1 / 3) * mu * velocity / gamma

@@ -26,7 +26,8 @@ Greenfeld et al., Phys. Rev. E 84, 041806 (2011); review Eqs. (39)-(40).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import BoolArray, FloatArray, real
+from spinline.base.checks import BoolArray, FloatArray, computable, real
+from spinline.base.errors import InputError
 from spinline.network import _twofold
 from spinline.network.lattice_walk import Conformation
 from spinline.network.mesh import SolventQuality, rest_force
@@ -134,6 +135,7 @@ def fraction_conservative(
     return value
 
 
+@computable
 def log_fraction_conservative(
     conformation: Conformation,
     velocity_ratio: ArrayLike,
@@ -211,6 +213,7 @@ def flux_fraction(
     return value
 
 
+@computable
 def flux_radius_ratio(
     conformation: Conformation,
     velocity_ratio: ArrayLike,
@@ -244,7 +247,10 @@ def saturate(unbounded: FloatArray) -> tuple[FloatArray, BoolArray]:
     compacted : ndarray of bool
         True where the formula is at or past 1.
     """
-    return np.minimum(unbounded, 1.0), unbounded >= 1
+    fraction = np.asarray(unbounded)
+    if fraction.dtype.kind not in "fiu":  # infinite is beyond 1, too
+        raise InputError("unbounded", "is not a real number", value=unbounded)
+    return np.minimum(fraction, 1.0), fraction >= 1
 
 
 def compaction_velocity_ratio(volume_fraction: ArrayLike, solvent_quality: SolventQuality = "theta") -> FloatArray:

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import BoolArray, FloatArray, number, positive, real
+from spinline.base.checks import BoolArray, FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 
 __all__ = ["DRAGS", "LateralNetwork", "lateral_limit", "lateral_network", "lateral_time"]
@@ -71,6 +71,7 @@ class LateralNetwork:
     error: float
 
 
+@computable
 def lateral_time(residence_time: ArrayLike, coupling: float, pace: float, spring: float = 3.0) -> FloatArray:
     """Time the network has to contract, ``F = c k_B T t/(xi_eff mu r_0^2)``: how much of `lateral_limit` is reached.
 
@@ -100,6 +101,7 @@ def lateral_time(residence_time: ArrayLike, coupling: float, pace: float, spring
     return value
 
 
+@computable
 def lateral_limit(contraction: ArrayLike, velocity_ratio: ArrayLike) -> FloatArray:
     """``r_P/r`` of a network with all the time it takes, ``min(1, q V^(1/2))``; Eq. (39) says q.
 

@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.network import _manifold_kernels as kernels
 from spinline.network import far_end
@@ -149,6 +149,7 @@ class Manifold:
         return self.stretch(s) / self.law.full_stretch
 
 
+@computable
 def eq33(velocity_ratio: ArrayLike, slope: ArrayLike, eps: float) -> FloatArray:
     """Stretch by Eq. (33), ``w = V / (1 - eps V')``: the first iterate, right to O(eps).
 

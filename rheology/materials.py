@@ -100,6 +100,8 @@ class Polymer:
         positive("polymer_density", self.density, "kg/m3")
         for name, unit in _UNITS.items():
             value = getattr(self, name)
+            if np.ndim(value):
+                raise InputError(f"polymer.{name}", "must be a single number", value=value)
             unknown = value == 0 if name == "backbone_bonds" else isinstance(value, float) and np.isnan(value)
             if name != "density" and not unknown:
                 positive(name, value, unit)

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology.concentration_laws import scaling_exponents
 from spinline.rheology.entanglement import Quality
@@ -66,6 +66,7 @@ class Estimate:
         return self.value / self.factor, self.value * self.factor
 
 
+@computable
 def specific_viscosity(
     coil_overlap: ArrayLike, solvent_quality: Quality = "good", martin_constant: float | None = None
 ) -> FloatArray:

@@ -17,7 +17,7 @@ needs the molar volume v_p of what counts as one polymer molecule, the repeat un
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology._finite import finite_result
 from spinline.rheology._liquid_rows import row_of
@@ -98,6 +98,7 @@ def molar_mass(name: str) -> float:
     return solvent_molar_mass(name)
 
 
+@computable
 def vapour_diffusivity(name: str, temperature: float, pressure: float = 101325.0) -> float:
     """Diffusion coefficient of a vapour in air, D_a in m2/s, by Fuller's method; 5 % on average.
 

@@ -235,6 +235,33 @@ def read_statistics_of(path: Path) -> Any:
     return _arrays(read_statistics(path))
 
 
+def read_fibres(path: Path) -> Any:
+    """A file of laid fibres, every row and what it says of itself."""
+    from spinline.deposit import FibreFile
+
+    with FibreFile(path) as file:
+        rows = file.read()
+        return {
+            "attributes": dict(file.attributes),
+            **{name: getattr(rows, name) for name in ("x", "dx", "radius", "fibre")},
+        }
+
+
+def read_line(path: Path) -> Any:
+    """A jet of beads in a format of other programs."""
+    from spinline.jetprofile.readers import read_beads as read
+
+    jet = read(path, unit="cm" if path.suffix == ".vtk" else None)
+    return {name: np.asarray(value) for name, value in vars(jet).items() if isinstance(value, np.ndarray)}
+
+
+def read_sizes(path: Path) -> Any:
+    """Measured diameters."""
+    from spinline.deposit.measured import read_diameters
+
+    return read_diameters(path).diameter
+
+
 def read_frames(path: Path) -> Any:
     """A stack of frames, all of it."""
     from spinline.images.stacks import open_stack
@@ -298,7 +325,25 @@ def make_victims(folder: Path, data: Path) -> list[Victim]:
     tifffile.imwrite(folder / "frames.tif", counts, photometric="minisblack")
     with h5py.File(folder / "frames.h5", "w") as file:
         file.create_dataset("counts", data=counts, chunks=(1, 24, 40), compression="gzip")
+    from spinline.deposit import FibreWriter, Segments
+
+    with FibreWriter(folder / "fibres.h5", {"mat": "a text", "seed": 3}) as laid:
+        laid.write(Segments.from_paths([np.cumsum(rng.normal(scale=1e-5, size=(400, 2)), axis=0)], 3e-7))
+    line = np.column_stack([np.linspace(0, 5, 30), np.sin(np.arange(30.0)), np.cos(np.arange(30.0))])
+    points = "\n".join(f"{a:.6g} {b:.6g} {c:.6g}" for a, b, c in line)
+    cells, radii = " ".join(map(str, range(30))), " ".join(f"{0.01 / (1 + i):.6g}" for i in range(30))
+    (folder / "line.vtk").write_text(
+        f"# vtk DataFile Version 3.0\njet\nASCII\nDATASET POLYDATA\nPOINTS 30 double\n{points}\n"
+        f"LINES 1 31\n30 {cells}\nPOINT_DATA 30\nSCALARS radius double 1\nLOOKUP_TABLE default\n{radii}\n"
+    )
+    table = "\n".join(f"{a:.6g},{b:.6g},{c:.6g},{0.01:.3g}" for a, b, c in line)
+    (folder / "line.csv").write_text(f"x [cm],y [cm],z [cm],radius [cm]\n{table}\n")
+    (folder / "sizes.csv").write_text("Diameter (nm)\n" + "\n".join(str(d) for d in range(400, 700, 3)) + "\n")
     victims = [
+        Victim("fibres", folder / "fibres.h5", read_fibres),
+        Victim("line vtk", folder / "line.vtk", read_line, ours=False),
+        Victim("line csv", folder / "line.csv", read_line, ours=False),
+        Victim("diameters", folder / "sizes.csv", read_sizes, ours=False),
         Victim("result", folder / "run.nc", read_netcdf),
         Victim("jet", folder / "jet.nc", read_netcdf),
         Victim("store", folder / "sweep.zarr", read_store),

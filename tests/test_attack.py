@@ -34,7 +34,7 @@ def victims(tmp_path_factory):
     return make_victims(tmp_path_factory.mktemp("victims"), DATA)
 
 
-@pytest.mark.parametrize("number", range(13))
+@pytest.mark.parametrize("number", range(17))
 def test_damage_is_refused_redone_or_harmless(victims, number, tmp_path) -> None:
     victim = victims[number]
     verdicts, bad = attack(victim, tmp_path, range(12))
@@ -263,6 +263,29 @@ def test_a_stopped_command_leaves_nothing(tmp_path) -> None:
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+@pytest.mark.parametrize("where", ["destructor", "class"])
+def test_a_signal_is_not_lost(number, status, where, tmp_path) -> None:
+    """What a handler raises in a destructor is dropped by Python, and in the making of a class comes out as another error."""
+    kill = f"os.kill(os.getpid(), {int(number)})"
+    lost = {
+        "destructor": f"class Last:\n def __del__(self): {kill}; time.sleep(0.01)\nLast()",
+        "class": f"class Named:\n def __set_name__(self, *_): {kill}; time.sleep(0.01)\nclass Has: name = Named()",
+    }[where]
+    code = (
+        "import os, sys, time\nfrom spinline.cli import commands\n"
+        f"def asked(words):\n def run(**_):\n  exec({lost!r}, globals())\n  time.sleep(5)\n return run\n"
+        "commands._asked = asked\ncommands.main()"
+    )
+    start = time.monotonic()
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
+    )
+    assert ran.returncode in (status, -int(number)), ran.stderr
+    assert time.monotonic() - start < 4.5
+    assert "fault of this program" not in ran.stderr
+
+
 # --- what is read ------------------------------------------------------------------------------------------------------
 
 HOSTILE = [
@@ -360,6 +383,49 @@ def test_text_that_is_deep_or_long_is_refused(spinline, tmp_path) -> None:
             ran = spinline(command, "s.toml")
             assert ran.code == 2
             assert len(ran.err) < 4000
+
+
+@pytest.mark.parametrize("how", ["pipe", "folder", "deep", "zeros", "nothing", "long", "archive"])
+def test_files_that_others_name_are_read_as_carefully(how, tmp_path) -> None:
+    """What a scene or an images file names: materials, lines of a beam, measured sizes, beads. A pipe would wait for ever."""
+    import gzip
+
+    from spinline.deposit.measured import read_diameters
+    from spinline.jetprofile.jetspin import read_jetspin
+    from spinline.jetprofile.readers import read_beads
+    from spinline.radiography.absorber import _spectrum
+    from spinline.scene.materials_file import read_materials
+
+    def spectrum(path: Path) -> object:
+        return _spectrum(type("Images", (), {"spectrum": path.name, "folder": path.parent})())  # type: ignore[arg-type]
+
+    ends = {
+        read_diameters: ".csv",
+        read_jetspin: ".xyz",
+        read_beads: ".vtp",
+        spectrum: ".csv.gz",
+        read_materials: ".toml",
+    }
+    if how == "nothing":
+        del ends[read_materials]  # no materials at all
+    for number, (read, end) in enumerate(ends.items()):
+        place = tmp_path / f"{number}{end}"
+        if how == "pipe":
+            os.mkfifo(place)
+        elif how == "folder":
+            place.mkdir()
+        else:
+            place.write_bytes(
+                {
+                    "deep": b"a = " + b"[" * 20_000 + b"]" * 20_000,
+                    "zeros": bytes(5000),
+                    "nothing": b"",
+                    "long": b"1" * 1_500_000,
+                    "archive": gzip.compress(bytes(30_000_000)),
+                }[how]
+            )
+        with pytest.raises(InputError):
+            read(place)  # type: ignore[operator]
 
 
 def test_hdf5_that_reaches_outside_is_refused(tmp_path) -> None:

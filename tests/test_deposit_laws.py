@@ -338,5 +338,5 @@ def test_measured_diameters_refuse_by_name(tmp_path, text, options, words):
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
         dep.read_diameters(path, **options)
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is not a file"):
         dep.read_diameters(tmp_path / "absent.csv")

@@ -20,7 +20,7 @@ def campaign(name):
 def test_every_compared_jet_agrees_with_scipy() -> None:
     _, kept = campaign("ehd_independent")
     assert kept["compared"] >= 15
-    assert {one["verdict"] for one in kept["not_compared"]} <= {"fold", "swells", "held", "scipy does not converge"}
+    assert {one["verdict"] for one in kept["not_compared"]} <= {"fold", "swells", "held", "cone", "scipy does not converge"}
     assert kept["largest radius_apart"] < 1e-5
     assert kept["largest current_apart"] < 1e-5
 
@@ -38,10 +38,10 @@ def test_a_sample_of_it_replays() -> None:
 
 def test_estimated_errors_are_the_true_ones_within_a_factor_of_two() -> None:
     again, kept = campaign("ehd_errors")
-    assert kept["jets"] >= 80
+    assert kept["jets"] >= 95
     for name in ("radius", "current"):
         found = kept[f"{name}: estimate over true"]
-        assert found["number"] > 55
+        assert found["number"] > 70
         assert found["beyond a factor of 2"] == 0
     assert kept["radius: true error by a mesh half as fine, off by at most"] < 0.02  # the truth is one
     one = next(row for row in kept["rows"] if row["verdict"] == "jet" and row["radius"][1] > 1e-9)

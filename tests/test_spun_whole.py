@@ -94,11 +94,11 @@ def _spun(needle, amplitude=0.0, position=None, **grid):
     bare = SpunSettings(
         density=needle.density,
         law=JetLaw.from_viscosity(
-            "fene-p",
+            needle.law,
             needle.viscosity,
             needle.relaxation_time,
             solvent_ratio=needle.solvent_share,
-            extensibility=needle.extensibility,
+            **({"mobility": needle.mobility} if needle.law == "giesekus" else {"extensibility": needle.extensibility}),
         ),
         inlet=Inlet(
             needle.flow_rate,
@@ -157,6 +157,19 @@ def test_resumed_whole_jet_is_the_same(whole):
     for _ in again.to(moments(3e-3, 3)):
         pass
     assert np.array_equal(again.chain.nodes, whole[0].chain.nodes)
+
+
+def test_giesekus_jet_from_a_needle():
+    """Thick for a millimetre, then thinner than any other: elements shorter than its radius, landings faster than its waves."""
+    needle = _needle(law="giesekus", mobility=0.1, extensibility=None)
+    run = SpunRun.start(_spun(needle, bending="elastic"))
+    jet = StraightEhdJet(needle, length=needle.gap)
+    run.advance(2e-4)
+    chain = run.chain
+    y = chain.nodes
+    at = np.array([1e-3, 3e-3, 1e-2, 4e-2])
+    assert np.interp(at, y[::-1, c.X], y[::-1, c.VX]) == pytest.approx(jet.velocity(at), rel=0.06)
+    assert len(chain.deposited) > 3
 
 
 def test_start_lies_on_the_straight_jet():

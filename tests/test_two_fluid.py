@@ -420,6 +420,7 @@ def test_committed_campaigns() -> None:
     folder = Path(__file__).parents[1] / "benchmarks"
     draws = json.loads((folder / "draws_two_fluid.json").read_text())
     assert draws["wrong"] == []
+    assert draws["draws"] >= 1800
     for box in (draws["real jets"], draws["anything"]):
         assert set(box["outcomes"]) <= {"refused: coupling", "refused: rtol", *ANSWERS}
     good = {name: draws["real jets"]["outcomes"].get(name, 0) for name in ANSWERS}

@@ -121,7 +121,7 @@ class BlownBeads:
         number("gravity", self.gravity, unit="m/s2")
         number("polymer_fraction", self.polymer_fraction, above=0.0, most=1.0)
         number("drying", self.drying, least=0.0, unit="m2/s")
-        if self.longest is not None and not self.longest >= 2 * self.element:
+        if self.longest is not None and not positive("longest", self.longest, "m") >= 2 * self.element:
             raise InputError(
                 "longest",
                 "is below two elements: halves would be halved again",

@@ -17,11 +17,12 @@ and g -> 0 for short waves. Remedies in order: begin the bending where c_b^2 > 0
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, real
+from spinline.base.checks import FloatArray, computable, real
 
 __all__ = ["bending_growth", "fastest_bend", "mesh_growth", "wave_speed_squared"]
 
 
+@computable
 def wave_speed_squared(
     axial_stress: ArrayLike,
     radius: ArrayLike,
@@ -36,6 +37,7 @@ def wave_speed_squared(
     return np.asarray((real("axial_stress", axial_stress) + real("surface_tension", surface_tension) / a - lift) / rho)
 
 
+@computable
 def mesh_growth(wave_speed_squared: ArrayLike, spacing: ArrayLike) -> FloatArray:
     """Growth rate of the shortest wave of a chain of beads, 1/s; 0 where waves travel.
 
@@ -49,6 +51,7 @@ def mesh_growth(wave_speed_squared: ArrayLike, spacing: ArrayLike) -> FloatArray
     return np.asarray(2 / h * np.sqrt(np.maximum(-c2, 0.0)))
 
 
+@computable
 def bending_growth(
     wave_number: ArrayLike, wave_speed_squared: ArrayLike, radius: ArrayLike, density: ArrayLike, viscosity: ArrayLike
 ) -> FloatArray:
@@ -61,6 +64,7 @@ def bending_growth(
     return np.asarray(np.where(c2 < 0, -2 * c2 * k**2 / safe, -b / 2))
 
 
+@computable
 def fastest_bend(
     wave_speed_squared: ArrayLike, radius: ArrayLike, density: ArrayLike, viscosity: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:

@@ -20,7 +20,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, real
+from spinline.base.checks import FloatArray, computable, real
 from spinline.base.errors import InputError
 
 __all__ = [
@@ -42,6 +42,7 @@ def tangential_coefficient(reynolds: ArrayLike, law: TangentialLaw = "ziabicki-k
     return np.asarray(factor * real("reynolds", reynolds, above=0.0) ** -power)
 
 
+@computable
 def tangential_drag(
     slip: ArrayLike,
     radius: ArrayLike,
@@ -61,12 +62,14 @@ def tangential_drag(
     return np.asarray(factor * np.pi * a * rho * (2 * a / nu) ** -power * np.abs(w) ** (2 - power) * np.sign(w))
 
 
+@computable
 def normal_coefficient(reynolds: ArrayLike) -> FloatArray:
     """C_n; Re > 0."""
     re = real("reynolds", reynolds, above=0.0)
     return np.asarray(1.18 + 6.8 * re**-0.89 + 1.96 * re**-0.5 - 0.0004 * re / (1 + 3.64e-7 * re**2))
 
 
+@computable
 def normal_drag(slip: ArrayLike, radius: ArrayLike, density: ArrayLike, kinematic_viscosity: ArrayLike) -> FloatArray:
     """q_n in N/m; slip across the jet in m/s, either sign."""
     w, a = real("slip", slip), real("radius", radius, above=0.0)

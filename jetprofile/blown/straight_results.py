@@ -48,7 +48,7 @@ class BlownSolution:
         number("surface_tension", self.surface_tension, least=0.0, unit="N/m")
         number("relaxation_time", self.relaxation_time, least=0.0, unit="s")
         number("solvent_viscosity", self.solvent_viscosity, least=0.0, below=self.viscosity, unit="Pa s")
-        if self.extensibility != 0:
+        if number("extensibility", self.extensibility, least=0.0) != 0:
             number("extensibility", self.extensibility, above=3.0)
 
     @property

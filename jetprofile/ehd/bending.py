@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 
@@ -43,6 +43,7 @@ LARGEST_WAVENUMBER = 0.5  # x = k r beyond which a slender jet is no longer one
 _GROWN = (10.0, 100.0, 1000.0)
 
 
+@computable
 def earnshaw_growth(charge: ArrayLike, mass: ArrayLike, distance: ArrayLike) -> FloatArray:
     """Growth rate in 1/s of the middle one of three equal charges on a line, Eq. (10).
 
@@ -64,12 +65,14 @@ def earnshaw_growth(charge: ArrayLike, mass: ArrayLike, distance: ArrayLike) -> 
     return value
 
 
+@computable
 def logarithm(x: ArrayLike) -> FloatArray:
     """``ln(Lc / r)`` of a wave of dimensionless wavenumber x = k r; Lc = 1.851 / k."""
-    value: FloatArray = np.log(LINE_CHARGE_LENGTH / np.asarray(x, dtype=float))
+    value: FloatArray = np.log(LINE_CHARGE_LENGTH / real("x", x, above=0.0))
     return value
 
 
+@computable
 def bending_drive(
     radius: ArrayLike,
     line_charge: ArrayLike,
@@ -90,12 +93,15 @@ def bending_drive(
     logarithm : array_like
         ``ln(Lc / r)``.
     """
-    r = np.asarray(radius, dtype=float)
-    charge = np.asarray(line_charge, dtype=float) ** 2 * np.asarray(logarithm) / (4 * np.pi * EPS0)
-    value: FloatArray = (charge - np.pi * surface_tension * r - np.asarray(tension)) / (np.pi * density * r**4)
+    r = real("radius", radius, above=0.0, unit="m")
+    gamma = real("surface_tension", surface_tension, least=0.0, unit="N/m")
+    pull = real("line_charge", line_charge, unit="C/m") ** 2 * real("logarithm", logarithm) / (4 * np.pi * EPS0)
+    mass = np.pi * positive("density", density, "kg/m3") * r**4
+    value: FloatArray = (pull - np.pi * gamma * r - real("tension", tension, unit="N")) / mass
     return value
 
 
+@computable
 def bending_growth(
     x: ArrayLike, drive: ArrayLike, *, radius: ArrayLike, viscosity: float, density: float
 ) -> FloatArray:
@@ -103,13 +109,15 @@ def bending_growth(
 
     Zero where the drive is negative (the wave then oscillates or decays).
     """
-    wave, c = np.asarray(x, dtype=float), np.maximum(np.asarray(drive, dtype=float), 0.0)
-    b = 0.75 * viscosity * wave**4 / (density * np.asarray(radius, dtype=float) ** 2)
+    wave, c = real("x", x, least=0.0), np.maximum(real("drive", drive, unit="1/s2"), 0.0)
+    r, mu = real("radius", radius, above=0.0, unit="m"), number("viscosity", viscosity, least=0.0, unit="Pa s")
+    b = 0.75 * mu * wave**4 / (positive("density", density, "kg/m3") * r**2)
     root = b + np.sqrt(b**2 + 4 * c * wave**2)
     value: FloatArray = np.where(root > 0, 2 * c * wave**2 / np.where(root > 0, root, 1.0), 0.0)
     return value
 
 
+@computable
 def fastest_bending(drive: float, *, radius: float, viscosity: float, density: float) -> tuple[float, float]:
     """Dimensionless wavenumber and growth rate (1/s) of the fastest bending wave, the logarithm held constant.
 
@@ -122,17 +130,24 @@ def fastest_bending(drive: float, *, radius: float, viscosity: float, density: f
         Where the drive or the viscosity is not > 0.
     """
     c = positive("drive", drive, "1/s2", remedy="a jet with C <= 0 does not bend")
-    a = 0.75 * positive("viscosity", viscosity, "Pa s") / (positive("density", density, "kg/m3") * radius**2)
+    a = (
+        0.75
+        * positive("viscosity", viscosity, "Pa s")
+        / (positive("density", density, "kg/m3") * positive("radius", radius, "m") ** 2)
+    )
     x = float((c / (2 * a**2)) ** (1 / 6))
     return x, float(c / (2 * a * x**2))
 
 
+@computable
 def critical_line_charge(
     radius: ArrayLike, tension: ArrayLike, *, surface_tension: float, logarithm: ArrayLike
 ) -> FloatArray:
     """Line charge in C/m above which a jet bends: C = 0."""
-    r = np.asarray(radius, dtype=float)
-    value: FloatArray = np.sqrt(4 * np.pi * EPS0 * (np.pi * surface_tension * r + np.asarray(tension)) / logarithm)
+    r = real("radius", radius, above=0.0, unit="m")
+    gamma = real("surface_tension", surface_tension, least=0.0, unit="N/m")
+    held = np.pi * gamma * r + real("tension", tension, least=0.0, unit="N")
+    value: FloatArray = np.sqrt(4 * np.pi * EPS0 * held / real("logarithm", logarithm, above=0.0))
     return value
 
 
@@ -156,6 +171,7 @@ class BendingOnset:
     wavelength: float
 
 
+@computable
 def bending_onset(
     z: FloatArray,
     *,
@@ -182,8 +198,22 @@ def bending_onset(
     waves : int
         Number of material waves followed.
     """
+    z = real("z", z, unit="m")
     if z.ndim != 1 or z.size < 3 or not (np.diff(z) > 0).all():
         raise InputError("z", "must be at least three increasing places")
+    radius, velocity = real("radius", radius, above=0.0, unit="m"), real("velocity", velocity, above=0.0, unit="m/s")
+    line_charge, tension = real("line_charge", line_charge, unit="C/m"), real("tension", tension, unit="N")
+    for name, values in (
+        ("radius", radius),
+        ("velocity", velocity),
+        ("line_charge", line_charge),
+        ("tension", tension),
+    ):
+        if values.shape != z.shape:
+            raise InputError(name, "is not given at every z", value=f"shape {values.shape}", allowed=f"shape {z.shape}")
+    if length is not None:
+        length = positive("length", length, "m")
+    waves = int(number("waves", waves, least=1, most=1e5))
     ratio = velocity / velocity[0]
     stretch = ratio**-1.5
     # x at the start of the waves that pass x = 0.5 somewhere within the jet, and of some longer ones

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import kv
 
-from spinline.base.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 
 __all__ = ["axisymmetric_growth", "capillary_growth", "fastest_capillary", "ohnesorge"]
 
@@ -50,6 +50,7 @@ def capillary_growth(radius: ArrayLike, *, viscosity: float, density: float, sur
     return value
 
 
+@computable
 def axisymmetric_growth(
     x: float,
     *,
@@ -84,7 +85,10 @@ def axisymmetric_growth(
         Rate over ``sqrt(gamma / (rho r^3))``.
     """
     x = positive("x", x)
-    beta = float(real("permittivity", permittivity, least=1.0)) - 1
+    beta = number("permittivity", permittivity, least=1.0) - 1
+    charge, field, oh = number("charge", charge), number("field", field), number("oh", oh, least=0.0)
+    if not (isinstance(conductivity, float) and conductivity == np.inf):
+        conductivity = number("conductivity", conductivity, least=0.0, remedy="inf is a perfect conductor")
     shape = float(kv(0, x) / (x * kv(1, x)))
     moving = charge if log == "local" else 0.0
     # unknowns (r, v, sigma) ~ exp(i x z + w t); the field e = -i x Phi, Phi = shape n - moving r,

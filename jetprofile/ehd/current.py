@@ -12,7 +12,7 @@ a secondary spray); the boundary-value problem gives ``V^1.0 Q^0.37 K^0.38`` for
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray
+from spinline.base.checks import FloatArray, computable, real
 from spinline.base.constants import EPS0
 
 __all__ = ["cone_jet_current", "viscous_current"]
@@ -20,19 +20,26 @@ __all__ = ["cone_jet_current", "viscous_current"]
 _RANGE = (1.25, 2.44)
 
 
+@computable
 def viscous_current(
     *, radius: ArrayLike, flow_rate: ArrayLike, conductivity: ArrayLike, viscosity: ArrayLike, electric_field: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
     """Lower and upper current in A of a viscous jet in a uniform field (V/m)."""
-    r, field = np.asarray(radius, dtype=float), np.asarray(electric_field, dtype=float)
-    velocity = np.asarray(flow_rate) / (np.pi * r**2)
-    pull = EPS0 * field**2 * r / (np.asarray(viscosity) * velocity)
-    conduction = np.asarray(conductivity) * r / (EPS0 * velocity)
-    scale = np.pi * r**2 * np.asarray(conductivity) * field * pull ** (-1 / 6) * conduction**-0.5
+    r, field = (
+        real("radius", radius, above=0.0, unit="m"),
+        real("electric_field", electric_field, above=0.0, unit="V/m"),
+    )
+    velocity = real("flow_rate", flow_rate, above=0.0, unit="m3/s") / (np.pi * r**2)
+    pull = EPS0 * field**2 * r / (real("viscosity", viscosity, above=0.0, unit="Pa s") * velocity)
+    sigma = real("conductivity", conductivity, above=0.0, unit="S/m")
+    conduction = sigma * r / (EPS0 * velocity)
+    scale = np.pi * r**2 * sigma * field * pull ** (-1 / 6) * conduction**-0.5
     return _RANGE[0] * scale, _RANGE[1] * scale
 
 
+@computable
 def cone_jet_current(surface_tension: ArrayLike, conductivity: ArrayLike, flow_rate: ArrayLike) -> FloatArray:
     """Current in A of a cone-jet."""
-    value: FloatArray = 2.6 * np.sqrt(np.asarray(surface_tension) * np.asarray(conductivity) * np.asarray(flow_rate))
+    gamma, sigma = real("surface_tension", surface_tension, least=0.0), real("conductivity", conductivity, least=0.0)
+    value: FloatArray = 2.6 * np.sqrt(gamma * sigma * real("flow_rate", flow_rate, least=0.0, unit="m3/s"))
     return value

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from spinline.base.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 
@@ -41,6 +41,7 @@ FIG21 = {
 }
 
 
+@computable
 def effective_charge(
     radius: ArrayLike, electric_field: ArrayLike, *, conductivity: float, current: float
 ) -> FloatArray:
@@ -52,7 +53,12 @@ def effective_charge(
     >>> abs(float(effective_charge(5e-4, field, conductivity=FIG21["conductivity"], current=FIG21["current"]))) < 1e-3
     True
     """
-    value: FloatArray = 1 - np.pi * np.asarray(radius) ** 2 * conductivity * np.asarray(electric_field) / current
+    area, field = (
+        np.pi * real("radius", radius, least=0.0, unit="m") ** 2,
+        real("electric_field", electric_field, unit="V/m"),
+    )
+    sigma = number("conductivity", conductivity, least=0.0, unit="S/m")
+    value: FloatArray = 1 - area * sigma * field / positive("current", current, "A")
     return value
 
 
@@ -99,8 +105,8 @@ class LeakyBeads:
         )
         for name in names:
             positive(name, getattr(self, name))
-        real("conductivity", self.conductivity, least=0.0, unit="S/m")
-        real("solvent_share", self.solvent_share, least=0.0, below=1.0)
+        number("conductivity", self.conductivity, least=0.0, unit="S/m")
+        number("solvent_share", self.solvent_share, least=0.0, below=1.0)
         share = float(
             effective_charge(self.radius, self.electric_field, conductivity=self.conductivity, current=self.current)
         )

@@ -19,7 +19,7 @@ Taylor, Proc. R. Soc. A 313, 453 (1969); Yarin, Koombhongse and Reneker, J. Appl
 
 import numpy as np
 
-from spinline.base.checks import positive, real
+from spinline.base.checks import computable, positive, real
 from spinline.base.constants import EPS0
 from spinline.jetprofile.ehd.cones import HYPERBOLOID_POTENTIAL, TAYLOR_ANGLE
 from spinline.jetprofile.ehd.fields import NeedleField
@@ -27,6 +27,7 @@ from spinline.jetprofile.ehd.fields import NeedleField
 __all__ = ["critical_hyperboloid_voltage", "threshold_voltage"]
 
 
+@computable
 def critical_hyperboloid_voltage(surface_tension: float, distance: float) -> float:
     """Critical potential of a hyperboloidal drop at `distance` d_0 (m) from a plate, V.
 

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 from spinline.jetprofile.jetspin.fortran import record_sizes
 
 __all__ = ["file_kind", "frame_files"]
@@ -34,7 +35,7 @@ def file_kind(path: Path) -> str:
         If it cannot be opened, is empty, is none of them, or is a PDB or PSF file.
     """
     try:
-        with path.open("rb") as file:
+        with readable(path).open("rb") as file:
             head = file.read(1 << 16)
     except OSError as error:
         raise InputError(

@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import (
     RunParameters,
@@ -208,7 +209,7 @@ def is_log(text: str) -> bool:
 def read_text(path: Path, limit: int = 2_000_000) -> str:
     """Read the beginning of a text file, which holds the set-up, whatever its bytes."""
     try:
-        with path.open("rb") as file:
+        with readable(path).open("rb") as file:
             return file.read(limit).decode("utf-8", errors="replace")
     except OSError as error:
         raise InputError(

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters
@@ -30,7 +31,7 @@ _KEEP = 64 << 20  # bytes of small files kept after the first pass
 def map_file(path: Path) -> mmap.mmap | bytes:
     """Content of a file, mapped into memory (empty bytes for an empty file)."""
     try:
-        with path.open("rb") as file:
+        with readable(path).open("rb") as file:
             if path.stat().st_size == 0:
                 return b""
             return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
@@ -252,7 +253,7 @@ def _bits(status: NDArray[np.uint8], flag: int) -> int:
 
 def _read(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return readable(path).read_bytes()
     except OSError as error:
         raise InputError(
             str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Protocol
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.readers.jet_file import JetFile
 from spinline.jetprofile.readers.jetspin_run import JetspinRun
@@ -77,8 +78,8 @@ def read_beads(
     if not file.exists():
         raise InputError(str(path), "does not exist", remedy="give a file, or the folder of a JETSPIN run")
     head = b""
-    if file.is_file():
-        with file.open("rb") as stream:
+    if not file.is_dir():
+        with readable(file).open("rb") as stream:
             head = stream.read(_HEAD)
         if not head:
             raise InputError(str(path), "is empty", remedy="give a file that holds beads")

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 
 __all__ = ["TwoBeadJet", "earnshaw_rate", "two_bead"]
@@ -35,6 +35,7 @@ class TwoBeadJet:
     conformation: tuple[FloatArray, FloatArray] | None
 
 
+@computable
 def two_bead(
     time: ArrayLike,
     *,
@@ -103,6 +104,7 @@ def two_bead(
     return TwoBeadJet(t, y[0], y[1], stress, f * stress / y[0], None if linear else (y[2], y[3]))
 
 
+@computable
 def earnshaw_rate(charge: ArrayLike, mass: ArrayLike, length: ArrayLike) -> FloatArray:
     """Growth rate in 1/s of three equal charges in line (Eq. 10), in SI: ``sqrt(2 q^2/(4 pi eps0 m l^3))``."""
     from spinline.jetprofile.spun._codes import COULOMB

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from spinline.base.checks import FloatArray, number, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.jetprofile.spun._codes import COULOMB
 
@@ -73,6 +73,7 @@ class _Model:
         return [rise, 2 * rise * y[1] - (y[1] - 1) / (self.theta * v), -rise * y[2] - (y[2] - 1) / (self.theta * v)]
 
 
+@computable
 def steady_jet(
     z: ArrayLike,
     *,

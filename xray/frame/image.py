@@ -96,6 +96,9 @@ def core_and_sheath(core_radius: ArrayLike, core: ArrayLike, mean: ArrayLike, sh
     InputError
         Where the core holds more polymer than the jet, by more than 1e-6 of it.
     """
+    for name, values in (("core_radius", core_radius), ("core", core), ("mean", mean)):
+        if np.ndim(values) != 1:
+            raise InputError(name, "must be a list along the rows", value=f"{np.ndim(values)} dimensions")
     share = real("core_radius", core_radius, above=0.0, most=1.0 + 1e-12)[:, None] ** 2
     inner = real("core", core, least=0.0, most=1.0)[:, None]
     whole = real("mean", mean, least=0.0, most=1.0)[:, None]
@@ -216,6 +219,8 @@ def expected_image(
     ndarray, shape (rows, pixels)
     """
     t = real("transmission", transmission, least=0.0)
+    if t.ndim != 2:
+        raise InputError("transmission", "must be a frame (rows, pixels)", value=f"shape {t.shape}")
     level, tilt = positive("amplitude", amplitude), number("slope", slope, above=-1.0, below=1.0)
     u = np.linspace(-1.0, 1.0, t.shape[-1])
     bright = real("flat", flat, least=0.0, unit="photons")

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spinline.base.checks import BoolArray, FloatArray
+from spinline.base.errors import InputError
 from spinline.xray.row.block import smoothed_outliers
 from spinline.xray.row.start import find_jet
 
@@ -72,6 +73,9 @@ def track_jet(counts: FloatArray, flat: FloatArray, dark: FloatArray, good: Bool
     -----
     About 0.07 ms a row of 400 pixels.
     """
+    shapes = {name: np.shape(a) for name, a in (("counts", counts), ("flat", flat), ("dark", dark), ("good", good))}
+    if len(set(shapes.values())) > 1 or len(shapes["counts"]) != 2:
+        raise InputError("counts", "must be a frame (rows, pixels), as flat, dark and good", value=str(shapes))
     rows = counts.shape[0]
     usable = good.sum(axis=1) >= 8
     if not usable.any():

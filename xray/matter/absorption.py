@@ -13,12 +13,13 @@ Greenfeld et al., Macromolecules 45, 3616 (2012); review Eqs. (41)-(42).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, real
+from spinline.base.checks import FloatArray, computable, real
 from spinline.base.errors import InputError
 
 __all__ = ["contrast", "fraction_change", "linear_attenuation"]
 
 
+@computable
 def contrast(
     polymer_attenuation: ArrayLike,
     polymer_density: ArrayLike,
@@ -54,6 +55,7 @@ def linear_attenuation(
     return solvent + phi * real("contrast", contrast, unit="1/m")
 
 
+@computable
 def fraction_change(transmission_ratio: ArrayLike, chord: ArrayLike, contrast: ArrayLike) -> FloatArray:
     """Chord mean of the change in polymer volume fraction, ``-ln(Tr_exp / Tr_sim) / (d D)``, Eqs. (41)-(42).
 

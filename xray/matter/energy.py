@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spinline.base.checks import FloatArray, positive, real
+from spinline.base.checks import FloatArray, computable, number, positive
 from spinline.base.errors import InputError
 from spinline.base.quadrature import gauss
 from spinline.rheology.materials import Polymer
@@ -127,6 +127,7 @@ def zero_contrast_energies(
     return np.array(roots)
 
 
+@computable
 def best_energy(
     polymer: _Kind,
     solvent: Composition | Material,
@@ -167,7 +168,7 @@ def best_energy(
     """
     r, n = positive("radius", radius, "m"), positive("photons", photons)
     p = positive("pixel", pixel, "m")
-    phi = float(real("polymer_fraction", polymer_fraction, least=0.0, most=1.0))
+    phi = number("polymer_fraction", polymer_fraction, least=0.0, most=1.0)
     heavy, light = material(polymer, temperature=temperature), material(solvent, temperature=temperature)
     grid = _grid(low_kev, high_kev)
     base = light.attenuation(grid, coherent=coherent)
@@ -202,8 +203,8 @@ def _share(polymer: Material, solvent: Material, energies: FloatArray, coherent:
 
 
 def _grid(low_kev: float, high_kev: float) -> FloatArray:
-    low = float(real("low_kev", low_kev, least=LOWEST_KEV, below=HIGHEST_KEV, unit="keV"))
-    high = float(real("high_kev", high_kev, above=low, most=HIGHEST_KEV, unit="keV", remedy="above low_kev"))
+    low = number("low_kev", low_kev, least=LOWEST_KEV, below=HIGHEST_KEV, unit="keV")
+    high = number("high_kev", high_kev, above=low, most=HIGHEST_KEV, unit="keV", remedy="above low_kev")
     grid: FloatArray = np.geomspace(low, high, max(int(np.ceil(np.log(high / low) / 0.01)), 1) + 1)
     grid[0], grid[-1] = low, high
     return grid

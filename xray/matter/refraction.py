@@ -14,7 +14,7 @@ Schoonjans et al., Spectrochim. Acta B 66, 776 (2011) (xraylib): form factors at
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spinline.base.checks import FloatArray, real
+from spinline.base.checks import FloatArray, computable, real
 from spinline.base.errors import InputError
 from spinline.rheology.materials import Polymer
 from spinline.xray.matter.attenuation import (
@@ -31,6 +31,7 @@ __all__ = ["delta_over_mu", "refraction_decrement", "wavelength"]
 _HC = 1.239841984332e-9  # keV m
 
 
+@computable
 def wavelength(energy_kev: ArrayLike) -> FloatArray:
     """Wavelength in m of photons of an energy in keV, > 0."""
     value: FloatArray = _HC / real("energy_kev", energy_kev, above=0.0, unit="keV")

@@ -135,8 +135,8 @@ def gaussian_spectrum(mean_kev: float, width_kev: float, *, lines: int = 25) -> 
     Spectrum
     """
     mean, width = positive("mean_kev", mean_kev, "keV"), positive("width_kev", width_kev, "keV")
-    if isinstance(lines, bool) or not isinstance(lines, int) or lines < 3:
-        raise InputError("lines", "are too few", value=lines, allowed="an integer >= 3")
+    if isinstance(lines, bool) or not isinstance(lines, int) or not 3 <= lines <= 100_000:
+        raise InputError("lines", "are too few, or too many", value=lines, allowed="an integer, 3 to 100000")
     t = np.linspace(-2.5, 2.5, lines)
     return Spectrum(mean + width * t, np.exp(-0.5 * t**2))
 

@@ -23,7 +23,7 @@ Born, Wolf, Principles of Optics, 8.3; Paganin, Coherent X-Ray Optics (2006), 1.
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.base.checks import FloatArray, number, positive
+from spinline.base.checks import FloatArray, computable, number, positive
 from spinline.base.errors import InputError
 from spinline.xray.matter.medium import Medium
 from spinline.xray.phase.profiles import Profile, Shells
@@ -39,6 +39,7 @@ _REACH = 5.5  # of the blur's kernel, in standard deviations
 _WINDOW = 2.5  # widths of the row
 
 
+@computable
 def edge_fringe_width(energy_kev: float, distance: float) -> float:
     """Width ``sqrt(lambda z)`` of the first fringe at an edge, m; energy in keV, distance in m, both > 0."""
     wave = float(1.239841984332e-9 / positive("energy_kev", energy_kev, "keV"))

@@ -35,6 +35,9 @@ def opaque_edges(ratio: FloatArray, std: float = 0.0) -> tuple[float, float, flo
     InputError
         Where there is no body with air on both sides, or where it lets over 20 % through.
     """
+    ratio = np.asarray(ratio)
+    if ratio.ndim != 1 or ratio.dtype.kind not in "fiu":
+        raise InputError("ratio", "must be one row of pixels", value=f"shape {ratio.shape}")
     n = ratio.size
     seen = np.isfinite(ratio)
     if seen.sum() < 8:

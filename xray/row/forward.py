@@ -229,7 +229,7 @@ def noisy_counts(expected: ArrayLike, seed: int, index: int = 0) -> FloatArray:
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
             raise InputError(name, "is not a non-negative integer", value=value)
     generator = np.random.default_rng(np.random.SeedSequence(int(seed), spawn_key=(int(index),)))
-    return generator.poisson(mean).astype(np.float64)
+    return np.asarray(generator.poisson(mean), dtype=np.float64)
 
 
 def row_model(

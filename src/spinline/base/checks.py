@@ -1,14 +1,17 @@
 """Range checks of numeric arguments: a clear error or a float64 array, never a clamp."""
 
 import math
-from typing import Any
+from collections.abc import Callable
+from dataclasses import is_dataclass
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spinline.base.errors import InputError
 
-__all__ = ["BoolArray", "FloatArray", "number", "positive", "real"]
+__all__ = ["BoolArray", "FloatArray", "computable", "number", "positive", "real"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -54,6 +57,8 @@ def real(
         if raw.dtype.kind in "cbSUmM":  # "1" is text, not a number
             raise TypeError
         array = raw.astype(np.float64)
+    except OverflowError:  # a whole number of hundreds of digits
+        raise InputError(field, "is beyond what a double holds", remedy=remedy or "check its unit") from None
     except (TypeError, ValueError):
         raise InputError(field, "is not a real number", value=value, remedy=remedy) from None
     good = np.isfinite(array)
@@ -97,6 +102,39 @@ def _inside(
         and (least is None or value >= least)
         and (most is None or value <= most)
     )
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def computable(law: Callable[P, T]) -> Callable[P, T]:
+    """Decorator of a law: where arguments in their range give numbers that no double holds, an `InputError`, no warning."""
+
+    @wraps(law)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
+        try:
+            with np.errstate(over="raise", divide="raise", invalid="raise"):
+                value = law(*args, **kwargs)
+            if _infinite(value):  # Python's own numbers overflow without a word
+                raise OverflowError
+        except (FloatingPointError, OverflowError, ZeroDivisionError, np.linalg.LinAlgError):
+            raise InputError(
+                law.__name__,
+                "is beyond what a double holds for these arguments",
+                remedy="check their units: one is far too small or too large",
+            ) from None
+        return value
+
+    return checked
+
+
+def _infinite(value: Any) -> bool:
+    if isinstance(value, tuple):
+        return any(map(_infinite, value))
+    if is_dataclass(value):
+        return any(map(_infinite, vars(value).values()))
+    return isinstance(value, float | np.ndarray) and np.asarray(value).dtype.kind == "f" and bool(np.isinf(value).any())
 
 
 def positive(field: str, value: Any, unit: str = "", remedy: str = "") -> float:

@@ -44,6 +44,7 @@ __all__ = [
     "make_folder",
     "new_folder",
     "note_input",
+    "outputs",
     "readable",
     "replacing",
     "stamp",
@@ -160,6 +161,26 @@ def writable(path: str | Path, *, force: bool = False) -> Path:
     if not os.access(target.parent, os.W_OK) or (mode is not None and not os.access(target, os.W_OK)):
         raise InputError(str(path), "cannot be written: no permission", remedy=_ELSEWHERE)
     return file
+
+
+def outputs(*paths: str | Path | None, force: bool = False) -> None:
+    """Check all files that a command is going to write, before anything is computed: each `writable`, no two the same.
+
+    Raises
+    ------
+    InputError
+    """
+    known: dict[str, str | Path] = {}
+    for path in paths:
+        if path is None:
+            continue
+        writable(path, force=force)
+        place = os.path.realpath(path)
+        if place in known:
+            raise InputError(
+                str(path), "is named for two outputs", value=str(known[place]), remedy="give each a name of its own"
+            )
+        known[place] = path
 
 
 def write_bytes(path: str | Path, data: bytes | memoryview, *, force: bool = False) -> Path:

@@ -56,7 +56,14 @@ class NetcdfFile:
         self._file.close()
 
     def variable(
-        self, name: str, dims: tuple[str, ...], dtype: Any, attributes: Mapping[str, Any], *, fill: Any = None
+        self,
+        name: str,
+        dims: tuple[str, ...],
+        dtype: Any,
+        attributes: Mapping[str, Any],
+        *,
+        fill: Any = None,
+        chunks: tuple[int, ...] | None = None,
     ) -> None:
         """Declare a variable; `write` gives it values.
 
@@ -69,9 +76,11 @@ class NetcdfFile:
         attributes : mapping
         fill : number, optional
             What is read where nothing was written.
+        chunks : tuple of int, optional
+            Values that are stored together. Default: a megabyte.
         """
         kind = np.dtype(dtype)
-        made = self._create(name, dims, self._text if kind.kind == "O" else kind, fill)
+        made = self._create(name, dims, self._text if kind.kind == "O" else kind, fill, chunks)
         self._along[name] = dims
         if fill is not None:
             self._describe(made, "_FillValue", np.array([fill], kind))
@@ -105,7 +114,16 @@ class NetcdfFile:
             if any(dim in sizes for dim in dims):
                 self._made[name].set_extent(tuple(self.sizes[dim] for dim in dims))
 
-    def _create(self, name: str, dims: tuple[str, ...], kind: Any, fill: Any = None, *, checked: bool = True) -> Any:
+    def _create(
+        self,
+        name: str,
+        dims: tuple[str, ...],
+        kind: Any,
+        fill: Any = None,
+        chunks: tuple[int, ...] | None = None,
+        *,
+        checked: bool = True,
+    ) -> Any:
         h5 = self._h5
         plist = h5.h5p.create(h5.h5p.DATASET_CREATE)
         plist.set_attr_creation_order(_IN_ORDER)
@@ -113,7 +131,7 @@ class NetcdfFile:
         growing = any(dim in self._grows for dim in dims)
         number = isinstance(kind, np.dtype)
         if growing or (checked and number and dims and 0 not in shape):
-            plist.set_chunk(_chunks(shape, kind.itemsize if number else 16))
+            plist.set_chunk(chunks or _chunks(shape, kind.itemsize if number else 16))
             if number and checked:
                 plist.set_fletcher32()
         if fill is not None:

@@ -20,13 +20,11 @@ def show_blown(scene: "Scene", figure: Path | None, csv: Path | None, *, json: b
     """The straight part of a blown jet: table, verdict, figure."""
     import numpy as np
 
-    from spinline.base.files import writable, write_text
+    from spinline.base.files import outputs, write_text
     from spinline.setup.blown import blown_jet, gas_of
     from spinline.setup.build import build_solution
 
-    for file in (figure, csv):
-        if file is not None:
-            writable(file, force=force)
+    outputs(figure, csv, force=force)
     if figure is not None:
         from spinline.report.figures import check_format
 
@@ -51,11 +49,11 @@ def show_blown(scene: "Scene", figure: Path | None, csv: Path | None, *, json: b
             "radial_conformation [1]": x.radial_conformation,
             "wave_speed_squared [m2/s2]": x.wave_speed_squared,
         }
-        write_text(csv, str(pd.DataFrame(columns).to_csv(None, index=False)), force=True)
+        write_text(csv, str(pd.DataFrame(columns).to_csv(None, index=False)), force=force)
     if figure is not None:
         from spinline.report.blown_figure import save_blown_figure
 
-        save_blown_figure(made, figure)
+        save_blown_figure(made, figure, force=force)
     if json:
         import json as js
 
@@ -123,7 +121,7 @@ def spin_blown(
     """Straight part and beads to the collector; one file a seed."""
     import json as js
 
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.base.netcdf import save_dataset
     from spinline.base.version import __version__
     from spinline.setup.blown import blown_dataset, gas_of
@@ -139,9 +137,7 @@ def spin_blown(
     section: Any = scene.jet
     target = out or Path(f"{scene.name or 'jet'}.nc")
     names = [target] if seeds == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(seeds)]
-    for file in (*names, files["figure"]):
-        if file is not None:
-            writable(file, force=force)
+    outputs(*names, files["figure"], force=force)
     solution = build_solution(scene)
     for note in gas_of(section, scene)[1]:
         say(f"warning: {note}", err=True)

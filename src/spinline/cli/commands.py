@@ -6,11 +6,8 @@ output holds the answer alone.
 
 import contextlib
 import os
-import signal
 import sys
-import threading
 import warnings
-from collections.abc import Iterator
 from copy import copy
 from enum import StrEnum
 from pathlib import Path
@@ -19,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spinline.base.errors import InputError, SpinlineWarning
-from spinline.base.files import command
+from spinline.base.files import command, note_input
 from spinline.base.progress import telling
 from spinline.cli.cite import register as register_cite
 from spinline.cli.deposit import register as register_deposit
@@ -28,6 +25,7 @@ from spinline.cli.fit import register as register_fit
 from spinline.cli.images import register as register_images
 from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli.signals import stopping
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say
 from spinline.cli.spin import register as register_spin
@@ -102,7 +100,7 @@ def run(
     if quick and not trade:
         raise InputError("--quick", "is of the trade", remedy="add --trade, or leave it out")
     loaded = load(scene, model, rtol, set_)
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.solve import results
 
     target = out or _default_out(scene, loaded)
@@ -112,10 +110,7 @@ def run(
 
         check_format(picture)
     files = [file for file in (target, picture, report, csv) if file is not None]
-    if len({file.resolve() for file in files}) < len(files):
-        raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
-    for file in files:
-        writable(file, force=force)
+    outputs(*files, force=force)
     result = _solved(loaded)
     if trade:
         from spinline.study.trade import trade as measure
@@ -362,8 +357,10 @@ def main() -> None:
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
     code = 0
+    stopped: list[int] = []
     try:
-        with _stopping(), command(), telling():
+        with stopping(stopped), command(), telling():
+            _note_arguments(sys.argv[1:])
             code = int(_asked(sys.argv[1:])(standalone_mode=True, prog_name="spinline") or 0)
         sys.stdout.flush()
     except SystemExit as ended:
@@ -384,6 +381,8 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("SPINLINE_TRACEBACK"):
             raise
+        if stopped:  # the exception of the signal came out as another: of a class that was being made, for example
+            sys.exit(128 + stopped[0])
         say(
             f"error: a fault of this program, please report it: {type(error).__name__}: {error} "
             "(SPINLINE_TRACEBACK=1 shows where)",
@@ -391,6 +390,13 @@ def main() -> None:
         )
         code = 70
     sys.exit(code)
+
+
+def _note_arguments(words: list[str]) -> None:
+    """Say which files are given to be read, so that an output with the same name is refused before anything is computed."""
+    for before, word in zip(["", *words], words, strict=False):
+        if not word.startswith("-") and (not before.startswith("-") or before in ("--table", "--measured", "--fit")):
+            note_input(word)
 
 
 def _flushed(code: int) -> int:
@@ -410,19 +416,6 @@ def _quietly() -> None:
     """Nothing more goes to standard output, not even at exit."""
     with contextlib.suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-@contextlib.contextmanager
-def _stopping() -> Iterator[None]:
-    """Within it SIGTERM ends the program as an exception does: what is half written is removed."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:

@@ -46,15 +46,13 @@ def deposit(
     set_: SetOption = None,
 ) -> None:
     """Fibres on the collector from a jet's landings, or from a fitted laydown."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.scene.file import bundled_scenes, given_file
 
     file = given_file(source, bundled_scenes())
     source = str(file)
     target = out or Path(file.name if file.suffix == "" else file.stem).with_suffix(".h5")
-    writable(target, force=force)
-    if csv is not None:
-        writable(csv, force=force)
+    outputs(target, csv, force=force)
     from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of, scene_jet
 
     attributes: dict[str, Any] = {"source": file.name}
@@ -144,14 +142,15 @@ def mat(
     force: ForceOption = False,
 ) -> None:
     """Thickness, porosity, pores, orientation, diameters and permeability of a mat."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.base.units import parse
 
     target = out or fibres.with_suffix(".nc")
     sheet = None if no_figure else figure or target.with_suffix(".png")
-    for path in (target, sheet, picture, report, csv, *(export or [])):
-        if path is not None:
-            writable(path, force=force)
+    raw = [path.with_suffix(".json") for path in export or [] if path.suffix.lower() == ".raw"]  # it says their shape
+    outputs(target, sheet, picture, report, csv, *(export or []), *raw, force=force)
+    for path in export or []:
+        _check_export(path)
     from spinline.deposit.fibres import FibreFile
     from spinline.deposit.mat import analyse_mat, first_stack
     from spinline.deposit.whole import Rolled
@@ -184,18 +183,17 @@ def mat(
         _compare(result, measured, measured_unit, pixel_size)
     _save(result, target, sheet, picture, report, csv, force=force)
     for path in export or []:
-        _export(path, stack, options)
+        _export(path, stack, options, force=force)
     _say(result, json, [p for p in (target, sheet, picture, report, csv, *(export or [])) if p is not None])
 
 
 def _write(target: Path, blocks: Any, attributes: dict[str, Any], csv: Path | None, *, force: bool) -> dict[str, Any]:
     import numpy as np
 
-    from spinline.base.files import replacing
     from spinline.deposit.fibres import FibreWriter
 
     rows = []
-    with replacing(target, force=force) as place, FibreWriter(place, attributes) as file:
+    with FibreWriter(target, attributes, force=force) as file:
         for block in blocks:
             file.write(block)
             if csv is not None:
@@ -319,19 +317,26 @@ def _save(
         write_text(csv, "\n".join(lines) + "\n", force=force)
 
 
-def _export(path: Path, stack: Any, options: Any) -> None:
+_LINES, _VOXELS = (".vtp", ".ply", ".csv"), (".tif", ".tiff", ".raw")
+
+
+def _check_export(path: Path) -> None:
+    if path.suffix.lower() not in (*_LINES, *_VOXELS):
+        raise InputError("--export", "has no known ending", value=path.name, allowed=".vtp, .ply, .csv, .tif, .raw")
+
+
+def _export(path: Path, stack: Any, options: Any, *, force: bool) -> None:
     from spinline.deposit import exports
     from spinline.deposit.voxels import voxelise
 
-    plain = {".vtp": exports.write_vtp, ".ply": exports.write_ply, ".csv": exports.write_csv}
-    if path.suffix.lower() in plain:
-        plain[path.suffix.lower()](path, stack)
+    kind = path.suffix.lower()
+    if kind in _LINES:
+        lines = dict(zip(_LINES, (exports.write_vtp, exports.write_ply, exports.write_csv), strict=True))
+        lines[kind](path, stack, force=force)
         return
-    voxels = {".tif": exports.write_tiff, ".tiff": exports.write_tiff, ".raw": exports.write_raw}
-    if path.suffix.lower() not in voxels:
-        raise InputError("--export", "has no known ending", value=path.name, allowed=".vtp, .ply, .csv, .tif, .raw")
+    voxels = dict(zip(_VOXELS, (exports.write_tiff, exports.write_tiff, exports.write_raw), strict=True))
     edge = options.voxel or float(stack.passages.radius.mean()) / 3
-    voxels[path.suffix.lower()](path, voxelise(stack, edge), edge)
+    voxels[kind](path, voxelise(stack, edge), edge, force=force)
 
 
 def _say(result: "xr.Dataset", json: bool, files: list[Path]) -> None:

@@ -36,15 +36,14 @@ def fit(
     chosen = loaded.sampler if sampler is None else sampler
     if chosen not in ("least-squares", "emcee"):
         raise InputError("--sampler", "is not known", value=chosen, allowed="least-squares, emcee")
-    from spinline.base.files import writable, write_text
+    from spinline.base.files import outputs, write_text
 
     target = out or (Path(fit_file).with_suffix(".nc") if Path(fit_file).exists() else Path(f"{loaded.name}.nc"))
     if target.suffix != ".nc":
         target = target.with_name(target.name + ".nc")
     text, picture = target.with_suffix(".json"), target.with_suffix(".png")
     files = [target, text] if no_figure else [target, text, picture]
-    for file in files:
-        writable(file, force=force)
+    outputs(*files, force=force)
     from spinline.fit.least_squares import fit as solve
     from spinline.fit.output import fit_dataset, fit_json, fit_words
     from spinline.solve import results
@@ -88,7 +87,7 @@ def compare_theory(
     force: ForceOption = False,
 ) -> None:
     """A reduced X-ray map against a scene: Figs. 36 and 37, and the likelihood."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.base.units import parse
     from spinline.fit.overlay import compare_theory as compare
     from spinline.fit.overlay import theory_words
@@ -100,8 +99,7 @@ def compare_theory(
     if target.suffix != ".nc":
         target = target.with_name(target.name + ".nc")
     files = [target] if no_figure else [target, target.with_suffix(".png")]
-    for file in files:
-        writable(file, force=force)
+    outputs(*files, force=force)
     places = None if not at else [parse(place, "length", "--at").value for place in at]
     values = None if fitted is None else _fitted(fitted)
     draws = [] if fitted is None else _fit_draws(fitted)

@@ -40,13 +40,12 @@ def preview(
     set_: SetOption = None,
 ) -> None:
     """Edges, axis, saturation and the error to expect, before anyone waits."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.scene.images_file import load_images
 
     loaded = load_images(images, set_ or [])
     picture = None if no_figure else figure or _beside(images, loaded.name, "-preview.png")
-    if picture is not None:
-        writable(picture, force=force)
+    outputs(picture, force=force)
     from spinline.radiography.preview import preview_images
 
     seen = preview_images(loaded)
@@ -84,7 +83,7 @@ def reduce(
     set_: SetOption = None,
 ) -> None:
     """X-ray frames in, polymer concentration with error bars out. Interrupted, the same command goes on."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.scene.images_file import load_images
 
     overrides = list(set_ or []) + ([] if method is None else [f'method="{method}"'])
@@ -96,12 +95,9 @@ def reduce(
 
         check_format(picture)
     files = [file for file in (target, picture, csv) if file is not None]
-    if len({file.resolve() for file in files}) < len(files):
-        raise InputError("output", "two outputs have one name", value=", ".join(map(str, files)))
     if workers is not None and workers < 1:
         raise InputError("--workers", "is not a number of processes", value=workers, allowed=">= 1")
-    for file in files:
-        writable(file, force=force)
+    outputs(*files, force=force)
     from spinline.radiography import reduction_dataset as reduction
     from spinline.radiography.reduce import reduce_images
     from spinline.solve import results

@@ -32,7 +32,7 @@ def jet(
 ) -> None:
     """The straight jet of a needle's settings, or of a gas nozzle's: radius, tension, and whether there is one."""
     from spinline.base.errors import InputError
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.scene.needle import NeedleJet
     from spinline.setup.build import build_solution
     from spinline.setup.needle import needle_jet
@@ -51,20 +51,18 @@ def jet(
             allowed='"needle", "blown"',
             remedy="`spinline run` shows any jet; `spinline scenes` lists those of a needle and of a gas nozzle",
         )
-    for file in (figure, csv):
-        if file is not None:
-            writable(file, force=force)
+    outputs(figure, csv, force=force)
     if figure is not None:
         from spinline.report.figures import check_format
 
         check_format(figure)
     made = needle_jet(loaded.jet, loaded, build_solution(loaded))
     if csv is not None:
-        _table(made, csv)
+        _table(made, csv, force=force)
     if figure is not None:
         from spinline.report.needle_figure import save_needle_figure
 
-        save_needle_figure(made, figure)
+        save_needle_figure(made, figure, force=force)
     if json:
         say(_json(made))
         return
@@ -115,7 +113,7 @@ def _columns(made: "StraightEhdJet") -> "dict[str, FloatArray]":
     return own | made.fields(z) | {"field_inside": made.field_inside(z)}
 
 
-def _table(made: "StraightEhdJet", path: Path) -> None:
+def _table(made: "StraightEhdJet", path: Path, *, force: bool) -> None:
     import pandas as pd
 
     from spinline.base.files import write_text
@@ -133,7 +131,7 @@ def _table(made: "StraightEhdJet", path: Path) -> None:
     }
     columns = _columns(made)
     table = pd.DataFrame({f"{name} [{units[name]}]": values for name, values in columns.items()})
-    write_text(path, str(table.to_csv(None, index=False)), force=True)
+    write_text(path, str(table.to_csv(None, index=False)), force=force)
 
 
 def _json(made: "StraightEhdJet") -> str:

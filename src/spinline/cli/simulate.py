@@ -26,7 +26,7 @@ def register(app: typer.Typer) -> None:
 
 def simulate_image(source: str, **given: Any) -> None:
     """X-ray frames of a computed jet, with the images file that reduces them."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.radiography.simulate import simulate, write_frames
 
     out, force = given.pop("out"), given.pop("force")
@@ -34,8 +34,7 @@ def simulate_image(source: str, **given: Any) -> None:
     target = out or Path(Path(source).name).with_suffix(".npz")
     if Path(target).suffix.lower() not in (".npz", ".tif", ".tiff"):
         raise InputError("--out", "is neither .npz nor .tif", value=str(target), remedy="name it frames.npz")
-    for file in (target, target.with_suffix(".toml")):
-        writable(file, force=force)
+    outputs(target, target.with_suffix(".toml"), force=force)
     camera = _camera(given)
     result = _result(source)
     made = simulate(

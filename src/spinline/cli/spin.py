@@ -63,7 +63,7 @@ def spin(
     """Spin a jet with its flow rate given, and write what flies and what has landed."""
     import json as json_
 
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
 
     if seeds < 1:
         raise InputError("--seeds", "must be 1 or more", value=seeds)
@@ -81,19 +81,31 @@ def spin(
         raise InputError("--seeds", "is for one jet", value=seeds, remedy="run several jets once for each jet.seed")
     count = max(seeds, len(nozzles))
     names = [target] if count == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(count)]
-    for name in (*names, *(p for p in (figure, movie, vtk, xyz) if p is not None)):
-        writable(name, force=force or resume)
+    alone = len(nozzles) < 2  # results that are there have to show that they are of this very run
+    done = [alone and resume and not force and name.exists() for name in names]
+    outputs(*(name for name, there in zip(names, done, strict=True) if not there), figure, movie, vtk, xyz, force=force)
+    if figure is not None:
+        from spinline.report.style import check_format
+
+        check_format(figure)
+    if movie is not None:
+        from spinline.report.spun_figure import check_animation
+
+        check_animation(movie)
     for note in notes:
         say(note, err=True)
     answers = []
     together = _together(settings, nozzles, end, frames, target, resume, title, notes) if len(nozzles) > 1 else []
     for index, name in enumerate(names):
         seed = settings.seed + index
-        jet = together[index] if together else _one(settings, seed, end, frames, name, resume, title, notes)
-        _store(jet, name, force or resume)
+        if done[index]:
+            jet = _finished(settings, seed, end, frames, name)
+        else:
+            jet = together[index] if together else _one(settings, seed, end, frames, name, resume, title, notes)
+            _store(jet, name, force)
         answers.append(_answer(jet, name))
         say(json_.dumps(answers[-1]) if json else _words(answers[-1]))
-    _extras(jet, figure, movie, vtk, xyz, force or resume)
+    _extras(jet, figure, movie, vtk, xyz, force)
 
 
 def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time: Text, quick: bool) -> Any:
@@ -258,6 +270,31 @@ def _about(settings: "SpunSettings", title: str, notes: tuple[str, ...]) -> dict
     return about | ({"notes": "\n".join(notes)} if notes else {})
 
 
+def _finished(settings: "SpunSettings", seed: int, end: float, frames: int, target: Path) -> "xr.Dataset":
+    """The run that is there, where it is the one that was asked for.
+
+    Raises
+    ------
+    InputError
+        Where it is any other file.
+    """
+    from dataclasses import replace
+
+    from spinline.base.netcdf import open_dataset
+    from spinline.base.version import __version__
+
+    jet = open_dataset(target)
+    same = (jet.attrs.get("settings"), jet.attrs.get("spinline")) == (repr(replace(settings, seed=seed)), __version__)
+    whole = jet.sizes.get("time") == frames and abs(float(jet["time"][-1]) - end) <= 1e-9 * end
+    if not (same and whole):
+        raise InputError(
+            str(target),
+            "exists, and is not the run that is to go on",
+            remedy="choose another name, or --force to overwrite",
+        )
+    return jet
+
+
 @contextlib.contextmanager
 def _stoppable() -> Iterator[None]:
     """A request to end (SIGTERM) is taken like an interrupt from the keyboard; not where another thread has the signals."""
@@ -342,7 +379,7 @@ def _extras(
     if movie is not None:
         from spinline.report.spun_figure import write_animation
 
-        write_animation(jet, movie)
+        write_animation(jet, movie, force=force)
     if vtk is not None:
         from spinline.jetprofile.spun.exports import vtk_text
 

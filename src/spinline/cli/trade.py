@@ -52,16 +52,14 @@ def trade(
     set_: SetOption = None,
 ) -> None:
     """Error against cost of every model, measured on this scene."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
 
     loaded = load(scene, None, rtol, set_)
     if figure is not None:
         from spinline.report.figures import check_format
 
         check_format(figure)
-    files = [file for file in (figure, report) if file is not None]
-    for file in files:
-        writable(file, force=force)
+    outputs(figure, report, force=force)
     from spinline.study.trade import trade as measure
 
     measured = measure(loaded, quick=quick, progress=lambda words: say(f"measuring {words}", err=True))
@@ -79,8 +77,9 @@ def trade(
         return
     say(_table(measured))
     say(measured.recommendation)
+    files = [str(file) for file in (figure, report) if file is not None]
     if files:
-        say("wrote " + ", ".join(map(str, files)))
+        say("wrote " + ", ".join(files))
 
 
 def _listed(made: "Plan") -> list[str]:

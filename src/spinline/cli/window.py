@@ -56,7 +56,7 @@ def window(
     """Map the process: of a scene crossover, orientation and dryness, of a recipe the fibre and its regime."""
     import json as json_
 
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.base.units import parse
     from spinline.report.style import check_format
     from spinline.report.window_page import save_window_page
@@ -64,8 +64,7 @@ def window(
 
     target = out or Path(f"{Path(scene).stem}-window.nc")
     picture = None if no_figure else figure or target.with_suffix(".png")
-    for path in filter(None, (target, picture, html)):
-        writable(path, force=force)
+    outputs(target, picture, html, force=force)
     if picture is not None:
         check_format(picture)
     recipe = _is_recipe(scene)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.text import read_text
 from spinline.base.units import parse
 from spinline.scene.images_file import KEV, Images
 from spinline.xray.matter.absorption import contrast
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
 
 __all__ = ["build_absorber", "given_medium", "uncalibrated"]
+
+_LONGEST = 10_000_000  # bytes of a table of lines
 
 
 def build_absorber(images: Images, solution: "Solution") -> tuple[Absorber, "Medium | None", str]:
@@ -117,8 +120,12 @@ def _spectrum(images: Images) -> Spectrum:
     given = images.spectrum
     if isinstance(given, str):
         try:
-            lines = np.loadtxt(images.folder / given, delimiter=",", ndmin=2, comments="#")
-        except (OSError, ValueError) as error:
+            text, _ = read_text(images.folder / given, most=_LONGEST)
+            rows = [line for line in text.splitlines() if line.partition("#")[0].strip()]
+            if not rows:
+                raise ValueError("it holds no numbers")
+            lines = np.loadtxt(rows, delimiter=",", ndmin=2, comments="#")
+        except (InputError, ValueError) as error:
             raise InputError(
                 "spectrum", f"cannot be read ({error})", value=given, remedy="two columns: keV, share of the signal"
             ) from None

@@ -14,7 +14,8 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
-from spinline.base.files import streaming, writable, write_text
+from spinline.base.files import outputs, streaming, write_text
+from spinline.base.progress import report
 from spinline.radiography.camera import Camera
 from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
@@ -31,6 +32,7 @@ __all__ = ["Camera", "Frames", "field_from_result", "medium_from_result", "simul
 
 _SHELLS = 30
 _MOST_PIXELS = 200_000_000
+_AT_ONCE = 1 << 18  # pixels
 _FIRST_FLAT, _FIRST_DARK = 1_000_000, 2_000_000  # numbers of the random streams
 
 
@@ -186,13 +188,22 @@ def simulate(result: "xr.Dataset", camera: Camera, *, start: float | None = None
             amplitude=level,
             slope=camera.slope if camera.slope else 0.0,
         )
-        counts[i] = stream.poisson(mean)
+        report("frames", i, camera.frames)
+        _draw(stream, mean, counts[i])
     shape = (camera.reference_frames, rows, pixels)
     bright, dark = np.empty(shape, dtype=np.uint32), np.empty(shape, dtype=np.uint32)
     for i in range(camera.reference_frames):
-        bright[i] = _stream(camera.seed, _FIRST_FLAT + i).poisson(flat + camera.dark)
-        dark[i] = _stream(camera.seed, _FIRST_DARK + i).poisson(camera.dark, size=(rows, pixels))
+        report("frames without the jet", i, camera.reference_frames)
+        _draw(_stream(camera.seed, _FIRST_FLAT + i), flat + camera.dark, bright[i])
+        _draw(_stream(camera.seed, _FIRST_DARK + i), np.broadcast_to(camera.dark, (rows, pixels)), dark[i])
     return Frames(counts, bright, dark, jet, seen, camera)
+
+
+def _draw(stream: np.random.Generator, mean: FloatArray, counts: "np.ndarray[Any, Any]") -> None:
+    """Counts of a frame, some rows at a time: the numbers are those of one draw, and a signal need not wait for all."""
+    step = max(1, _AT_ONCE // mean.shape[1])
+    for start in range(0, len(mean), step):
+        counts[start : start + step] = stream.poisson(mean[start : start + step])
 
 
 def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, force: bool = False) -> tuple[Path, ...]:
@@ -222,8 +233,7 @@ def write_frames(frames: Frames, result: "xr.Dataset", path: str | Path, *, forc
     names = dict.fromkeys(parts, target)
     if kind != ".npz":
         names |= {key: target.with_name(f"{target.stem}_{key}{target.suffix}") for key in ("flat", "dark")}
-    for file in {*names.values(), toml}:
-        writable(file, force=force)
+    outputs(*dict.fromkeys(names.values()), toml, force=force)
     if kind == ".npz":
         with streaming(target, force=force) as stream:
             np.savez_compressed(

@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from spinline.base.checks import FloatArray
+from spinline.base.checks import FloatArray, real
+from spinline.base.errors import InputError
 from spinline.jetprofile.envelope import Envelope, envelope, onset_radius
 from spinline.jetprofile.whipping import Thinning, terminal_radius, thinning
 from spinline.recipe.constants import CONSTANTS, TAKEN, Calibrated
@@ -169,7 +170,12 @@ def spun(
     -------
     Fibres
     """
-    z = dict(zip(UNKNOWNS, np.asarray(normal, dtype=np.float64).T, strict=True))
+    drawn = real("normal", normal)
+    if drawn.ndim != 2 or drawn.shape[1] != len(UNKNOWNS):
+        raise InputError(
+            "normal", "must be draws (n, unknown)", value=f"shape {drawn.shape}", allowed=f"(n, {len(UNKNOWNS)})"
+        )
+    z = dict(zip(UNKNOWNS, drawn.T, strict=True))
 
     def factor(name: str) -> FloatArray:
         value: FloatArray = np.exp(np.clip(believed.sd.get(name, 0.0) * z[name], -_EXPONENTS, _EXPONENTS))

@@ -44,11 +44,11 @@ def blown_figure(jet: "BlownJet", axes: SheetAxes = None) -> Any:
     return panels if axes is not None else sheet
 
 
-def save_blown_figure(jet: "BlownJet", path: Path) -> None:
+def save_blown_figure(jet: "BlownJet", path: Path, *, force: bool = True) -> None:
     """Draw and save."""
     from spinline.report.style import save_sheet
 
-    save_sheet(blown_figure(jet), path, force=True, dpi=150)
+    save_sheet(blown_figure(jet), path, force=force, dpi=150)
 
 
 def blown_run_figure(run: "xr.Dataset", axes: SheetAxes = None) -> Any:

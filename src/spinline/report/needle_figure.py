@@ -62,7 +62,7 @@ def needle_figure(jet: "StraightEhdJet", axes: Any = None) -> Any:
     return axes
 
 
-def save_needle_figure(jet: "StraightEhdJet", path: Path) -> None:
+def save_needle_figure(jet: "StraightEhdJet", path: Path, *, force: bool = True) -> None:
     """Draw and save."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -72,4 +72,4 @@ def save_needle_figure(jet: "StraightEhdJet", path: Path) -> None:
     figure = Figure(figsize=(8, 6), layout="constrained")
     FigureCanvasAgg(figure)
     needle_figure(jet, figure.subplots(2, 2, sharex=True))
-    save_sheet(figure, path, force=True, dpi=150)
+    save_sheet(figure, path, force=force, dpi=150)

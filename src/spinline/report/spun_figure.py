@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.files import replacing
 from spinline.report.style import BLUE, GREEN, LEGEND, ORANGE, RED, SheetAxes, sheet_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["spun_figure", "write_animation"]
+__all__ = ["check_animation", "spun_figure", "write_animation"]
 
 
 def spun_figure(jet: "xr.Dataset", axes: SheetAxes = None, index: int = -1) -> Any:
@@ -66,7 +67,25 @@ def _laid(axis: Any, jet: "xr.Dataset") -> None:
     axis.legend(**LEGEND)
 
 
-def write_animation(jet: "xr.Dataset", path: str | Path, *, rate: int = 12) -> Path:
+def check_animation(path: str | Path) -> Path:
+    """Refuse an animation that cannot be made, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        For another format, or .mp4 without ffmpeg.
+    """
+    from matplotlib import animation
+
+    target = Path(path)
+    if target.suffix not in (".gif", ".mp4"):
+        raise InputError("--movie", "is no animation", value=str(path), allowed=".gif, .mp4")
+    if target.suffix == ".mp4" and not animation.writers.is_available("ffmpeg"):
+        raise InputError("--movie", "needs ffmpeg for .mp4", value=str(path), remedy="install it, or write a .gif")
+    return target
+
+
+def write_animation(jet: "xr.Dataset", path: str | Path, *, rate: int = 12, force: bool = True) -> Path:
     """Side view moment by moment: .gif, or .mp4 where ffmpeg is installed.
 
     Raises
@@ -78,11 +97,7 @@ def write_animation(jet: "xr.Dataset", path: str | Path, *, rate: int = 12) -> P
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    target = Path(path)
-    if target.suffix not in (".gif", ".mp4"):
-        raise InputError("--movie", "is no animation", value=str(path), allowed=".gif, .mp4")
-    if target.suffix == ".mp4" and not animation.writers.is_available("ffmpeg"):
-        raise InputError("--movie", "needs ffmpeg for .mp4", value=str(path), remedy="install it, or write a .gif")
+    target = check_animation(path)
     sheet = Figure(figsize=(4.5, 6.0), dpi=90)
     FigureCanvasAgg(sheet)
     axis = sheet.subplots()
@@ -97,5 +112,6 @@ def write_animation(jet: "xr.Dataset", path: str | Path, *, rate: int = 12) -> P
         return (curve,)
 
     film = animation.FuncAnimation(sheet, draw, frames=jet.sizes["time"], interval=1000 / rate)
-    film.save(target, writer="pillow" if target.suffix == ".gif" else "ffmpeg", fps=rate)
+    with replacing(target, force=force) as place:
+        film.save(place, writer="pillow" if target.suffix == ".gif" else "ffmpeg", fps=rate)
     return target

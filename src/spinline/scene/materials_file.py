@@ -16,7 +16,6 @@
 """
 
 import difflib
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
@@ -24,6 +23,7 @@ from typing import Annotated
 from pydantic import Field, ValidationError
 
 from spinline.base.errors import InputError
+from spinline.base.text import read_toml_text
 from spinline.scene.problems import explain
 from spinline.scene.quantities import Section
 from spinline.scene.sections import PolymerData, Scene, SolventData
@@ -61,17 +61,9 @@ def read_materials(path: str | Path) -> MaterialsFile:
         For a file that cannot be read, and for any key or value that cannot be right.
     """
     place = Path(path)
-    try:
-        with place.open(encoding="utf-8") as file:
-            text = file.read(_LONGEST + 1)
-        data = tomllib.loads(text[:_LONGEST])
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InputError(
-            str(path),
-            f"cannot be read as a file of materials ({reason})",
-            remedy="it is TOML: [polymers.NAME] and [solvents.NAME]",
-        ) from None
+    data, _ = read_toml_text(
+        path, "file of materials", _LONGEST, remedy="it is TOML: [polymers.NAME] and [solvents.NAME]"
+    )
     try:
         found = MaterialsFile.model_validate(data)
     except ValidationError as error:

@@ -161,6 +161,7 @@ def _conducting(section: "SpunJet", solution: "Solution", settings: SpunSettings
             extensibility=law.extensibility if math.isfinite(law.extensibility) else None,
             mobility=law.mobility,
             field=section.field,
+            log="slender",
             current=given(section.current),
             gravity=section.gravity.value,
         )

@@ -61,12 +61,19 @@ def conducting(settings: SpunSettings, needle: "NeedleSettings", position: float
     if position is None:
         axis = _axis(needle.end_position, needle.radius)
         start = _samples(jet, axis, 0.0)
-        grid = replace(settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius, settle=SETTLE)
-        loads = replace(settings.loads, image=True, metal=True)
+        grid = replace(
+            settings.grid, repulsion="hybrid", pressure=True, cone=CONE * needle.radius, settle=_settle(needle)
+        )
+        loads = replace(settings.loads, image=True, metal=settings.loads.kind != "uniform")
         return replace(
             settings, grid=grid, loads=loads, start=start, conductivity=needle.conductivity, current=needle.current
         )
     return _downstream(settings, jet, position)
+
+
+def _settle(needle: "NeedleSettings") -> float:
+    """A straight jet of the local logarithm needs time to become one of the whole line; one of the whole line does not."""
+    return 0.0 if needle.log == "slender" else SETTLE
 
 
 def _axis(end: float, radius: float) -> FloatArray:
@@ -116,9 +123,9 @@ def _downstream(settings: SpunSettings, jet: "StraightEhdJet", position: float) 
         repulsion="hybrid",
         pressure=True,
         feed_lines=tuple(zip(cuts[1:].tolist(), steps.tolist(), strict=True)),
-        settle=SETTLE,
+        settle=_settle(needle),
     )
-    loads = replace(settings.loads, gap=gap, needle_at=-position, image=True, metal=True)
+    loads = replace(settings.loads, gap=gap, needle_at=-position, image=True, metal=settings.loads.kind != "uniform")
     if loads.kind == "table":
         loads = replace(loads, axis=tuple(np.asarray(loads.axis) - position))
     return replace(
