@@ -90,8 +90,9 @@ def _transfer(i: int, y: FloatArray, p: FloatArray, tables: FloatArray, w: Float
     along = ux * w[TX, i] + uy * w[TX + 1, i] + uz * w[TX + 2, i]
     across = max(ux * ux + uy * uy + uz * uz - along * along, 0.0)
     radius = math.sqrt(w[AREA, i] / math.pi)
-    value: float = 0.495 * (2.0 * radius / p[AIR_VISCOSITY]) ** (1.0 / 3.0)
-    return value * (along * along + p[CROSS] * across) ** (1.0 / 6.0)
+    speed = 0.495 * (2.0 * radius / p[AIR_VISCOSITY]) ** (1.0 / 3.0)
+    value: float = speed * (along * along + p[CROSS] * across) ** (1.0 / 6.0)
+    return value
 
 
 @njit(cache=True, error_model="numpy")
