@@ -1,9 +1,11 @@
 """The bending blown jet against its step and its mesh: median flight radius, envelope, path, balance.
 
 The reference case: 1 mL/h, 200 m/s of air from a 1 mm nozzle, start 1 mm down at 10 um with A_zz = 120, theta 5 ms, G 600 Pa,
-solvent 10 mPa s, plate at 30 mm. The first third of each run is left out. Kept in ``blown_beads.json``.
+solvent 10 mPa s, plate at 30 mm. The first third of each run is left out. Kept in ``blown_beads.json``. One run scatters more
+than its mesh matters; `--mesh` therefore compares means over seeds, goes on where it stopped, and keeps ``blown_mesh.json``.
 
     python benchmarks/blown_beads.py [--duration 0.06] [--json FILE]
+    python benchmarks/blown_beads.py --mesh
 """
 
 import argparse
@@ -56,11 +58,32 @@ def run(element, cfl, seed, duration, intensity=0.2):
     }
 
 
+def mesh(path):
+    """Means over four seeds at three meshes, and their standard errors."""
+    rows = json.loads(path.read_text())["runs"] if path.exists() else []
+    done = {(row["element_mm"], row["seed"]) for row in rows}
+    for element in (2e-4, 1e-4, 5e-5):
+        for seed in (1, 2, 3, 4):
+            if (element * 1e3, seed) not in done:
+                rows.append(run(element, 0.4, seed, 0.06))
+            means = []
+            for size in sorted({row["element_mm"] for row in rows}, reverse=True):
+                found = np.array([row["median_radius_um"] for row in rows if row["element_mm"] == size])
+                error = float(found.std(ddof=1) / np.sqrt(found.size)) if found.size > 1 else None
+                means.append({"element_mm": size, "median_radius_um": float(found.mean()), "standard_error_um": error})
+            path.write_text(json.dumps({"means": means, "runs": rows}, indent=1) + "\n")
+        print(means, flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--mesh", action="store_true")
     parser.add_argument("--duration", type=float, default=0.06)
     parser.add_argument("--json", type=Path, default=Path(__file__).with_suffix(".json"))
     arguments = parser.parse_args()
+    if arguments.mesh:
+        mesh(arguments.json.with_name("blown_mesh.json"))
+        return
     rows = []
     for element, cfl, seed, intensity in (
         (2e-4, 0.4, 1, 0.2),

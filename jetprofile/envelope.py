@@ -90,7 +90,7 @@ def onset_radius(
     Examples
     --------
     >>> round(float(onset_radius(100e-9, 1e-3, 2.8e-10, 15e3, 0.15)) * 1e6, 1)
-    8.8
+    8.4
     """
     i = real("current", current, above=0.0, unit="A")
     k = real("conductivity", conductivity, above=0.0, unit="S/m")

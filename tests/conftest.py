@@ -15,6 +15,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = os.environ.get("OPENBLAS_NUM_THREADS", "1")
 os.environ["OMP_NUM_THREADS"] = os.environ.get("OMP_NUM_THREADS", "1")
 os.environ["MKL_NUM_THREADS"] = os.environ.get("MKL_NUM_THREADS", "1")
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -31,6 +32,13 @@ IMAGES = {
     "shells": 1,
     "solution": {"polymer": "PEO", "solvent": "water", "mass_fraction": 0.05},
 }
+
+
+@pytest.fixture(autouse=True)
+def fifty_digits():
+    """Exact values do not depend on which test file was read last."""
+    with mpmath.workdps(50):
+        yield
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from spinline.jetprofile.ehd.fields import HyperboloidField, NeedleField, TableF
 from spinline.jetprofile.ehd.leaky_beads import FIG21, LeakyBeads, effective_charge
 from spinline.jetprofile.ehd.thresholds import critical_hyperboloid_voltage, threshold_voltage
 
-mp.mp.dps = 40
 
 
 def half(x):

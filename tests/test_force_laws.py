@@ -11,7 +11,6 @@ from spinline.network import _force_kernels as kernels
 from spinline.network import force_laws as laws
 from spinline.network.lattice_walk import axial_force, relative_extension
 
-mp.mp.dps = 50
 BOUNDED = ("lattice", "langevin", "fene")
 ALL = ("linear", *BOUNDED)
 CASES = [("linear", 0.0), ("langevin", 0.0), ("fene", 0.0), *(("lattice", f0) for f0 in (0.0, 0.15, 3.0, 300.0))]
@@ -133,7 +132,6 @@ def test_limits_and_constants() -> None:
 
 
 def test_lattice_force_where_cosh_overflows() -> None:
-    mp.mp.dps = 50
     for x in (1 - 1e-15, -0.999, 1e-300):
         exact = mp.atanh(mp.mpf(x)) + mp.asinh(2 * mp.cosh(700) * mp.mpf(x) / mp.sqrt(1 - mp.mpf(x) ** 2))
         assert float(laws.force(x, "lattice", 700.0)) == pytest.approx(float(exact), rel=1e-14)

@@ -96,7 +96,6 @@ def test_power_law_has_no_value_before_its_onset() -> None:
 
 @given(st.floats(0.25, 1.0), st.floats(1e-3, 1e3), st.floats(1e-3, 1e6))
 def test_residence_time_against_fifty_digits(beta: float, k: float, s: float) -> None:
-    mp.mp.dps = 50
     jet = PowerLaw(radius=R0, flow_rate=Q, k=k, beta=beta)
     s0 = mp.mpf(jet.onset)
     if s <= jet.onset:

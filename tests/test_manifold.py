@@ -45,7 +45,6 @@ def test_against_an_independent_solver_or_series(alpha: float, beta: float) -> N
         )
         reference = float(np.exp(march.y[0, -1]))
     else:  # formal series in eps to fourth order, 50 digits
-        mp.mp.dps = 50
         w = [mp.mpf(0)] * 5
         v = mp.taylor(lambda x: x ** (2 * mp.mpf(beta)), mp.mpf(s), 6)
         series = [v]
@@ -233,7 +232,6 @@ def test_radial_closed_form_against_the_tridiagonal_system_and_mpmath() -> None:
         for kappa in (0.0, 1e-12, 1e-3, 0.5, 40.0):
             closed, solved = radial_mesh(beads, kappa, 0.3), solve_radial_mesh(beads, kappa, 0.3)
             np.testing.assert_allclose(closed.position, solved.position, rtol=1e-9, atol=1e-300)
-    mp.mp.dps = 50
     q = 2 * mp.asinh(mp.sqrt(mp.mpf("0.02")) / 2)
     exact = mp.sinh(30 * q) / (2 * mp.sinh(q / 2) * mp.cosh(mp.mpf("100.5") * q))
     assert float(radial_mesh(100, 0.02).position[30]) == pytest.approx(float(exact), rel=1e-13)

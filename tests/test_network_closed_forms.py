@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from spinline import network as net
 from spinline.base.errors import InputError
 
-mp.mp.dps = 50
 
 
 class Exact:
