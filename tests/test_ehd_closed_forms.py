@@ -15,7 +15,6 @@ from spinline.jetprofile.ehd.leaky_beads import FIG21, LeakyBeads, effective_cha
 from spinline.jetprofile.ehd.thresholds import critical_hyperboloid_voltage, threshold_voltage
 
 
-
 def half(x):
     return mp.hyp2f1(-mp.mpf(1) / 2, mp.mpf(3) / 2, 1, (1 - mp.mpf(x)) / 2)
 

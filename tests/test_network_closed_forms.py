@@ -10,7 +10,6 @@ from spinline import network as net
 from spinline.base.errors import InputError
 
 
-
 class Exact:
     """The same formulas, written once more, in 50 digits."""
 
