@@ -100,26 +100,35 @@ class March:
         return replace(finer, error=error)
 
     def _errors(self, now: Solved, finer: Solved) -> FloatArray:
-        """Estimated relative error of lam and w in each cell of a mesh, from the nodes and middles of it and its halved one."""
-        here, there = self._logarithms(now), self._logarithms(finer)[::2]
+        """Estimated relative error of lam and w in each cell: at nodes, middles and quarters, from the halved mesh."""
+        here, there = self._logarithms(now.state), self._logarithms(finer.state)
         places = refined(now.nodes)
         at = np.searchsorted(finer.nodes, places).clip(max=finer.nodes.size - 1)
         same = finer.nodes[at] == places  # but the middles of cells that rounding would not let halve
-        off = np.where(same, np.abs(here - there[at]).max(axis=1), 0.0) / 7
-        off[np.isnan(off)] = np.inf
-        cells: FloatArray = np.maximum(np.maximum(off[:-1:2], off[2::2]), off[1::2])
-        return cells
+        off = np.where(same, np.abs(here - there[2 * at]).max(axis=1), 0.0)
+        first, middle, last = now.state[:-1:2], now.state[1::2], now.state[2::2]
+        worst = np.maximum(np.maximum(off[:-1:2], off[2::2]), off[1::2])
+        for parabola, k in (
+            (0.375 * first + 0.75 * middle - 0.125 * last, 1),
+            (0.375 * last + 0.75 * middle - 0.125 * first, 3),
+        ):
+            quarter = np.abs(self._logarithms(parabola) - there[(2 * at[:-1:2] + k).clip(max=len(there) - 1)]).max(
+                axis=1
+            )
+            worst = np.maximum(worst, np.where(same[1::2], quarter, 0.0))
+        worst[np.isnan(worst)] = np.inf
+        return worst / 7
 
-    def _logarithms(self, solved: Solved) -> FloatArray:
-        """Ln lam and ln w at nodes and middles, (2 n - 1, 2); NaN where the parabola of a box is not positive."""
-        t, q = solved.state.T
+    def _logarithms(self, state: FloatArray) -> FloatArray:
+        """Ln lam and ln w; NaN where the parabola of a box is not positive."""
+        t, q = state.T
         lam = self.box.law.stretch(t)
         log_lam = np.log(np.where(lam > 0, lam, np.nan))
         return np.stack((log_lam, log_lam - q), axis=1)
 
     def _curves(self, solved: Solved) -> list[FloatArray]:
         t, q = solved.state[::2].T
-        log_lam = np.log(self.box.law.stretch(t))
+        log_lam = np.log(np.maximum(self.box.law.stretch(t), 1e-300))  # of a trial, to place nodes by
         return [t if self.box.law.bounded else log_lam, q, log_lam - q]
 
     def _solved(self, nodes: FloatArray, guess: Solved, end: float) -> Solved:

@@ -554,13 +554,17 @@ def test_a_sample_of_the_campaign_of_random_settings_replays() -> None:
     campaign = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(campaign)
     kept = json.loads((folder / "ehd_settings.json").read_text())
-    assert kept["number"] > 400
+    assert kept["number"] == 532
+    assert max(one["seconds"] for one in kept["rows"]) < 10
     # by three ways the same jet: where a second one passed the three tests (15, 144), its end made it (test_ehd_end_pull.py)
     assert kept["apart_by_more_than_1e-3"] == []
     assert kept["furthest_apart"] < 1e-4
     assert min(kept["reached_again"].values()) > 0
     rows = [one for one in kept["rows"] if one["seconds"] < 0.4][:6]
     assert len(rows) == 6
+    rows.append(
+        next(one for one in kept["rows"] if one["index"] == 348)
+    )  # its error estimate left where rates are finite
     for one in rows:
         settings = campaign.drawn(one["index"])
         try:

@@ -248,7 +248,7 @@ def thins(problem: Problem, found: Discrete) -> bool:
 
 
 def errors_of(problem: Problem, fine: Discrete) -> dict[str, float] | None:
-    """Errors at four places an interval, by two Newton steps on twice the mesh (one matrix); None where that is singular.
+    """Errors at four places an interval, by two Newton steps on twice the mesh (one matrix); None where these lead nowhere.
 
     Halving the mesh once more, and no extrapolation of what the last halving changed: where the unknowns bend sharply the
     cubics between the nodes are not in their asymptotic range, and a fifteenth of the last change may be 0.4 of the error.
@@ -261,7 +261,10 @@ def errors_of(problem: Problem, fine: Discrete) -> dict[str, float] | None:
         return None
     y = y + system.solve(-system.value)
     y = y + system.solve(-system.residual(y))
-    if not np.isfinite(y).all():
+    # two steps may leave where the equations mean anything
+    if not (
+        np.isfinite(y).all() and np.isfinite(rates(y, problem.field(s), problem.parameters, problem.flags)[0]).all()
+    ):
         return None
     at = halved(s)
     return _sizes(spline(problem, Discrete(s, y))[0](at) - curve(at), fine)
