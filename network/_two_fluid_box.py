@@ -21,7 +21,7 @@ from spinline.network._two_fluid_kernels import newton
 from spinline.network.force_laws import law_code
 from spinline.network.tension import Tension
 
-__all__ = ["Box", "halved", "refined", "remeshed", "split", "start_of", "thinned"]
+__all__ = ["Box", "halved", "on_parabolas", "refined", "remeshed", "split", "start_of", "thinned"]
 
 Profile = Callable[[FloatArray], FloatArray]
 
@@ -103,6 +103,15 @@ def refined(s: FloatArray) -> FloatArray:
     fine = np.empty(2 * s.size - 1)
     fine[::2], fine[1::2] = s, 0.5 * (s[1:] + s[:-1])
     return fine
+
+
+def on_parabolas(nodes: FloatArray, state: FloatArray, x: FloatArray) -> FloatArray:
+    """State (..., 2) at places within the nodes: the parabola of each box."""
+    i = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, nodes.size - 2)
+    c = ((x - nodes[i]) / (nodes[i + 1] - nodes[i]))[..., np.newaxis]
+    first, middle, last = (state[2 * i + k] for k in range(3))
+    value: FloatArray = (1 - c) * (1 - 2 * c) * first + 4 * c * (1 - c) * middle + c * (2 * c - 1) * last
+    return value
 
 
 def halved(s: FloatArray) -> FloatArray:

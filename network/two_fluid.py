@@ -46,7 +46,7 @@ from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.network import far_end
 from spinline.network._objects import instance
-from spinline.network._two_fluid_box import Box, start_of
+from spinline.network._two_fluid_box import Box, on_parabolas, start_of
 from spinline.network._two_fluid_march import March, Solved
 from spinline.network.far_end import End
 from spinline.network.manifold import checked_profile
@@ -99,7 +99,7 @@ class TwoFluid:
 
     def velocity_ratio(self, s: ArrayLike) -> FloatArray:
         """Velocity of the network over v_0, w."""
-        t, q = np.moveaxis(self._at(self._places(s)), -1, 0)
+        t, q = np.moveaxis(self._at(s), -1, 0)
         value: FloatArray = self.law.stretch(t) * np.exp(-q)
         return value
 
@@ -109,7 +109,7 @@ class TwoFluid:
 
     def tension(self, s: ArrayLike) -> FloatArray:
         """Tension T of a strand, in units of the strand force at rest."""
-        value: FloatArray = self._at(self._places(s))[..., 0]
+        value: FloatArray = self._at(s)[..., 0]
         return value
 
     def relative_extension(self, s: ArrayLike) -> FloatArray:
@@ -135,17 +135,8 @@ class TwoFluid:
             return float("nan")
         return self.first_passage(_LOCKED * self.law.full_stretch)
 
-    def _places(self, s: ArrayLike) -> FloatArray:
-        return real("s", s, least=0.0, most=self.length)
-
-    def _at(self, s: FloatArray) -> FloatArray:
-        """State at places: the parabola of each box."""
-        x = s.reshape(-1)
-        i = np.clip(np.searchsorted(self.nodes, x, side="right") - 1, 0, self.nodes.size - 2)
-        c = ((x - self.nodes[i]) / (self.nodes[i + 1] - self.nodes[i]))[:, np.newaxis]
-        first, middle, last = (self.state[2 * i + k] for k in range(3))
-        value: FloatArray = (1 - c) * (1 - 2 * c) * first + 4 * c * (1 - c) * middle + c * (2 * c - 1) * last
-        return value.reshape(*s.shape, 2)
+    def _at(self, s: ArrayLike) -> FloatArray:
+        return on_parabolas(self.nodes, self.state, real("s", s, least=0.0, most=self.length))
 
 
 def two_fluid_network(

@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 from spinline.base.errors import InputError
-from spinline.network._two_fluid_box import Box, remeshed, start_of
+from spinline.network._two_fluid_box import Box, halved, refined, remeshed, start_of
+from spinline.network._two_fluid_march import March, Solved
 from spinline.network.manifold import steady_network
 from spinline.network.tension import Tension
 from spinline.network.two_fluid import two_fluid_network
@@ -410,6 +411,29 @@ def test_a_layer_takes_no_more_than_its_share_of_a_mesh() -> None:
     assert np.diff(fresh)[-1] < 1e-9
     h = np.diff(fresh)
     assert (h[1:] / h[:-1]).max() < 4
+
+
+def test_the_error_is_judged_place_by_place_on_any_finer_mesh() -> None:
+    """Parabolas on nodes and on more than their halves (cells that Newton's method asked to be cut further): no error."""
+    one = lambda s: np.ones_like(s)  # noqa: E731
+    march = March(Box(power(), one, one, Tension.linear()), 10.0, np.array([10.0]), np.array([1.0]), 1e-6)
+
+    def solved(nodes: np.ndarray) -> Solved:
+        s = refined(nodes)
+        return Solved(nodes, np.stack((1 + s + s**2, 0.3 * s - 0.1 * s**2), axis=1))
+
+    now = solved(np.linspace(0.0, 10.0, 21))
+    for more in ([], [0.1, 3.3, 9.99], [4.25]):
+        finer = solved(np.union1d(halved(now.nodes), more))
+        assert march._errors(now, finer).max() < 1e-13
+    left = solved(np.setdiff1d(halved(now.nodes), [4.75]))  # a cell that rounding would not let halve
+    left.state[:, 1] += 0.007
+    np.testing.assert_allclose(march._errors(now, left), 1e-3, rtol=1e-9)
+    now.state[9, 1] += 0.0007  # a middle, and half of it at the quarters
+    assert march._errors(now, solved(halved(now.nodes))).argmax() == 4
+    np.testing.assert_allclose(march._errors(now, solved(halved(now.nodes)))[4], 1e-4, rtol=1e-9)
+    now.state[9, 0] = -1e3  # a parabola that leaves the positive numbers
+    assert march._errors(now, solved(halved(now.nodes)))[4] == np.inf
 
 
 @pytest.mark.parametrize("index", [2059, 5225])
