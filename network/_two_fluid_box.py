@@ -69,7 +69,8 @@ class Box:
             self.law.tension_at_rest,
         )
         goal = float(end if bounded else np.log(end))
-        return self._physical(y) if newton(y, h, flow, eps, slow, fast, law, self.per_line, plain, goal) else None
+        solved = newton(y, (h, flow, eps, slow, fast), law, self.per_line, plain, goal)
+        return self._physical(y) if solved else None
 
     def _physical(self, y: FloatArray) -> FloatArray:
         state = y.reshape(-1, 2)

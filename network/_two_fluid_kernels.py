@@ -1,6 +1,7 @@
 """Compiled loops of the two-fluid box scheme: residual and Jacobian, Newton's method. What it solves stands in `two_fluid`."""
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,12 @@ from spinline.base.kernels import njit
 from spinline.network._force_kernels import LINEAR, extension_kernel
 from spinline.network.chain._kernels import compliance_kernel
 
-__all__ = ["newton"]
+__all__ = ["Cells", "Law", "newton"]
+
+Cells: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray]
+"""Of every cell its length; V, eps and 1/(2 th) at its four collocation points; and whether its strands relax fast."""
+Law: TypeAlias = tuple[int, float, float, float]
+"""Code, contour, force and tension at rest."""
 
 _BELOW = 4  # diagonals below and above the main one
 _WIDE = 3 * _BELOW + 1  # of a row, with what pivoting fills in
@@ -34,12 +40,8 @@ def _lay(bands: FloatArray, row: int, column: int, value: float) -> None:
 @njit(cache=True, error_model="numpy")
 def _assemble(
     y: FloatArray,
-    h: FloatArray,
-    flow: FloatArray,
-    eps: FloatArray,
-    slow: FloatArray,
-    fast: BoolArray,
-    law: tuple[int, float, float, float],
+    cells: Cells,
+    law: Law,
     per_line: bool,
     plain: bool,
     end: float,
@@ -48,12 +50,12 @@ def _assemble(
 ) -> None:
     """Set the Jacobian (a row of `bands` holds the columns from four before its diagonal on) and the residual (load).
 
-    `y` holds T (ln T for the linear spring) and q at node, middle, node, ...; `flow`, `eps` and `slow` are V, eps and 1/(2
-    th) at the four collocation points of each cell: 0 and 2/3 for the momentum, 1/3 and 1 for the relaxation, the other way
-    round where strands relax `fast`. `plain` is the scheme of first order, for guesses.
+    `y` holds T (ln T for the linear spring) and q at node, middle, node, ... The collocation points are 0 and 2/3 of a cell
+    for the momentum, 1/3 and 1 for the relaxation, the other way round where strands relax fast. `plain` is the scheme of
+    first order, for guesses.
     """
+    h, flow, eps, slow, fast = cells
     code, contour, rest, rest_tension = law
-    cells = h.size
     line = 0.0 if per_line else 1.0
     bands[:] = 0.0
     load[0] = y[1]
@@ -63,7 +65,7 @@ def _assemble(
     _lay(bands, last, last - 1, 1.0)
     value = np.empty(3)
     slope = np.empty(3)
-    for i in range(cells):
+    for i in range(h.size):
         at = 4 * i
         for k in range(4):
             c = 0.0 if k == 0 else _AHEAD if k == 1 else _LATE if k == 2 else 1.0
@@ -177,12 +179,11 @@ def _substitute(bands: FloatArray, lower: FloatArray, pivots: NDArray[np.int64],
 
 
 @njit(cache=True, error_model="numpy")
-def _size(change: FloatArray, scale: FloatArray) -> tuple[float, float, float]:
+def _size(change: FloatArray, scale: FloatArray, linear: bool) -> tuple[float, float, float]:
     """Sum of squares of a scaled change, its largest, and its largest in q (in ln T, too, for the linear spring)."""
     total, largest, steep = 0.0, 0.0, 0.0
-    linear = scale[0] == 0
     for i in range(change.size):
-        value = abs(change[i] * (1.0 if linear else scale[i]))
+        value = abs(change[i] * scale[i])
         largest = max(largest, value)
         if linear or i % 2:
             steep = max(steep, value)
@@ -197,12 +198,8 @@ def _size(change: FloatArray, scale: FloatArray) -> tuple[float, float, float]:
 @njit(cache=True, error_model="numpy")
 def newton(
     y: FloatArray,
-    h: FloatArray,
-    flow: FloatArray,
-    eps: FloatArray,
-    slow: FloatArray,
-    fast: BoolArray,
-    law: tuple[int, float, float, float],
+    cells: Cells,
+    law: Law,
     per_line: bool,
     plain: bool,
     end: float,
@@ -212,18 +209,18 @@ def newton(
     bands, trial = np.empty((n, _WIDE)), np.empty((n, _WIDE))
     lower, pivots = np.zeros((n, _BELOW)), np.empty(n, np.int64)
     change, following, load, ahead = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    scale = np.zeros(n)  # none for the linear spring, whose unknown is ln T
-    _assemble(y, h, flow, eps, slow, fast, law, per_line, plain, end, bands, load)
+    scale, linear = np.ones(n), law[0] == LINEAR  # whose unknown is ln T: needs no scale
+    _assemble(y, cells, law, per_line, plain, end, bands, load)
     damping, previous, tries = 1.0, math.inf, 0
     for _ in range(_MOST_NEWTON):
         if not _factor(bands, lower, pivots):
             return False
         change[:] = load
         _substitute(bands, lower, pivots, change)
-        if law[0] != LINEAR:
-            for i in range(n):
-                scale[i] = 1.0 if i % 2 else 1 / max(abs(y[i]), 1.0)
-        size, largest, steep = _size(change, scale)
+        if not linear:
+            for i in range(0, n, 2):
+                scale[i] = 1 / max(abs(y[i]), 1.0)
+        size, largest, steep = _size(change, scale, linear)
         if not largest < 1e200:
             return False
         if largest < _TOLERANCE or (largest < _ROUNDING and largest > 0.2 * previous):
@@ -234,11 +231,11 @@ def newton(
         while True:  # the next change, by the same matrix, must be smaller: affine invariant
             for i in range(n):
                 ahead[i] = y[i] - damping * change[i]
-            _assemble(ahead, h, flow, eps, slow, fast, law, per_line, plain, end, trial, load)
+            _assemble(ahead, cells, law, per_line, plain, end, trial, load)
             tries += 1
             following[:] = load
             _substitute(bands, lower, pivots, following)
-            total, rest, _ = _size(following, scale)
+            total, rest, _ = _size(following, scale, linear)
             if total <= (1 - 0.25 * damping) ** 2 * size:
                 break
             damping *= 0.5
