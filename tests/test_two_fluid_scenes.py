@@ -221,3 +221,17 @@ def test_blobs_of_a_good_solvent_are_refused_or_said(spinline):
     assert "overstates" not in bounded
     assert "Pincus" not in said("network.model=affine", "network.closure=stretch")
     assert "Pincus" not in run().attrs["warnings"]
+
+
+def test_what_relaxes_without_drying_is_drawn_without_a_word():
+    """No volume is lost and there is no stress of a solution: that panel is left out."""
+    from matplotlib import pyplot as plt
+
+    from spinline.report.figures import figure
+
+    found = run("network.model=two-fluid", THETA)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sheet = figure(found)
+    assert [axis.axison for axis in sheet.axes].count(False) == 1
+    plt.close(sheet)
