@@ -30,7 +30,11 @@ from spinline.rheology.materials import (
 )
 from spinline.rheology.names import known_as
 
-__all__ = ["Solution", "mass_fraction", "volume_fraction"]
+__all__ = ["LEAST_STRANDS", "Solution", "mass_fraction", "volume_fraction"]
+
+LEAST_STRANDS = 2.0
+"""Strands a chain makes where chains are a network."""
+
 
 _UNITS = {
     "molar_mass": "kg/mol",
@@ -243,7 +247,7 @@ class Solution:
         return self.polymer.backbone_bonds * BOND_PROJECTION * repeats / self.kuhn_length
 
     def strands_per_chain(self, segments_per_strand: float) -> float:
-        """Network strands that one chain makes; below about 2 there is no network."""
+        """Network strands that one chain makes; below `LEAST_STRANDS` or so there is no network."""
         return self.segments_per_chain / segments_per_strand
 
     def require(self, name: str) -> float:

@@ -95,8 +95,32 @@ def test_what_does_not_freeze_says_why() -> None:
     never = quiet("peo5-water", *WET, "rheology.vitrification_fraction=0.95")
     assert f"drying ends at phi = {equilibrium_fraction(0.4, 0.5):.4g}" in never.attrs["frozen_structure"]
     rubber = quiet("peo5-water", *WET)
-    assert "not known" in rubber.attrs["frozen_structure"]
+    assert "out of reach: dry PEO is no glass at 293.15 K (T_g = 206 K)" in rubber.attrs["frozen_structure"]
     assert "No structure is frozen in" in " ".join(sl.report.words(rubber))
+
+
+@pytest.mark.parametrize("kelvin", [341.9, 342.0, 345.0])
+def test_at_its_melting_point_it_says_where_it_crystallises(kelvin: float) -> None:
+    """Dry PEO is a melt from 342 K on: a vitrification fraction is nothing to ask for."""
+    melt = quiet("peo5-water", *WET, f"solution.temperature={kelvin} K", "rheology.crystallisation=equilibrium")
+    said = melt.attrs["frozen_structure"]
+    assert "give rheology.vitrification_fraction" not in said
+    if kelvin < 342:
+        assert "does not reach phi = 0.99" in said
+    else:
+        assert said.endswith(f"dry PEO is no glass at {kelvin:g} K (T_g = 206 K); it crystallises below 342 K")
+
+
+def test_without_a_network_no_fibre_is_promised() -> None:
+    water = quiet("peo5-water", "solution.mass_fraction=1e-6")
+    text = " ".join(sl.report.words(water))
+    assert "no entangled network" in water.attrs["warnings"]
+    assert (
+        f"No fibre is to be expected: without an entangled network the jet breaks up. Its polymer alone is a thread of "
+        f"{1e9 * float(water['fibre_diameter']):.4g} nm" in text
+    )
+    assert "The dry fibre" not in text
+    assert "The dry fibre is" in " ".join(sl.report.words(quiet("peo5-water")))
 
 
 def test_to_complete_dryness_across_the_jet() -> None:

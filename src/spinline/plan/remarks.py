@@ -8,7 +8,7 @@ from spinline.network_models.registry import rung_in
 from spinline.plan.choice import Plan, plan_of, resolved
 from spinline.plan.plausible import implausible
 from spinline.plan.switches import choose_effects
-from spinline.rheology.solution import Solution
+from spinline.rheology.solution import LEAST_STRANDS, Solution
 from spinline.scene.file import PowerLawJet, Scene
 from spinline.setup.air import assumed_interactions
 from spinline.setup.build import estimate_of
@@ -53,7 +53,7 @@ def remarks_of(context: Context, plan: "Plan | None" = None) -> list[str]:
     phi = solution.volume_fraction
     remarks = [*implausible(context), *rung.remarks(context)]
     strands = solution.strands_per_chain(rest.segments)
-    if strands < 2:
+    if strands < LEAST_STRANDS:
         remarks.append(
             f"no entangled network: a chain of {solution.molar_mass:g} kg/mol makes {strands:.2g} strands of "
             f"{rest.segments:.3g} Kuhn segments; two or more are needed. Raise the concentration or the molar mass"

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.network_models.registry import RUNGS
+from spinline.rheology.solution import LEAST_STRANDS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -193,6 +194,11 @@ def _fibre(result: "xr.Dataset | NamedArrays") -> list[str]:
     diameter = 1e9 * float(result["fibre_diameter"])
     spread = f" ± {1e9 * float(result['fibre_diameter_std']):.2g}" if "fibre_diameter_std" in result else ""
     spread += _interval(result, "fibre_diameter", 1e9, "nm")
+    if float(result.attrs["strands_per_chain"]) < LEAST_STRANDS:
+        return [
+            f"No fibre is to be expected: without an entangled network the jet breaks up. Its polymer alone is a thread of "
+            f"{diameter:.4g}{spread} nm in diameter."
+        ]
     held = "arrest_position" in result and np.isfinite(float(result["arrest_position"]))
     until = "what became solid" if held else "the last section, were it stretched no more"
     return [f"The dry fibre is {diameter:.4g}{spread} nm in diameter: {until}."]

@@ -207,6 +207,9 @@ def glass_fraction(scene: Scene, solution: Solution) -> tuple[float, str]:
                 remedy="raise it",
             )
         return value, "given"
+    name, dry = solution.polymer.name, solution.polymer.glass_transition
+    if solution.temperature >= dry:
+        return float("nan"), f"out of reach: dry {name} is no glass at {solution.temperature:g} K (T_g = {dry:g} K)"
     try:
         value = solution.vitrification_fraction()
     except InputError as error:

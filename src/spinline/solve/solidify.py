@@ -133,6 +133,8 @@ def find_arrest(
     if by_crystals:
         why = f"crystals: {solid.words}" if solid.kinetics is None else f"crystals, {GEL:g} of what there will be"
         never = never if np.isnan(level) else ""
+    elif np.isnan(level) and solid.crystals is not None:
+        why += f"; it crystallises below {solid.crystals.melting_temperature - solid.supercooling:g} K"
     fraction, kelvin = level, _NAN
     if not np.isnan(place):
         at = _value(place, dried.position, here.polymer)
