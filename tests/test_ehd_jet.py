@@ -573,3 +573,13 @@ def test_a_sample_of_the_campaign_of_random_settings_replays() -> None:
         except NoSteadyJet as refused:
             verdict = refused.reason
         assert verdict == one["verdict"]
+
+
+@pytest.mark.parametrize(
+    ("law", "time", "remedy"), [("fene-p", 1e6, "a shorter relaxation time"), ("oldroyd-b", 25e-3, 'law = "fene-p"')]
+)
+def test_the_remedy_at_a_fold_is_another_law_only_where_there_is_one(law, time, remedy) -> None:
+    with pytest.raises(NoSteadyJet) as refused:
+        StraightEhdJet(NeedleSettings(**{**PEO, "law": law, "relaxation_time": time}))
+    assert refused.value.reason == "fold"
+    assert remedy in refused.value.remedy

@@ -362,6 +362,7 @@ def _wound_up(share: float) -> NoSteadyJet:
 def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
     """Why there is no jet, in the order in which the reasons exclude one another."""
     share = f" (with {found.pull:.3g} of the forces)" if found.pull < 1 else ""
+    softer = "a shorter relaxation time" if x.law == "fene-p" else 'law = "fene-p"'
     if found.discrete.y.size:
         pull = _along(found)[2]
         if pull[0] <= 0:
@@ -374,8 +375,8 @@ def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
             return NoSteadyJet("swells", text, found.pull, "a shorter jet.end, or a higher voltage")
     if found.why == "fold" and np.isfinite(found.time_share):
         time = found.time_share * x.relaxation_time
-        text = f"no steady jet beyond a relaxation time of {time:.4g} s at these settings"
-        return NoSteadyJet("fold", text, found.pull, 'law = "fene-p" has no such end; or another voltage', "fold")
+        text = f"no steady jet is found beyond a relaxation time of {time:.4g} s at these settings"
+        return NoSteadyJet("fold", text, found.pull, f"{softer}, or another voltage", "fold")
     n = x.numbers
     if x.pull_against_capillarity < 0.5:
         text = (
@@ -385,7 +386,7 @@ def _refusal(x: NeedleSettings, found: Solved) -> NoSteadyJet:
         return NoSteadyJet("held", text, found.pull, "a higher voltage, or a higher flow rate", found.why)
     if found.why == "fold":
         text = f"the branch of steady jets ends at {found.pull:.3g} of the pull"
-        return NoSteadyJet("fold", text, found.pull, 'a lower voltage, or law = "fene-p"', "fold")
+        return NoSteadyJet("fold", text, found.pull, f"a lower voltage, or {softer}", "fold")
     if found.discrete.y.size and x.polymer and x.extensibility:
         jump = float(_along(found)[2][0]) * x.force_scale / (np.pi * x.radius**2 * x.modulus)
         if jump > np.sqrt(x.extensibility):
