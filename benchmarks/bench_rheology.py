@@ -2,8 +2,8 @@
 
 Run: ``OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python benchmarks/bench_rheology.py``. Times are processor seconds, the shortest
 of several. Conformation and evaporation against scipy's LSODA at rtol 1e-12 on the plain equations; radial drying against
-itself at twice the cells and a hundredth of the tolerance, and against the cylinder series; the coupled run is the design's:
-evaporation, conformation and radial drying, a map of 200 x 100, warm.
+itself at twice the cells and a hundredth of the tolerance, and against the cylinder series; drying with heat against the
+isothermal one; the coupled run is the design's: evaporation, conformation and radial drying, a map of 200 x 100, warm.
 """
 
 import time
@@ -20,7 +20,10 @@ from spinline.rheology.conformation import FENEP, Giesekus, Maxwell, conformatio
 from spinline.rheology.diffusion_laws import ConstantDiffusion
 from spinline.rheology.drying import cylinder_series, dry_radially
 from spinline.rheology.element_path import straight_path
+from spinline.rheology.evaporant import Evaporant
 from spinline.rheology.evaporation import evaporate
+from spinline.rheology.heat import dry_with_heat
+from spinline.rheology.heat_map import dry_radially_with_heat
 from spinline.rheology.vapour import solvent_activity
 from spinline.rheology.volatile import Volatile
 
@@ -135,6 +138,30 @@ def drying() -> None:
     print(f"{'cylinder series, Bi = 1, axis':34s}{np.abs(left / series - 1).max():10.1e}")
 
 
+def heat() -> None:
+    """What the balance of heat costs beside the isothermal one, 15 cm at 400 places, and a map of 200 x 100 with it."""
+    jet = sl.jetprofile.PowerLaw(radius=100e-6, flow_rate=0.5e-6 / 3600, k=1.0, beta=0.47)
+    path, room = straight_path(jet, np.linspace(0.15 / 400, 0.15, 400)), 298.15
+    print(f"\n{'drying with heat':34s}{'s':>10s}{'isothermal, s':>15s}{'ratio':>8s}")
+    for name in ("water", "ethanol", "acetone", "DMF", "DCM"):
+        liquid = Evaporant.build(name, room, chi=0.5)
+        saturation = liquid.pressure(room) * liquid.molar_mass / (8.31446261815324 * room * liquid.density)
+        plain = Volatile(name, saturation, liquid.diffusivity, 0.0, 0.5)
+
+        def hot(liquid: Evaporant = liquid) -> object:
+            return dry_with_heat(path, 0.08, [liquid], temperature=room)
+
+        with_heat = best(hot)
+        without = best(lambda plain=plain: evaporate(path, 0.08, [plain], air_viscosity=NU))  # type: ignore[misc]
+        print(f"{name:34s}{with_heat:10.4f}{without:15.4f}{with_heat / without:8.2f}")
+    liquid, places = Evaporant.build("acetone", room, chi=0.5), straight_path(jet, np.linspace(0.04 / 200, 0.04, 200))
+
+    def across() -> object:
+        return dry_radially_with_heat(places, 0.0683, liquid, ConstantDiffusion(1e-9), temperature=room, cells=100)
+
+    print(f"{'map of 200 x 100':34s}{best(across):10.4f}")
+
+
 def coupled() -> None:
     """The design's run."""
     print(f"\n{'coupled run, 200 x 100':34s}{'s':>10s}{'wall, s':>10s}")
@@ -158,6 +185,7 @@ def main() -> None:
         conformations()
         evaporation()
         drying()
+        heat()
         coupled()
     for words, times in Counter(f"{item.category.__name__}: {item.message}" for item in said).items():
         print(f"said {times} times: {words}")
