@@ -8,6 +8,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
+from spinline.rheology._elimination import eliminate
 
 __all__ = ["FENEP_KIND", "GIESEKUS_KIND", "follow"]
 
@@ -63,34 +64,6 @@ def _jacobian(kind, parameter, y, rate, frequency, out):  # type: ignore[no-unty
 
 
 @njit(cache=True, error_model="numpy")
-def _eliminate(matrix, right):  # type: ignore[no-untyped-def]
-    """Solve in place, with pivots by rows; False if singular."""
-    n = right.size
-    for k in range(n):
-        best = k
-        for i in range(k + 1, n):
-            if abs(matrix[i, k]) > abs(matrix[best, k]):
-                best = i
-        if not abs(matrix[best, k]) > 0:
-            return False
-        if best != k:
-            for j in range(n):
-                matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
-            right[k], right[best] = right[best], right[k]
-        for i in range(k + 1, n):
-            factor = matrix[i, k] / matrix[k, k]
-            if factor != 0.0:
-                for j in range(k, n):
-                    matrix[i, j] -= factor * matrix[k, j]
-                right[i] -= factor * right[k]
-    for i in range(n - 1, -1, -1):
-        for j in range(i + 1, n):
-            right[i] -= matrix[i, j] * right[j]
-        right[i] /= matrix[i, i]
-    return True
-
-
-@njit(cache=True, error_model="numpy")
 def follow(
     kind: int,
     parameter: float,
@@ -126,11 +99,11 @@ def follow(
     y, start, at, error = np.empty(2), np.empty(2), np.empty(2), np.empty(2)
     for j in range(2):
         values[0, j] = y[j] = first[j]
-    jac, matrix, right, z = np.empty((2, 2)), np.empty((6, 6)), np.empty(6), np.zeros((3, 2))
+    jac, matrix, right, z = np.empty((2, 2)), np.empty((6, 6)), np.empty(6), np.empty((3, 2))
     small, rate_of = np.empty((2, 2)), np.empty((3, 2))
     tolerance = max(10 * 2.220446049250313e-16 / rtol, min(0.03, rtol**0.5))
     h, steps, old, guess = 0.0, 0, 0.0, False
-    stages = np.zeros((3, 2))
+    stages = np.empty((3, 2))
     for k in range(n - 1):
         span, done = time[k + 1] - time[k], 0.0  # done: past time of this step
         slower = (log_frequency[k + 1] - log_frequency[k]) / span
@@ -184,7 +157,7 @@ def follow(
                             for b in range(2):
                                 matrix[row, 2 * a + b] = -step * _STAGES[i, a] * jac[j, b]
                         matrix[row, row] += 1
-                if not _eliminate(matrix, right):
+                if not eliminate(matrix, right):
                     break
                 size = 0.0
                 for i in range(3):
@@ -214,7 +187,7 @@ def follow(
                 error[j] = start[j] + (_ERROR[0] * z[0, j] + _ERROR[1] * z[1, j] + _ERROR[2] * z[2, j]) / step
                 for b in range(2):
                     small[j, b] = (_MU / step if j == b else 0.0) - jac[j, b]
-            if not _eliminate(small, error):
+            if not eliminate(small, error):
                 h = 0.2 * step
                 guess = False
                 continue

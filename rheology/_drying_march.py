@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.rheology._drying_kernels import NODES, STAGES, interpolate
-from spinline.rheology._map_kernels import NO_HEAT, Heat, attempt, book
+from spinline.rheology._map_kernels import NO_HEAT, Heat, attempt
 from spinline.rheology.diffusion_laws import DiffusionLaw
 
 __all__ = ["March", "march", "tabulated"]
@@ -111,7 +111,7 @@ def march(
     amount, kept = air[6] * air[7] ** 2, air[10] > 0
     x, end = start, float(positions[-1])
     marks = [float(b) for b in breaks if start < b < end]
-    stages, first, error = np.zeros((3, y.size)), np.empty(y.size), np.empty(y.size)
+    stages, first, error, booked_rates = np.zeros((3, y.size)), np.empty(y.size), np.empty(y.size), np.empty(3)
     tolerance = max(10 * np.finfo(float).eps / rtol, min(0.03, rtol**0.5))
     taken, h = 0, 0.0
     for stop in [*marks, end]:
@@ -146,6 +146,7 @@ def march(
                 trial := np.empty_like(stages),
                 first,
                 error,
+                booked_rates,
             )
             if not done:
                 if known:  # once more without the guess
@@ -163,7 +164,7 @@ def march(
                 continue
             after = y + trial[2]
             if books is not None:
-                through = step * (STAGES @ book(y, trial, share, heat, places))
+                through = step * (STAGES @ booked_rates)
                 passed, booked = books.at(np.ones(1), through, after[np.newaxis].copy())
                 if abs(booked[0, share.size] - after[share.size]) > scale[share.size]:
                     h, known, guess = 0.5 * step, False, np.zeros_like(stages)
@@ -209,7 +210,8 @@ def _first_step(
     places = along(np.full(4, x + 1e-9 * span))
     first, error, stages = np.empty(y.size), np.empty(y.size), np.zeros((3, y.size))
     scale = atol + rtol * np.abs(y)
-    attempt(y, 1e-30 * span, np.zeros_like(stages), scale, 1.0, share, table, air, heat, places, stages, first, error)
+    no_guess, rest = np.zeros_like(stages), np.empty(3)
+    attempt(y, 1e-30 * span, no_guess, scale, 1.0, share, table, air, heat, places, stages, first, error, rest)
     rate = float(np.max(np.abs(first) / scale))
     return min(span, 0.1 / rate) if rate > 0 else span
 

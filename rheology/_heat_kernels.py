@@ -1,7 +1,7 @@
 """Rates of a drying jet with heat in compiled loops, and a step of Radau's method on them.
 
 State: logarithms of the solvents' volumes over their starts (plain volumes for what is only in the air), temperature.
-Beside it a ledger: the mass of every liquid that has passed the surface, and the enthalpy. `settle` takes the state
+Beside it a ledger: the mass of every liquid that has passed the surface, and the enthalpy. `_settle` takes the state
 after a step from the ledger, so that both are conserved to rounding: the stages give volumes and temperature to the
 order of the method either way.
 """
@@ -11,8 +11,9 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
 from spinline.rheology._drying_kernels import DENSE, ERROR, MU, STAGES
+from spinline.rheology._elimination import eliminate
 
-__all__ = ["GAS", "activities", "attempt_heat", "rates", "settle", "surface"]
+__all__ = ["GAS", "activities", "attempt_heat", "rates", "surface"]
 
 GAS = 8.31446261815324
 _AIR_MASS = 0.0289644
@@ -45,9 +46,9 @@ def activities(
     volumes: FloatArray, phi0: float, sub: FloatArray, pairs: FloatArray, unit: float, out: FloatArray
 ) -> float:
     """Activities of the liquids, Flory-Huggins (or Raoult with the polymer's molar volume `unit`); returns the volume
-    left.
+    left. Not compiled, it takes volumes (liquid, place) at many places as well.
     """
-    n = volumes.size
+    n = sub.shape[0]
     total = phi0
     for i in range(n):
         total += volumes[i]
@@ -62,7 +63,7 @@ def activities(
         for j in range(n):
             if j != i:
                 share = volumes[j] / total
-                others += share
+                others = others + share  # not in place
                 crowding += share * sub[i, 9] / sub[j, 9]
                 own += share * pairs[i, j]
         if unit > 0:
@@ -192,31 +193,6 @@ def rates(
 
 
 @njit(cache=True, error_model="numpy")
-def _eliminate(a: FloatArray, b: FloatArray) -> None:
-    """Solve a x = b in place, rows exchanged."""
-    n = b.size
-    for k in range(n):
-        best = k
-        for i in range(k + 1, n):
-            if abs(a[i, k]) > abs(a[best, k]):
-                best = i
-        if best != k:
-            for j in range(n):
-                a[k, j], a[best, j] = a[best, j], a[k, j]
-            b[k], b[best] = b[best], b[k]
-        for i in range(k + 1, n):
-            w = a[i, k] / a[k, k]
-            if w != 0:
-                for j in range(k + 1, n):
-                    a[i, j] -= w * a[k, j]
-                b[i] -= w * b[k]
-    for k in range(n - 1, -1, -1):
-        for j in range(k + 1, n):
-            b[k] -= a[k, j] * b[j]
-        b[k] /= a[k, k]
-
-
-@njit(cache=True, error_model="numpy")
 def _jacobian(
     y: FloatArray,
     first: FloatArray,
@@ -227,106 +203,17 @@ def _jacobian(
     place: FloatArray,
 ) -> FloatArray:
     n = y.size
-    matrix, moved, ledger, at = np.zeros((n, n)), np.empty(n), np.empty(n), y.copy()
+    matrix, moved, ledger, at = np.empty((n, n)), np.empty(n), np.empty(n), np.empty(n)
+    for j in range(n):
+        at[j] = y[j]
     for j in range(n):
         step = 1e-6 * max(abs(y[j]), 1e-3)
         at[j] = y[j] + step
-        if rates(at, sub, tables, pairs, air, place, moved, ledger):
-            for i in range(n):
-                matrix[i, j] = (moved[i] - first[i]) / step
+        known = rates(at, sub, tables, pairs, air, place, moved, ledger)
+        for i in range(n):
+            matrix[i, j] = (moved[i] - first[i]) / step if known else 0.0
         at[j] = y[j]
     return matrix
-
-
-@njit(cache=True, error_model="numpy")
-def attempt_heat(
-    y: FloatArray,
-    h: float,
-    guess: FloatArray,
-    scale: FloatArray,
-    tolerance: float,
-    sub: FloatArray,
-    tables: FloatArray,
-    pairs: FloatArray,
-    air: FloatArray,
-    places: FloatArray,
-    stages: FloatArray,
-    ticks: FloatArray,
-) -> tuple[int, float]:
-    """One step of size h: stages (3, n + 1) as changes of y, and of the ledger (3, n + 1); iterations (0: none), size of
-    the error.
-
-    `places` at the start and at the three stages, (4, 4).
-    """
-    n = y.size
-    first, ledger = np.empty(n), np.empty(n)
-    if not rates(y, sub, tables, pairs, air, places[0], first, ledger):
-        return 0, 0.0
-    jacobian = _jacobian(y, first, sub, tables, pairs, air, places[0])
-    inverse = np.zeros((3 * n, 3 * n))
-    for k in range(3):
-        for m in range(3):
-            for i in range(n):
-                for j in range(n):
-                    inverse[k * n + i, m * n + j] = -h * STAGES[k, m] * jacobian[i, j]
-        for i in range(n):
-            inverse[k * n + i, k * n + i] += 1.0
-    for k in range(3):
-        for i in range(n):
-            stages[k, i] = guess[k, i]
-    slopes, counts, at = np.empty((3, n)), np.empty((3, n)), np.empty(n)
-    before, done = -1.0, 0
-    for iteration in range(1, 11):
-        for k in range(3):
-            for i in range(n):
-                at[i] = y[i] + stages[k, i]
-            if not rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k]):
-                return 0, 0.0
-        right = np.empty(3 * n)
-        for k in range(3):
-            for i in range(n):
-                total = 0.0
-                for m in range(3):
-                    total += STAGES[k, m] * slopes[m, i]
-                right[k * n + i] = h * total - stages[k, i]
-        matrix = inverse.copy()
-        _eliminate(matrix, right)
-        size = 0.0
-        for k in range(3):
-            for i in range(n):
-                stages[k, i] += right[k * n + i]
-                size += (right[k * n + i] / scale[i]) ** 2
-        size = np.sqrt(size / (3 * n))
-        if not np.isfinite(size):
-            return 0, 0.0
-        if before > 0 and size >= before and size > tolerance:
-            return 0, 0.0
-        contraction = size / before if before > 0 else 1.0
-        settled = before > 0 and contraction < 1 and contraction / (1 - contraction) * size < tolerance
-        if settled or size < 1e-3 * tolerance:
-            done = iteration
-            break
-        before = size
-    if not done:
-        return 0, 0.0
-    for k in range(3):
-        for i in range(n):
-            at[i] = y[i] + stages[k, i]
-        rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k])
-    for k in range(3):
-        for c in range(n):
-            ticks[k, c] = h * (STAGES[k, 0] * counts[0, c] + STAGES[k, 1] * counts[1, c] + STAGES[k, 2] * counts[2, c])
-    error, real = np.empty(n), np.empty((n, n))
-    for i in range(n):
-        error[i] = first[i] + (ERROR[0] * stages[0, i] + ERROR[1] * stages[1, i] + ERROR[2] * stages[2, i]) / h
-        for j in range(n):
-            real[i, j] = -jacobian[i, j]
-        real[i, i] += MU / h
-    _eliminate(real, error)
-    size = 0.0
-    for i in range(n):
-        size += (error[i] / scale[i]) ** 2
-    return done, float(np.sqrt(size / n))
 
 
 @njit(cache=True, error_model="numpy")
@@ -339,7 +226,7 @@ def _capacity(y: FloatArray, sub: FloatArray, air: FloatArray) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def settle(
+def _settle(
     y: FloatArray,
     ledger: FloatArray,
     stages: FloatArray,
@@ -354,7 +241,7 @@ def settle(
 
     Both by the collocation polynomial; volumes and temperature are then those that the ledger leaves. Where a volume falls
     so far within a step that the ledger's difference is all error, its logarithm goes as the stages say; returns the
-    largest volume that is so lost from the books, over the jet's at the start.
+    largest volume that is so lost from the books at the end of the step, over the jet's at the start.
     """
     lost = 0.0
     n = sub.shape[0]
@@ -381,7 +268,99 @@ def settle(
                     out[k, i] = y[i] + own
                 else:
                     out[k, i] = y[i] + change
-                    lost = max(lost, abs(kept - np.exp(change)) * before)
+                    if t == 1:
+                        lost = max(lost, abs(kept - np.exp(change)) * before)
             else:
                 out[k, i] = y[i] - passed / sub[i, 0]
     return float(lost)
+
+
+@njit(cache=True, error_model="numpy")
+def attempt_heat(
+    y: FloatArray,
+    ledger: FloatArray,
+    h: float,
+    guess: FloatArray,
+    scale: FloatArray,
+    tolerance: float,
+    sub: FloatArray,
+    tables: FloatArray,
+    pairs: FloatArray,
+    air: FloatArray,
+    places: FloatArray,
+    stages: FloatArray,
+    theta: FloatArray,
+    out: FloatArray,
+    book: FloatArray,
+) -> tuple[int, float, float]:
+    """One step of size h: stages (3, n + 1) as changes of y; iterations (0: none), size of the error, and where that is no
+    more than 1 what `_settle` says.
+
+    `places` at the start and at the three stages, (4, 4).
+    """
+    n = y.size
+    first, counts = np.empty(n), np.empty((3, n))
+    if not rates(y, sub, tables, pairs, air, places[0], first, counts[0]):
+        return 0, 0.0, 0.0
+    jacobian = _jacobian(y, first, sub, tables, pairs, air, places[0])
+    for k in range(3):
+        for i in range(n):
+            stages[k, i] = guess[k, i]
+    matrix, right = np.empty((3 * n, 3 * n)), np.empty(3 * n)
+    slopes, ticks, at = np.empty((3, n)), np.empty((3, n)), np.empty(n)
+    before, done = -1.0, 0
+    for iteration in range(1, 11):
+        for k in range(3):
+            for i in range(n):
+                at[i] = y[i] + stages[k, i]
+            if not rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k]):
+                return 0, 0.0, 0.0
+        for k in range(3):
+            for i in range(n):
+                row, total = k * n + i, 0.0
+                for m in range(3):
+                    total += STAGES[k, m] * slopes[m, i]
+                    for j in range(n):
+                        matrix[row, m * n + j] = -h * STAGES[k, m] * jacobian[i, j]
+                matrix[row, row] += 1.0
+                right[row] = h * total - stages[k, i]
+        if not eliminate(matrix, right):
+            return 0, 0.0, 0.0
+        size = 0.0
+        for k in range(3):
+            for i in range(n):
+                stages[k, i] += right[k * n + i]
+                size += (right[k * n + i] / scale[i]) ** 2
+        size = np.sqrt(size / (3 * n))
+        if not np.isfinite(size):
+            return 0, 0.0, 0.0
+        if before > 0 and size >= before and size > tolerance:
+            return 0, 0.0, 0.0
+        contraction = size / before if before > 0 else 1.0
+        settled = before > 0 and contraction < 1 and contraction / (1 - contraction) * size < tolerance
+        if settled or size < 1e-3 * tolerance:
+            done = iteration
+            break
+        before = size
+    if not done:
+        return 0, 0.0, 0.0
+    for k in range(3):
+        for i in range(n):
+            at[i] = y[i] + stages[k, i]
+        rates(at, sub, tables, pairs, air, places[k + 1], slopes[k], counts[k])
+    for k in range(3):
+        for c in range(n):
+            ticks[k, c] = h * (STAGES[k, 0] * counts[0, c] + STAGES[k, 1] * counts[1, c] + STAGES[k, 2] * counts[2, c])
+    error, real = np.empty(n), np.empty((n, n))
+    for i in range(n):
+        error[i] = first[i] + (ERROR[0] * stages[0, i] + ERROR[1] * stages[1, i] + ERROR[2] * stages[2, i]) / h
+        for j in range(n):
+            real[i, j] = -jacobian[i, j]
+        real[i, i] += MU / h
+    if not eliminate(real, error):
+        return 0, 0.0, 0.0
+    size = 0.0
+    for i in range(n):
+        size += (error[i] / scale[i]) ** 2
+    size = float(np.sqrt(size / n))
+    return done, size, _settle(y, ledger, stages, ticks, theta, sub, air, out, book) if size <= 1 else 0.0

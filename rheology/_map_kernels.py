@@ -3,7 +3,7 @@
 With heat, the temperature of the whole cross-section stands behind the outermost cell as one more row of the same
 tridiagonal system: it knows that cell (its activity) and that cell knows it (its vapour pressure); what else it depends
 on is slow and left to the iteration. State: u of the cells, T where there is heat, volume lost. Volumes are linear in
-the fluxes, so that the method conserves them to rounding; enthalpy is a product, and is kept beside the state: `book`
+the fluxes, so that the method conserves them to rounding; enthalpy is a product, and is kept beside the state: `_book`
 says what passes the surface at the stages, and the temperature after a step is the one that this leaves.
 """
 
@@ -16,7 +16,7 @@ from spinline.base.kernels import njit
 from spinline.rheology._drying_kernels import ERROR, MU, MU_PAIR, TI, T, bands, factor, fluxes, solve, turn
 from spinline.rheology._heat_kernels import surface
 
-__all__ = ["NO_HEAT", "Heat", "attempt", "book", "surface_rates"]
+__all__ = ["NO_HEAT", "Heat", "attempt", "surface_rates"]
 
 Heat: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]  # `heat.Inputs` but for its pairs; empty without heat
 NO_HEAT: Heat = (np.empty((0, 0)), np.empty((0, 3, 4, 1)), np.empty(0))
@@ -45,13 +45,14 @@ def _warming(left: float, heat: Heat, place: FloatArray) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def book(y: FloatArray, stages: FloatArray, share: FloatArray, heat: Heat, places: FloatArray) -> FloatArray:
+def _book(
+    y: FloatArray, stages: FloatArray, share: FloatArray, heat: Heat, places: FloatArray, out: FloatArray
+) -> None:
     """Enthalpy through the surface at the three stages, d/dx in J/m3 of solution at the start, counted from the liquid and
     the polymer at the air's temperature.
     """
     m = share.size
     sub, _, air = heat
-    out = np.empty(3)
     for k in range(3):
         left = 0.0
         for i in range(m):
@@ -60,7 +61,6 @@ def book(y: FloatArray, stages: FloatArray, share: FloatArray, heat: Heat, place
         kelvin = y[m] + stages[k, m]
         gone, heating = surface_rates(y[m - 1] + stages[k, m - 1], kelvin, left, heat, places[k + 1])
         out[k] = places[k + 1, 2] * air[3] * (heating + gone * sub[0, 0] * sub[0, 2] * (kelvin - air[1]))
-    return out
 
 
 @njit(cache=True, error_model="numpy")
@@ -110,9 +110,10 @@ def attempt(
     stages: FloatArray,
     first: FloatArray,
     error: FloatArray,
+    through: FloatArray,
 ) -> tuple[int, float, float]:
     """One step: stages (3, n + 1) as changes of y, rates at the start, and the error; n rows are m cells, and with heat
-    the temperature.
+    the temperature, and what `_book` says goes to `through`.
 
     `places` are stretch, speed, pace (exposure over the polymer) and, with heat, speed across at the start and at the
     three stages, (4, 3 or 4).
@@ -132,7 +133,7 @@ def attempt(
     left = _everything(y, share, table, air, heat, places[0], flux, inner, outer, first)
     if not np.isfinite(left):
         return 0, 0.0, 0.0
-    low, mid, high = np.zeros(n), np.zeros(n), np.zeros(n)
+    low, mid, high = np.empty(n), np.empty(n), np.empty(n)
     pace, by_heat = places[0, 2], 0.0
     if warm:
         du, dt = 1e-6 * max(y[m - 1], 1e-8), 1e-4
@@ -145,7 +146,7 @@ def attempt(
         by_heat = -pace * (warmer - gone) / dt  # of the loss
     bands(inner, outer, share, pace, low[:m], mid[:m], high[:m])
     if warm:
-        high[m - 1] = -by_heat / share[m - 1]
+        high[m - 1], high[m] = -by_heat / share[m - 1], 0.0
     by_cell = -pace * inner[m - 1]
     real, pair = np.empty(n), np.empty(n, np.complex128)
     factor(low, mid, high, MU / h, real)
@@ -203,6 +204,8 @@ def attempt(
         error[i] = first[i] + (ERROR[0] * stages[0, i] + ERROR[1] * stages[1, i] + ERROR[2] * stages[2, i]) / h
     solve(low, high, real, error)
     error[n] = (error[n] + by_cell * error[m - 1] + (by_heat * error[m] if warm else 0.0)) * h / MU
+    if warm:
+        _book(y, stages, share, heat, places, through)
     size = 0.0
     for i in range(n + 1):
         size += (error[i] / scale[i]) ** 2

@@ -36,9 +36,10 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
+from spinline.base.kernels import plain
 from spinline.rheology import thermal
 from spinline.rheology._drying_kernels import NODES, interpolate
-from spinline.rheology._heat_kernels import activities, attempt_heat, rates, settle
+from spinline.rheology._heat_kernels import activities, attempt_heat, rates
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.evaporant import GRID, REFERENCE, Evaporant
 from spinline.rheology.transfer import Transfer, law_index, transfer_number, transfer_range
@@ -302,9 +303,8 @@ def _march(
     end = float(marks[-1])
     if not end > start:
         return values, ledgers
-    stages, ticks, total = np.zeros((3, n)), np.zeros((3, n)), np.zeros(n)
+    stages, total = np.zeros((3, n)), np.zeros(n)
     unbooked = _UNBOOKED * (1 - float(given.air[3]))
-    one, after, booked = np.ones(1), np.empty((1, n)), np.empty((1, n))
     tolerance = max(10 * np.finfo(float).eps / rtol, min(0.03, rtol**0.5))
     floor = np.append(np.full(n - 1, 1e-4 * rtol), 10 * rtol)
     x, taken, done_to = start, 0, int(np.searchsorted(marks, start, side="right"))
@@ -325,25 +325,35 @@ def _march(
             scale = floor + rtol * np.append(np.abs(y[:-1]), 0.0)
             if known:
                 guess = interpolate(stages, 1 + NODES * step / old) - stages[2]
-            trial = np.empty_like(stages)
-            iterations, size = attempt_heat(
-                y, step, guess, scale, tolerance, given.sub, given.tables, given.pairs, given.air, places, trial, ticks
+            beyond = int(np.searchsorted(marks, stop if last else x + step, side="right"))
+            share = np.append(np.minimum((marks[done_to:beyond] - x) / step, 1.0), 1.0)
+            trial, states, booked = np.empty_like(stages), np.empty((share.size, n)), np.empty((share.size, n))
+            iterations, size, lost = attempt_heat(
+                y,
+                total,
+                step,
+                guess,
+                scale,
+                tolerance,
+                given.sub,
+                given.tables,
+                given.pairs,
+                given.air,
+                places,
+                trial,
+                share,
+                states,
+                booked,
             )
-            if not iterations or size > 1:
+            if not iterations or not size <= 1:
                 shrink = 0.25 if not iterations else max(0.2, 0.9 * size**-0.25)
                 h, known, guess = (0.5 if known and not iterations else shrink) * step, False, np.zeros_like(stages)
                 continue
-            if settle(y, total, trial, ticks, one, given.sub, given.air, after, booked) > unbooked:
+            if lost > unbooked:
                 h, known, guess = 0.5 * step, False, np.zeros_like(stages)
                 continue
-            beyond = int(np.searchsorted(marks, stop if last else x + step, side="right"))
-            if beyond > done_to:
-                share = np.minimum((marks[done_to:beyond] - x) / step, 1.0)
-                settle(
-                    y, total, trial, ticks, share, given.sub, given.air, values[done_to:beyond], ledgers[done_to:beyond]
-                )
-                done_to = beyond
-            y, total = after[0].copy(), booked[0].copy()
+            values[done_to:beyond], ledgers[done_to:beyond] = states[:-1], booked[:-1]
+            done_to, y, total = beyond, states[-1].copy(), booked[-1].copy()
             x, stages, known, old = (stop if last else x + step), trial, True, step
             h = step * min(6.0, max(0.2, 0.9 * size**-0.25 if size > 0 else 6.0))
     return values, ledgers
@@ -354,7 +364,7 @@ def _first(x: float, stop: float, y: FloatArray, given: Inputs, path: ElementPat
     if path is not None:
         places = _places(path, np.array([x + 1e-9 * (stop - x)] * 4), given.air[7] == 2)
     slope, ledger = np.empty(y.size), np.empty(y.size)
-    if not rates(y, given.sub, given.tables, given.pairs, given.air, places[0], slope, ledger):
+    if not plain(rates)(y, given.sub, given.tables, given.pairs, given.air, places[0], slope, ledger):
         raise _cannot(y, given, x, path)
     pace = float(np.max(np.abs(slope) / np.append(np.ones(y.size - 1), 100.0)))
     return min(stop - x, 1e-3 / pace) if pace > 0 else stop - x
@@ -366,7 +376,7 @@ def _cannot(y: FloatArray, given: Inputs, x: float, path: ElementPath | None) ->
     inside = given.sub[:, 7] > 0
     volumes = np.where(inside, np.exp(np.where(inside, given.sub[:, 8] + y[:-1], 0.0)), y[:-1])
     activity, at, rest = np.empty(volumes.size), min(int((kelvin - GRID[0]) / 3), GRID.size - 2), (kelvin - GRID[0]) % 3
-    activities(volumes, float(given.air[3]), given.sub, given.pairs, float(given.air[9]), activity)
+    plain(activities)(volumes, float(given.air[3]), given.sub, given.pairs, float(given.air[9]), activity)
     pure = np.array([np.exp(np.polyval(t[0, :, at], rest)) for t in given.tables])
     # a poor solvent's activity passes 1: the solution boils below its liquids
     boils = max(float(pure.max()), float(pure @ activity))
@@ -431,14 +441,12 @@ def _result(
         nusselt=numbers[-1],
         mass_given_off=ledger[:, :-1].sum(axis=1),
         enthalpy_taken_up=ledger[:, -1],
-        activity=_activity(given, u, left),
+        activity=_activity(given, u),
         notes=(note,) if note else (),
     )
 
 
-def _activity(given: Inputs, u: FloatArray, left: FloatArray) -> FloatArray:
-    out, one = np.empty_like(u), np.empty(u.shape[0])
-    for k in range(left.size):
-        activities(np.ascontiguousarray(u[:, k]), float(given.air[3]), given.sub, given.pairs, float(given.air[9]), one)
-        out[:, k] = one
+def _activity(given: Inputs, u: FloatArray) -> FloatArray:
+    out = np.empty_like(u)
+    plain(activities)(u, float(given.air[3]), given.sub, given.pairs, float(given.air[9]), out)  # at all places at once
     return out

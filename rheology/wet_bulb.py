@@ -17,6 +17,7 @@ import numpy as np
 
 from spinline.base.checks import number
 from spinline.base.errors import InputError
+from spinline.base.kernels import plain
 from spinline.rheology import thermal
 from spinline.rheology._heat_kernels import surface
 from spinline.rheology.evaporant import GRID, Evaporant
@@ -112,15 +113,15 @@ def wet_bulb(
 
     def balance(kelvin: float, drift: bool) -> tuple[float, float]:
         air = np.array([pressure, warm, floor, 0.0, 1.0, 0.0, 1.0, law_index(transfer), 1.0, 0.0, float(drift)])
-        warmed, carried, _ = surface(one, 1.0, kelvin, sub, tables, air, place, flux)
+        warmed, carried, _ = plain(surface)(one, 1.0, kelvin, sub, tables, air, place, flux)
         return warmed - carried, float(flux[0])
 
     from scipy.optimize import brentq
 
     low = GRID[0]
     found = float(brentq(lambda t: balance(t, stefan)[0], low, warm, xtol=1e-11))
-    plain = balance(warm, False)[1]
-    return WetBulb(found, balance(found, stefan)[1] / plain, balance(warm, True)[1] / plain)
+    isothermal = balance(warm, False)[1]
+    return WetBulb(found, balance(found, stefan)[1] / isothermal, balance(warm, True)[1] / isothermal)
 
 
 def adiabatic_saturation(evaporant: Evaporant, air_temperature: float, pressure: float = 101325.0) -> float:

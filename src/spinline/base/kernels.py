@@ -7,20 +7,27 @@ A loop that another one calls is compiled as a part of it: translated, but optim
 and without the way in from Python. Called from Python it is compiled as a whole, as numba does in every case.
 """
 
+import gc
 import pickle
 from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from functools import cache, partial
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numba
-from numba.core import caching, codegen, compiler, event, types
+import numpy as np
+from numba.core import caching, event, types
 
+from spinline.base.compiling import AS_PART, AS_WHOLE
 from spinline.base.progress import announce
 from spinline.base.seals import sealed, unsealed
 
-__all__ = ["njit"]
+__all__ = ["njit", "plain"]
 
+
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
 
 if TYPE_CHECKING:  # the loops keep the types that numba's own decorator gives them
     from numba import njit
@@ -30,11 +37,11 @@ else:
         """Decorator as ``numba.njit``; see its documentation for the options."""
 
         def compiled(function: Callable[..., Any]) -> Any:
-            made: Any = numba.njit(**options, no_cfunc_wrapper=True)(function)
+            made: Any = numba.njit(**options, **AS_WHOLE)(function)
             if not hasattr(made, "_cache"):  # numba is switched off
                 return made
             if "inline" not in options:
-                part = numba.njit(**options, **_AS_PART)(function)
+                part = numba.njit(**options, **AS_PART)(function)
                 made._compiling_counter = part._compiling_counter  # for loops that call themselves
                 made.get_overload = part.get_overload
                 made.get_call_template = partial(_call, part)
@@ -52,36 +59,23 @@ def _call(part: Any, arguments: Any, keywords: Any) -> Any:
     return part.get_call_template(tuple(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()})
 
 
-class _PartLibrary(codegen.JITCodeLibrary):
-    """Translated code that waits to be linked into its caller's."""
+@cache
+def plain(loop: Callable[_P, _T]) -> Callable[_P, _T]:
+    """A loop as Python runs it, with all that it calls: for the few calls that cost less than compiling it."""
+    if not hasattr(loop, "py_func"):  # numba is switched off
+        return loop
+    function = loop.py_func
+    names = {name: function.__globals__.get(name) for name in function.__code__.co_names}
+    parts = {name: plain(part) for name, part in names.items() if hasattr(part, "py_func")}
+    names_seen = {**function.__globals__, **parts}
+    twin = FunctionType(function.__code__, names_seen, function.__name__, function.__defaults__, function.__closure__)
 
-    def _optimize_final_module(self) -> None:
-        pass
+    def run(*given: _P.args, **named: _P.kwargs) -> _T:
+        with np.errstate(all="ignore"):  # as compiled
+            value: _T = twin(*given, **named)
+        return value
 
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
-        self._verify_declare_only_symbols()  # type: ignore[no-untyped-call]
-        self._finalized = True
-
-    @property
-    def codegen(self) -> Any:
-        """Nothing: there is no machine code yet that would need its surroundings."""
-        return _Nowhere
-
-
-class _Nowhere:
-    @staticmethod
-    def set_env(name: str, environment: object) -> None:
-        pass
-
-
-class _PartCompiler(compiler.Compiler):
-    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
-        made = _PartLibrary(target.codegen(), "part")  # type: ignore[no-untyped-call]
-        super().__init__(typing, target, made, *rest)  # type: ignore[no-untyped-call]
-
-
-_AS_PART = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True, "pipeline_class": _PartCompiler}
+    return run
 
 
 class _CacheFile(caching.IndexDataCacheFile):
@@ -133,11 +127,22 @@ class _Cache(caching.FunctionCache):
 
 
 class _Says(event.Listener):
+    """Says that it takes a while; and keeps Python's collector, which finds nothing in compilers, from looking."""
+
+    depth = 0
+    collects = False
+
     def on_start(self, _: Any) -> None:
         announce("compiling, once: the next start is quicker")
+        if not self.depth:
+            self.collects = gc.isenabled()
+            gc.disable()
+        self.depth += 1
 
     def on_end(self, _: Any) -> None:
-        pass
+        self.depth -= 1
+        if not self.depth and self.collects:
+            gc.enable()
 
 
 event.register("numba:compile", _Says())  # type: ignore[no-untyped-call]
