@@ -119,9 +119,11 @@ def _local(y: Any, field: float, p: Any, flags: Any, out: Any, z: Any, work: Any
 
 @njit(cache=True, error_model="numpy")
 def _end_rows(y: Any, p: Any, flags: Any, work: Any) -> Any:
-    """Conditions at the end: the field is the applied one, and V' = end_slope V."""
+    """Conditions at the end: the field is the applied one (or, with none given, Psi = -p[13]), and V' = end_slope V."""
     inside, _, _ = slopes(y, p[13], p, flags[0], flags[1], flags[2], work)
-    return inside / p[13] - 1.0, work[0] - p[12]
+    if p[13] > 0.0:
+        return inside / p[13] - 1.0, work[0] - p[12]
+    return y[2] + p[13], work[0] - p[12]
 
 
 @njit(cache=True, error_model="numpy")
