@@ -135,7 +135,7 @@ def tilts(y: Any, field: float, p: Any, flags: Any, value: Any, out: Any) -> Non
 
 
 @njit(cache=True, error_model="numpy")
-def _stretch_tilts(k: int, tension_k: float, du: float, area: float, b: float, c: float, p: Any, out: Any) -> float:
+def _stretch_tilts(k: int, tension_k: float, du: float, area: float, b: float, c: float, p: Any, out: Any) -> Any:
     """Derivatives by unknown k: of u', returned, and of the slopes of ln B and ln C, into `out`."""
     u_k, b_k, c_k = 1.0 * (k == 0), b * (k == 4), c * (k == 5)
     f, f_k = 1.0 + (b + 2.0 * c - 3.0) * p[10], (b_k + 2.0 * c_k) * p[10]
