@@ -26,7 +26,8 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 os.environ["SPINLINE_QUIET"] = "1"
 
-from file_damage import GOOD, attack, make_victims  # noqa: E402
+from file_damage import GOOD, attack  # noqa: E402
+from file_victims import make_victims  # noqa: E402
 from random_scenes import scene  # noqa: E402
 
 LONGEST = 30.0  # s for one scene
@@ -133,7 +134,7 @@ def prepared(folder: Path) -> dict[str, list[str]]:
 
 def content(folder: Path) -> dict[str, Any]:
     """Everything that is in a folder, results as numbers."""
-    from file_damage import read_netcdf, read_store
+    from file_victims import read_netcdf, read_store
 
     found: dict[str, Any] = {}
     for path in sorted(folder.iterdir()):
