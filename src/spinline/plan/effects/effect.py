@@ -66,6 +66,7 @@ class Effect(ABC):
         ------
         InputError
         """
+        return  # most refuse nothing
 
     def held(self, context: Context, rung: "Rung", automatic: bool) -> bool:
         """Whether a run by a rung holds it; of effects without a switch. `automatic`: "auto" took the rung."""
