@@ -290,10 +290,9 @@ def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: 
     put("areal_density", volume * o.polymer_density, "kg m-2")
     put("coverage", np.array([s.stack.coverage for s in samples]), "1")
     put("permeability", k, "m2", ("law",))
-    with np.errstate(invalid="ignore"):
-        drop = np.where(
-            np.isfinite(k), pressure_drop(thickness[:, None], np.where(k > 0, k, 1.0), o.face_velocity), np.nan
-        )
+    known = np.isfinite(k)
+    drop = np.full(k.shape, np.nan)
+    drop[known] = pressure_drop(np.broadcast_to(thickness[:, None], k.shape)[known], k[known], o.face_velocity)
     put("pressure_drop", drop, "Pa", ("law",))
     put("bubble_point_radius", np.array([s.bubble_point_radius for s in samples]), "m")
     put("pore_cumulative", np.array([s.pore_cumulative for s in samples]), "1", ("pore_radius",))

@@ -234,6 +234,7 @@ def test_a_full_disk_is_one_message(words, tmp_path) -> None:
 def test_standard_output_that_is_full_is_one_message(tmp_path) -> None:
     ran = _command(tmp_path, "crossover", "peo5-water", ">/dev/full")
     assert (ran.returncode, ran.stderr.count("\n")) == (2, 1)
+    assert ran.stderr.startswith("error: standard output: ")
 
 
 def test_homes_and_caches_are_no_need(tmp_path) -> None:
