@@ -270,11 +270,7 @@ def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: 
         raise InputError(*_NO_FIBRE, remedy=_LAY_MORE)
     solidity = np.array([[s.stack.solidity(e) for e in ENVELOPES] for s in samples])
     chosen = solidity[:, ENVELOPES.index(o.envelope)]
-    _judge(chosen, o.envelope)
-    with warnings.catch_warnings(record=True) as notes:
-        warnings.simplefilter("always")
-        k = np.array([[_law(law, s, p) for law in o.permeability] for s, p in zip(samples, chosen, strict=True)])
-    _again(notes)
+    k = _permeabilities(samples, chosen, o)
     data: dict[str, Any] = {}
     thickness = np.array([s.stack.thickness(o.envelope) for s in samples])
     volume = np.array([s.stack.passages.fibre_volume / s.stack.area for s in samples])
@@ -377,6 +373,16 @@ def _law(law: str, sample: MatSample, solidity: float) -> float:
     return float(permeability_of(law, solidity, sample.mean_radius))
 
 
+def _permeabilities(samples: list[MatSample], solidity: FloatArray, o: MatOptions) -> FloatArray:
+    """Permeability (window, law), m2; NaN where a law has none, which is said once."""
+    _judge(solidity, o.envelope)
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        k = np.array([[_law(law, s, p) for law in o.permeability] for s, p in zip(samples, solidity, strict=True)])
+    _again(notes)
+    return k
+
+
 def _judge(chosen: FloatArray, envelope: str) -> None:
     """Say what is odd about the solidity of the windows."""
     empty, full = int(np.isnan(chosen).sum()), chosen[chosen >= 1]
@@ -393,7 +399,7 @@ def _judge(chosen: FloatArray, envelope: str) -> None:
             "permeability there; take larger windows or lay longer"
         )
     for text in words:
-        warnings.warn(text, SpinlineWarning, stacklevel=4)
+        warnings.warn(text, SpinlineWarning, stacklevel=5)
 
 
 def _direct(out: "xr.Dataset", sample: MatSample) -> None:
@@ -413,7 +419,7 @@ def _direct(out: "xr.Dataset", sample: MatSample) -> None:
 
 def _again(notes: "list[warnings.WarningMessage]") -> None:
     for text in dict.fromkeys(str(note.message) for note in notes):
-        warnings.warn(text, SpinlineWarning, stacklevel=4)
+        warnings.warn(text, SpinlineWarning, stacklevel=5)
 
 
 def _mean(rows: FloatArray) -> FloatArray:
