@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_damage import GOOD, attack, make_victims, same
+from file_damage import GOOD, attack, same
+from file_victims import NAMES, make_victims
 
 from spinline.base import files
 from spinline.base.checkpoint import Checkpoint
@@ -31,12 +32,12 @@ DATA = Path(__file__).parent / "data"
 
 @pytest.fixture(scope="module")
 def victims(tmp_path_factory):
-    return make_victims(tmp_path_factory.mktemp("victims"), DATA)
+    return {victim.name: victim for victim in make_victims(tmp_path_factory.mktemp("victims"), DATA)}
 
 
-@pytest.mark.parametrize("number", range(17))
-def test_damage_is_refused_redone_or_harmless(victims, number, tmp_path) -> None:
-    victim = victims[number]
+@pytest.mark.parametrize("name", NAMES)
+def test_damage_is_refused_redone_or_harmless(victims, name, tmp_path) -> None:
+    victim = victims[name]
     verdicts, bad = attack(victim, tmp_path, range(12))
     assert set(verdicts) <= GOOD, bad
     if victim.ours:
@@ -233,6 +234,7 @@ def test_a_full_disk_is_one_message(words, tmp_path) -> None:
 def test_standard_output_that_is_full_is_one_message(tmp_path) -> None:
     ran = _command(tmp_path, "crossover", "peo5-water", ">/dev/full")
     assert (ran.returncode, ran.stderr.count("\n")) == (2, 1)
+    assert ran.stderr.startswith("error: standard output: ")
 
 
 def test_homes_and_caches_are_no_need(tmp_path) -> None:

@@ -9,4 +9,10 @@ __all__ = ["say"]
 
 def say(text: object, *, err: bool = False) -> None:
     """Print a line on standard output, or standard error."""
-    typer.echo(clean(str(text)), err=err)
+    try:
+        typer.echo(clean(str(text)), err=err)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        error.filename = "standard error" if err else "standard output"
+        raise
