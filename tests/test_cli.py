@@ -144,3 +144,25 @@ def test_as_a_process() -> None:
     code = "import sys, spinline; print(sorted({'numpy','scipy','pandas','xarray','pint','matplotlib'} & set(sys.modules)))"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "command", ["run", "check", "crossover", "plan", "fit", "sweep", "jet", "fibre", "reduce", "window"]
+)
+@pytest.mark.parametrize(
+    ("head", "what"),
+    [
+        (b"\x89HDF\r\n\x1a\n\x00\x00\x00\x00\x00\x08\x08\x00\x04\x00\x10\x00", "an HDF5 file"),
+        (b"PK\x03\x04\x14\x00", "a zip archive"),
+        (b"\x1f\x8b\x08\x00", "compressed by gzip"),
+        (b"\xff\xd8\xff\xe0\x00\x10JFIF", "a JPEG picture"),
+        (b"\x93NUMPY\x01\x00v\x00", "an array of numpy.save"),
+    ],
+)
+def test_another_programs_file_in_place_of_a_scene_is_named(spinline, tmp_path, command, head, what):
+    (tmp_path / "given.nc").write_bytes(head + bytes(300))
+    done = spinline(command, "given.nc")
+    assert done.code == 2
+    assert f"given.nc: is {what}" in done.err
+    assert "a TOML text" in done.err
+    assert ('[jet] profile = "lagrangian"' in done.err) == (command in ("run", "check", "crossover", "plan", "jet"))

@@ -159,7 +159,7 @@ def mat(
     side = parse(window, "length", "--window").value if window is not None else None
     with FibreFile(fibres) as opened:
         file = opened
-        turn = float(opened.attributes.get("circumference", 0.0))
+        turn = opened.circumference
         mat_of: Any = Rolled(opened, turn) if turn > 0 else opened
         options = options_from_text(
             str(file.attributes.get("mat", "")),

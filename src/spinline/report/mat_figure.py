@@ -180,7 +180,7 @@ def sentences(result: "xr.Dataset") -> list[str]:
     """The answer in words."""
     get = {str(name): float(value) for name, value in result.data_vars.items() if not value.dims}
     shares = zip(result["envelope"].values, result["envelope_porosity"].values, strict=True)
-    envelopes = ", ".join(f"{100 * float(p):.1f} % ({e})" for e, p in shares)
+    envelopes = ", ".join(f"{f'{100 * float(p):.1f} %' if np.isfinite(p) else 'none'} ({e})" for e, p in shares)
     windows = f"{result.attrs['realisations']} windows of {float(result.attrs['window_m']) * 1e6:.3g} µm"
     lines = [
         f"{get['laid_length']:.4g} m of fibre, diameter {get['mean_diameter'] * 1e9:.4g} ± "
