@@ -5,24 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from peo_needle import peo_needle
 
 from spinline.base.errors import InputError
 from spinline.jetprofile.ehd import NeedleSettings, StraightEhdJet
 from spinline.jetprofile.ehd.whole_line import own_potential
 
-PEO = NeedleSettings(
-    radius=125e-6,
-    flow_rate=3.2e-6 / 3600,
-    voltage=6e3,
-    gap=0.1,
-    conductivity=0.01,
-    viscosity=2.0,
-    surface_tension=0.061,
-    density=1000.0,
-    permittivity=80.0,
-    relaxation_time=7e-3,
-    extensibility=507.0,
-)
+PEO = peo_needle()
 AT = np.array([3e-3, 5e-3, 10e-3, 20e-3, 40e-3])
 
 

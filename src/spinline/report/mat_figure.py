@@ -101,7 +101,7 @@ def diameters(axis: "Axes", result: "xr.Dataset") -> None:
             d,
             np.exp(-0.5 * ((np.log(d) - law.mu) / law.s) ** 2) / (d * law.s * np.sqrt(2 * np.pi)),
             color="black",
-            label=f"lognormal, {mean:.3g} ± {deviation:.3g} nm",
+            label=f"lognormal, {mean:.4g} ± {deviation:.3g} nm",
         )
         axis.set_xlim(max(0.0, mean - 4 * deviation), mean + 6 * deviation)
     if "measured_diameter" in result:
