@@ -1,8 +1,10 @@
 """The command line as a user meets it: answers on standard output, one message and exit code 2 for bad input."""
 
+import base64
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +18,8 @@ def test_the_main_job(spinline, tmp_path) -> None:
     assert ran.err == ""
     assert "fully stretched at 3.43 mm, radius 26.3" in ran.out
     assert {file.name for file in tmp_path.iterdir()} == {"peo5-water.nc", "peo5-water.png", "r.html", "p.csv"}
+    drawn = base64.b64encode(Path("peo5-water.png").read_bytes()).decode()
+    assert f"base64,{drawn}" in Path("r.html").read_text()  # once drawn, twice used
     again = spinline("run", "peo5-water")
     assert again.code == 2
     assert again.err == "error: peo5-water.nc: exists; choose another name, or --force to overwrite\n"

@@ -124,7 +124,8 @@ def run(
     if report is not None:
         from spinline.report.page import save_report
 
-        save_report(result, report, force=force)
+        drawn = picture is not None and picture.suffix.lower() == ".png"
+        save_report(result, report, force=force, picture=picture.read_bytes() if picture and drawn else None)
     if csv is not None:
         results.to_csv(result, csv, force=force)
     if json:
