@@ -26,7 +26,8 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 os.environ["SPINLINE_QUIET"] = "1"
 
-from file_damage import GOOD, attack, make_victims  # noqa: E402
+from file_damage import GOOD, attack  # noqa: E402
+from file_victims import make_victims  # noqa: E402
 from random_scenes import scene  # noqa: E402
 
 LONGEST = 30.0  # s for one scene
@@ -38,8 +39,8 @@ def damage(count: int, seed: int, only: list[str] | None = None) -> dict[str, An
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         victims = make_victims(folder, HERE.parent / "tests" / "data")
-        victims = [victim for victim in victims if not only or victim.name in only]
         each = -(-count // len(victims))
+        victims = [victim for victim in victims if not only or victim.name in only]
         (folder / "copies").mkdir()
         found, worst = {}, []
         for victim in victims:
@@ -47,8 +48,23 @@ def damage(count: int, seed: int, only: list[str] | None = None) -> dict[str, An
             found[victim.name] = dict(sorted(verdicts.items()))
             worst += bad
             print(victim.name, found[victim.name], bad[:2], flush=True)
-    total = Counter({key: sum(v.get(key, 0) for v in found.values()) for key in {k for v in found.values() for k in v}})
-    return {"files": each * len(victims), "verdicts": dict(sorted(total.items())), "by_kind": found, "bad": worst}
+    return {"by_kind": found, "bad": worst, "seed": seed}
+
+
+def together(before: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
+    """Damage of some victims beside what is known of the others: the whole may be run in parts."""
+    kinds = {**before.get("by_kind", {}), **found["by_kind"]}
+    bad = [line for line in before.get("bad", []) if not any(line.startswith(f"{name} ") for name in found["by_kind"])]
+    total: Counter[str] = Counter()
+    for verdicts in kinds.values():
+        total.update(verdicts)
+    return {
+        "files": sum(total.values()),
+        "seed": found["seed"],
+        "verdicts": dict(sorted(total.items())),
+        "by_kind": kinds,
+        "bad": bad + found["bad"],
+    }
 
 
 # --- kills -------------------------------------------------------------------------------------------------------------
@@ -133,7 +149,7 @@ def prepared(folder: Path) -> dict[str, list[str]]:
 
 def content(folder: Path) -> dict[str, Any]:
     """Everything that is in a folder, results as numbers."""
-    from file_damage import read_netcdf, read_store
+    from file_victims import read_netcdf, read_store
 
     found: dict[str, Any] = {}
     for path in sorted(folder.iterdir()):
@@ -353,7 +369,9 @@ def main() -> None:
     arguments.add_argument("--log", type=Path, default=Path("attack-scenes.jsonl"), help="Verdicts, gone on with.")
     arguments.add_argument("--longest", type=float, default=np.inf, help="Seconds after which scenes stop.")
     arguments.add_argument("--commands", nargs="*", help="Of the kills: run, sweep, reduce, chain, fit.")
-    arguments.add_argument("--victims", nargs="*", help="Of the damage: their names; default all.")
+    arguments.add_argument(
+        "--victims", nargs="*", help="Of the damage: their names, of which the others' verdicts are kept; default all."
+    )
     arguments.add_argument("--json", type=Path, default=HERE / "attack.json")
     asked = arguments.parse_args()
     if asked.part == "damage":
@@ -363,6 +381,8 @@ def main() -> None:
     else:
         found = scenes(asked.count, asked.seed, asked.log, asked.longest)
     kept = json.loads(asked.json.read_text(encoding="utf-8")) if asked.json.exists() else {}
+    if asked.part == "damage":
+        found = together(kept.get("damage", {}) if asked.victims else {}, found)
     kept[asked.part] = {**kept.get(asked.part, {}), **found} if asked.part == "kills" else found
     asked.json.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
     print(json.dumps({key: value for key, value in found.items() if key != "bad"}, indent=1)[:3000])

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from peo_needle_settings import peo_needle
 from scipy.integrate import solve_bvp
 
 from spinline.base.constants import EPS0
@@ -36,20 +37,7 @@ GLYCEROL = NeedleSettings(
     log="constant",
     current=170e-9,
 )
-PEO = NeedleSettings(
-    radius=125e-6,
-    flow_rate=3.2e-6 / 3600,
-    voltage=6e3,
-    gap=0.1,
-    conductivity=0.01,
-    viscosity=2.0,
-    surface_tension=0.061,
-    density=1000.0,
-    permittivity=80.0,
-    relaxation_time=7e-3,
-    extensibility=507.0,
-    end=0.02,
-)
+PEO = peo_needle(end=0.02)
 
 
 def feng() -> NeedleSettings:

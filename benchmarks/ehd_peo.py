@@ -17,6 +17,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from peo_needle_settings import peo_needle
 
 from spinline.jetprofile.ehd import NeedleSettings, NoSteadyJet, StraightEhdJet
 
@@ -25,22 +26,7 @@ R0 = 125e-6
 
 
 def settings(theta: float, field: str, log: str, factor: float) -> NeedleSettings:
-    return NeedleSettings(
-        radius=R0,
-        flow_rate=3.2e-6 / 3600,
-        voltage=3.9e3,
-        gap=0.065,
-        conductivity=0.01,
-        viscosity=2.0,
-        surface_tension=0.061,
-        density=1000.0,
-        permittivity=80.0,
-        relaxation_time=theta,
-        extensibility=507.0,
-        field=field,
-        log=log,
-        end_factor=factor,
-    )
+    return peo_needle(voltage=3.9e3, gap=0.065, relaxation_time=theta, field=field, log=log, end_factor=factor)
 
 
 def exponents(field: str, log: str) -> dict[str, float]:

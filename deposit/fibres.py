@@ -15,13 +15,14 @@ from typing import Any, Self
 
 import numpy as np
 
+from spinline.base.checks import number
 from spinline.base.errors import InputError
 from spinline.base.file_format import FORMAT, FORMAT_NAME, require_format
 from spinline.base.files import readable, streaming
 from spinline.base.netcdf import examine_hdf5
 from spinline.base.netcdf_file import NetcdfFile
 from spinline.base.seals import verified
-from spinline.deposit.segments import Segments
+from spinline.deposit.segments import Segments, sound
 
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
 
@@ -40,6 +41,7 @@ _COLUMNS: Mapping[str, tuple[str, str, str]] = {
     "jet": ("i4", "1", "number of the jet"),
     "fibre": ("i4", "1", "number of the fibre; rows of one fibre follow one another"),
 }
+_ROW = tuple(name for name in _COLUMNS if name != "excess")
 _SUMS = ("total_length", "total_volume", "total_dry_volume")
 
 
@@ -67,6 +69,7 @@ class FibreWriter:
 
     def __init__(self, path: str | Path, attributes: Mapping[str, Any] | None = None, *, force: bool = True) -> None:
         self.rows = 0
+        self._path = path
         self._sums = dict.fromkeys(_SUMS, 0.0)
         with ExitStack() as opened:  # left again if anything fails before the file is whole
             self._sink = opened.enter_context(streaming(path, force=force, sealing=True))
@@ -77,14 +80,22 @@ class FibreWriter:
             self._opened = opened.pop_all()
 
     def write(self, segments: Segments) -> None:
-        """Append rows."""
+        """Append rows.
+
+        Raises
+        ------
+        InputError
+            For rows that are no fibre, or that single precision does not hold.
+        """
         if not len(segments):
             return
+        with np.errstate(over="ignore", under="ignore"):
+            stored = {name: getattr(segments, name).astype(kind) for name, (kind, _, _) in _COLUMNS.items()}
+        sound(Segments(**{name: stored[name] for name in _ROW}), str(self._path), self.rows)
         start, self.rows = self.rows, self.rows + len(segments)
         self._file.resize(segment=self.rows)
-        for name, (kind, _, _) in _COLUMNS.items():
-            with np.errstate(over="ignore", under="ignore"):
-                self._file.write(name, getattr(segments, name).astype(kind), start)
+        for name, values in stored.items():
+            self._file.write(name, values, start)
         self._sink.check()
         self._sums["total_length"] += float(np.sum(segments.length))
         self._sums["total_volume"] += float(np.sum(segments.volume))
@@ -151,7 +162,7 @@ class FibreFile:
     def _examine(self, path: str) -> None:
         examine_hdf5(self._file, path)
         require_format(path, self._file.attrs.get(FORMAT_NAME))
-        lost = [name for name in _COLUMNS if name not in self._file and name != "excess"]
+        lost = [name for name in _ROW if name not in self._file]
         if lost:
             raise InputError(
                 path,
@@ -185,8 +196,19 @@ class FibreFile:
                     self._file.filename, f"is damaged: {name} cannot be read", remedy="make it again, or take a copy"
                 ) from None
 
-        names = ("x", "y", "dx", "dy", "touch_time", "radius", "polymer_fraction", "length", "jet", "fibre")
-        return Segments(*(get(name) for name in names))
+        return sound(Segments(**{name: get(name) for name in _ROW}), self._file.filename, start)
+
+    @property
+    def circumference(self) -> float:
+        """Of the drum that the fibres lie on, m; 0 where it was none.
+
+        Raises
+        ------
+        InputError
+            If the file says something that is no length.
+        """
+        told = self.attributes.get("circumference", 0.0)
+        return number(f"{self._file.filename}: circumference", told, least=0.0, unit="m", remedy="lay the fibres again")
 
     def close(self) -> None:
         """Close the file."""

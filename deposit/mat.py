@@ -14,7 +14,7 @@ Review section VI.
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MatOptions", "MatSample", "analyse_mat", "first_stack", "sample_mat", "sample_windows"]
 
+_NO_FIBRE, _LAY_MORE = ("mat.window", "no window has a fibre in it"), "take larger windows or lay longer"
 _PORE_VOXELS = 800_000
 _RADII = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0])  # of pores, in fibre radii
 
@@ -84,12 +85,23 @@ class MatOptions:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        number("mat.realisations", self.realisations, least=1, most=1000)
-        positive("mat.polymer_density", self.polymer_density, "kg/m3")
+        for name, least, most in (("realisations", 1, 1000), ("cells", 1, 20_000), ("seed", 0, 2**63 - 1)):
+            value = getattr(self, name)
+            if not isinstance(value, int | np.integer) or not least <= value <= most:
+                raise InputError(
+                    f"mat.{name}", "is no whole number in its range", value=value, allowed=f"{least} to {most}"
+                )
+        for name, unit in (("window", "m"), ("voxel", "m"), ("polymer_density", "kg/m3"), ("face_velocity", "m/s")):
+            if getattr(self, name) is not None:
+                positive(f"mat.{name}", getattr(self, name), unit)
+        if self.slope != np.inf:
+            number("mat.slope", self.slope, least=0.0)
+        number("mat.flatten", self.flatten, least=0.0, below=1.0)
         if self.envelope not in ENVELOPES:
             raise InputError("mat.envelope", "is not known", value=self.envelope, allowed=", ".join(ENVELOPES))
-        if not self.permeability or any(law not in LAWS for law in self.permeability):
-            raise InputError("mat.permeability", "is not known", value=list(self.permeability), allowed=", ".join(LAWS))
+        laws = self.permeability
+        if not laws or not isinstance(laws, list | tuple) or any(law not in list(LAWS) for law in laws):
+            raise InputError("mat.permeability", "is not known", value=laws, allowed=", ".join(LAWS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,20 +139,25 @@ def analyse_mat(fibres: "Segments | Source", options: MatOptions | None = None) 
     side = o.window if o.window is not None else 50 * whole.mean_diameter()
     side = positive("mat.window", side, "m")
     windows = sample_windows(content, side, o.realisations, o.seed)
-    samples = [
-        sample_mat(part, window, o, pores=k < 3) for k, (window, part) in enumerate(_cut(fibres, windows, o.slope))
-    ]
+    samples = [_sampled(laid, o, pores=k < 3) for k, laid in enumerate(_laid(_cut(fibres, windows), o))]
     return _dataset(whole, content, samples, o)
 
 
 def first_stack(fibres: "Segments | Source", options: MatOptions) -> Stack:
-    """The stack of the first window that `analyse_mat` takes."""
+    """The stack of the first window with fibre that `analyse_mat` takes.
+
+    Raises
+    ------
+    InputError
+        Where none has any.
+    """
     whole = survey(fibres)
     content = map_of(fibres, whole, options.cells)
     side = options.window if options.window is not None else 50 * whole.mean_diameter()
     windows = sample_windows(content, side, options.realisations, options.seed)
-    window, part = _cut(fibres, windows[:1], options.slope)[0]
-    return lay_stack(part, window, slope=options.slope, flatten=options.flatten)
+    for laid in _laid(_cut(fibres, windows), options):
+        return laid
+    raise InputError(*_NO_FIBRE, remedy=_LAY_MORE)
 
 
 def sample_windows(content: DensityMap, side: float, count: int, seed: int) -> list[Window]:
@@ -158,8 +175,20 @@ def sample_windows(content: DensityMap, side: float, count: int, seed: int) -> l
 
 def sample_mat(fibres: Segments, window: Window, options: MatOptions, *, pores: bool = True) -> MatSample:
     """Stack and pores of one window."""
-    o = options
-    laid = lay_stack(fibres, window, slope=o.slope, flatten=o.flatten)
+    for laid in _laid([(window, fibres)], options):
+        return _sampled(laid, options, pores=pores)
+    raise InputError(*_NO_FIBRE, remedy=_LAY_MORE)
+
+
+def _laid(parts: list[tuple[Window, Segments]], o: MatOptions) -> Iterator[Stack]:
+    """Stacks of the windows that have fibre: not those that an end reaches into by less than a pixel."""
+    for window, part in parts:
+        laid = lay_stack(part, window, slope=o.slope, flatten=o.flatten)
+        if laid.height.any():
+            yield laid
+
+
+def _sampled(laid: Stack, o: MatOptions, *, pores: bool) -> MatSample:
     run = laid.passages
     mean = float(np.average(run.radius, weights=np.repeat(run.spacing, np.diff(run.offsets))))
     if not pores:
@@ -207,7 +236,7 @@ def _middle(box: BoolArray, side: int) -> BoolArray:
     return box[i : i + side, j : j + side]
 
 
-def _cut(fibres: "Segments | Source", windows: list[Window], slope: float) -> list[tuple[Window, Segments]]:
+def _cut(fibres: "Segments | Source", windows: list[Window]) -> list[tuple[Window, Segments]]:
     """Rows near each window, in one pass."""
     parts: list[list[Segments]] = [[] for _ in windows]
     for s in chunks_of(fibres):
@@ -238,13 +267,10 @@ def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: 
             stacklevel=3,
         )
     if not samples:
-        raise InputError("mat.window", "no window has a fibre in it", remedy="take larger windows or lay longer")
+        raise InputError(*_NO_FIBRE, remedy=_LAY_MORE)
     solidity = np.array([[s.stack.solidity(e) for e in ENVELOPES] for s in samples])
     chosen = solidity[:, ENVELOPES.index(o.envelope)]
-    with warnings.catch_warnings(record=True) as notes:
-        warnings.simplefilter("always")
-        k = np.array([[_law(law, s, p) for law in o.permeability] for s, p in zip(samples, chosen, strict=True)])
-    _again(notes)
+    k = _permeabilities(samples, chosen, o)
     data: dict[str, Any] = {}
     thickness = np.array([s.stack.thickness(o.envelope) for s in samples])
     volume = np.array([s.stack.passages.fibre_volume / s.stack.area for s in samples])
@@ -260,10 +286,9 @@ def _dataset(whole: WholeMat, content: DensityMap, samples: list[MatSample], o: 
     put("areal_density", volume * o.polymer_density, "kg m-2")
     put("coverage", np.array([s.stack.coverage for s in samples]), "1")
     put("permeability", k, "m2", ("law",))
-    with np.errstate(invalid="ignore"):
-        drop = np.where(
-            np.isfinite(k), pressure_drop(thickness[:, None], np.where(k > 0, k, 1.0), o.face_velocity), np.nan
-        )
+    known = np.isfinite(k)
+    drop = np.full(k.shape, np.nan)
+    drop[known] = pressure_drop(np.broadcast_to(thickness[:, None], k.shape)[known], k[known], o.face_velocity)
     put("pressure_drop", drop, "Pa", ("law",))
     put("bubble_point_radius", np.array([s.bubble_point_radius for s in samples]), "m")
     put("pore_cumulative", np.array([s.pore_cumulative for s in samples]), "1", ("pore_radius",))
@@ -343,7 +368,38 @@ def _whole_mat(data: dict[str, Any], whole: WholeMat) -> None:
 
 
 def _law(law: str, sample: MatSample, solidity: float) -> float:
+    if not 0 < solidity < 1:
+        return float("nan")
     return float(permeability_of(law, solidity, sample.mean_radius))
+
+
+def _permeabilities(samples: list[MatSample], solidity: FloatArray, o: MatOptions) -> FloatArray:
+    """Permeability (window, law), m2; NaN where a law has none, which is said once."""
+    _judge(solidity, o.envelope)
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        k = np.array([[_law(law, s, p) for law in o.permeability] for s, p in zip(samples, solidity, strict=True)])
+    _again(notes)
+    return k
+
+
+def _judge(chosen: FloatArray, envelope: str) -> None:
+    """Say what is odd about the solidity of the windows."""
+    empty, full = int(np.isnan(chosen).sum()), chosen[chosen >= 1]
+    words = []
+    if empty:
+        words.append(
+            f"{empty} of {chosen.size} windows have no {envelope} envelope: fibre covers less than 1 % of them. Without "
+            "porosity and permeability there; take mean-top"
+        )
+    if full.size:
+        words.append(
+            f"the {envelope} solidity of {full.size} of {chosen.size} windows is 1 or more (up to {full.max():.4g}): the mat "
+            "is thinner than a layer, and where its fibre bends sharply or crosses itself the volume counts twice. No "
+            "permeability there; take larger windows or lay longer"
+        )
+    for text in words:
+        warnings.warn(text, SpinlineWarning, stacklevel=5)
 
 
 def _direct(out: "xr.Dataset", sample: MatSample) -> None:
@@ -363,7 +419,7 @@ def _direct(out: "xr.Dataset", sample: MatSample) -> None:
 
 def _again(notes: "list[warnings.WarningMessage]") -> None:
     for text in dict.fromkeys(str(note.message) for note in notes):
-        warnings.warn(text, SpinlineWarning, stacklevel=4)
+        warnings.warn(text, SpinlineWarning, stacklevel=5)
 
 
 def _mean(rows: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from spinline.base.checks import BoolArray, FloatArray, positive, real
 from spinline.base.errors import InputError
 
-__all__ = ["Segments"]
+__all__ = ["Segments", "sound"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,3 +157,40 @@ class Segments:
             e, none = np.empty(0), np.empty(0, dtype=np.int32)
             return cls(e, e, e, e, e, e, e, e, none, none)
         return cls(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(cls)))
+
+
+def sound(segments: Segments, name: str, first: int = 0) -> Segments:
+    """The segments, if there can be such fibres: finite, of some radius, polymer in them.
+
+    Parameters
+    ----------
+    segments : Segments
+    name : str
+        Of the file they stand in, or go to.
+    first : int
+        Number of the first row, for the message.
+
+    Raises
+    ------
+    InputError
+        With the row and its value.
+    """
+    s = segments
+    with np.errstate(invalid="ignore"):
+        rules = (
+            *((column, np.isfinite(getattr(s, column)), "finite") for column in ("x", "y", "dx", "dy", "touch_time")),
+            ("radius", np.isfinite(s.radius) & (s.radius > 0), "(0, inf) m"),
+            ("polymer_fraction", (s.polymer_fraction > 0) & (s.polymer_fraction <= 1), "(0, 1]"),
+            ("length", np.isfinite(s.length) & (s.length >= 0), "[0, inf) m"),
+        )
+    for column, good, allowed in rules:
+        if not good.all():
+            row = int(np.argmin(good))
+            raise InputError(
+                f"{name}: {column}",
+                f"cannot be, in row {first + row}",
+                value=float(getattr(s, column)[row]),
+                allowed=allowed,
+                remedy="lay the fibres again; fibres of your own: in metres, each with its radius",
+            )
+    return s

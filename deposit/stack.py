@@ -84,11 +84,16 @@ class Stack:
         raise InputError("mat.envelope", "is not known", value=envelope, allowed=", ".join(ENVELOPES), remedy=remedy)
 
     def solidity(self, envelope: str = "mean-top") -> float:
-        """``V_F/V_E``, fibre volume over the envelope's; crossings that interpenetrate (flatten > 0) counted twice."""
-        return self.passages.fibre_volume / (self.area * self.thickness(envelope))
+        """``V_F/V_E``, fibre volume over the envelope's; crossings that interpenetrate (flatten > 0) counted twice.
+
+        NaN where the envelope has no height: nothing lies on the raster, or less than 1 % of it is covered
+        ("percentile"). 1 and more where a thin mat's fibre bends sharply, for its volume counts twice there.
+        """
+        envelope_volume = self.area * self.thickness(envelope)
+        return self.passages.fibre_volume / envelope_volume if envelope_volume > 0 else float("nan")
 
     def porosity(self, envelope: str = "mean-top") -> float:
-        """``1 - V_F/V_E``, in (0, 1)."""
+        """``1 - V_F/V_E``; NaN as `solidity`."""
         return 1 - self.solidity(envelope)
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from spinline.base.checks import FloatArray, number
 from spinline.base.errors import InputError
 from spinline.deposit.areal_density import DensityMap, add_segments
-from spinline.deposit.segments import Segments
+from spinline.deposit.segments import Segments, sound
 
 __all__ = ["Rolled", "Source", "WholeMat", "chunks_of", "map_of", "survey"]
 
@@ -141,7 +141,7 @@ class WholeMat:
 def chunks_of(fibres: "Segments | Source") -> Iterable[Segments]:
     """Chunks of a file, or of segments in memory."""
     if isinstance(fibres, Segments):
-        return (fibres.take(slice(k, k + 262144)) for k in range(0, len(fibres), 262144))
+        return (sound(fibres.take(slice(k, k + 262144)), "fibres", k) for k in range(0, len(fibres), 262144))
     return fibres.chunks()
 
 
@@ -151,13 +151,15 @@ def survey(fibres: "Segments | Source") -> WholeMat:
     Raises
     ------
     InputError
-        If there is none.
+        If there is none, or none of any length.
     """
     mat = WholeMat()
     for chunk in chunks_of(fibres):
         mat.add(chunk)
     if not mat.segments:
         raise InputError("fibres", "is empty: nothing has landed", remedy="run the jet until it reaches the collector")
+    if not mat.length > 0:
+        raise InputError("fibres", "have no length: all lie on one point", remedy="lay a longer fibre")
     return mat
 
 

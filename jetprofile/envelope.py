@@ -34,9 +34,8 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.constants import EPS0
-from spinline.base.errors import InputError
 from spinline.jetprofile._envelope_kernels import GIVEN, march_envelope
-from spinline.jetprofile.whipping import log_term
+from spinline.jetprofile.whipping import bending_liquid, log_term
 
 __all__ = ["Envelope", "envelope", "fastest_wave", "held_radius", "onset_radius"]
 
@@ -183,27 +182,23 @@ def envelope(
     Linearly implicit steps, extrapolated from `fraction` and half of it: ln radius within 0.02 of `fraction` on a usual jet;
     some 25 us a jet at 0.2. A jet that comes to no end in 200,000 steps has NaN.
     """
-    given = {
-        "charge_density": (charge_density, "C/m3"),
-        "surface_tension": (surface_tension, "N/m"),
-        "extensional_viscosity": (extensional_viscosity, "Pa s"),
-        "evaporation": (evaporation, "m2/s"),
-        "volume_fraction": (volume_fraction, "1"),
-        "flow_rate": (flow_rate, "m3/s"),
-        "gap": (gap, "m"),
-        "start": (start, "m"),
-        "density": (density, "kg/m3"),
-    }
-    arrays = [real(name, value, above=0.0, unit=unit) for name, (value, unit) in given.items()]
     e = real("field", field, least=0.0, unit="V/m")
-    p = real("power", power, above=0.0, most=20.0)
-    solid = real("solid_fraction", solid_fraction, above=0.0, most=1.0)
+    given = {"flow_rate": (flow_rate, "m3/s"), "gap": (gap, "m"), "density": (density, "kg/m3")}
+    own = [real(name, value, above=0.0, unit=unit) for name, (value, unit) in given.items()]
     air, nu = float(real("air_density", air_density, least=0.0)), positive("air_viscosity", air_viscosity, "m2/s")
     step = float(real("fraction", fraction, above=0.0, most=0.5))
-    q, gamma, eta, k, phi0, flow, far, begin, rho, e, p, solid = np.broadcast_arrays(*arrays, e, p, solid)
-    if (phi0 >= solid).any():
-        allowed = f"below the solid fraction, {float(solid.min()):g}"
-        raise InputError("volume_fraction", "is that of a solid already", value=float(phi0.max()), allowed=allowed)
+    q, gamma, eta, k, phi0, begin, p, solid, flow, far, rho, e = bending_liquid(
+        charge_density,
+        surface_tension,
+        extensional_viscosity,
+        evaporation,
+        volume_fraction,
+        start,
+        power,
+        solid_fraction,
+        *own,
+        e,
+    )
     electric = q * q * log_term(chi) / (4 * EPS0)
     wave, growth = fastest_wave(electric * begin**2 - gamma / begin, begin, eta, rho)
     columns = {

@@ -35,7 +35,7 @@ from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 from spinline.jetprofile._whipping_kernels import march
 
-__all__ = ["Thinning", "log_term", "race_radius", "terminal_radius", "thinning"]
+__all__ = ["Thinning", "bending_liquid", "log_term", "race_radius", "terminal_radius", "thinning"]
 
 
 def log_term(chi: float = 100.0) -> float:
@@ -182,30 +182,57 @@ def thinning(
     March of ``x = 1/A^2`` over even steps of ``ln phi``: exact without surface tension, whatever the steps; first order in it
     (0.1 % of the radius with 96 steps where both matter), a few microseconds a jet.
     """
-    given = {
-        "charge_density": (charge_density, "C/m3"),
-        "surface_tension": (surface_tension, "N/m"),
-        "extensional_viscosity": (extensional_viscosity, "Pa s"),
-        "evaporation": (evaporation, "m2/s"),
-        "volume_fraction": (volume_fraction, "1"),
-        "flight_time": (flight_time, "s"),
-        "start": (start, "m"),
-    }
-    arrays = [real(name, value, above=0.0, unit=unit) for name, (value, unit) in given.items()]
-    p = real("power", power, above=0.0, most=20.0)
-    solid = real("solid_fraction", solid_fraction, above=0.0, most=1.0)
     if steps < 4:
         raise InputError("steps", "is too few", value=steps, allowed=">= 4")
-    q, gamma, eta, k, phi0, flight, begin, p, solid = np.broadcast_arrays(*arrays, p, solid)
-    if (phi0 >= solid).any():
-        allowed = f"below the solid fraction, {float(solid.min()):g}"
-        raise InputError("volume_fraction", "is that of a solid already", value=float(phi0.max()), allowed=allowed)
+    flight = real("flight_time", flight_time, above=0.0, unit="s")
+    q, gamma, eta, k, phi0, begin, p, solid, flight = bending_liquid(
+        charge_density,
+        surface_tension,
+        extensional_viscosity,
+        evaporation,
+        volume_fraction,
+        start,
+        power,
+        solid_fraction,
+        flight,
+    )
     electric, span = q * q * log_term(chi) / (4 * EPS0), np.log(solid / phi0)
     jets = np.stack([electric, gamma, 2 / (k * eta), k, phi0, flight, begin, p, span], axis=-1).reshape(-1, 9)
     out = np.empty((len(jets), 5))
     march(np.ascontiguousarray(jets), _stations(steps), out)
     x, left, time, rate, landed = (column.reshape(q.shape) for column in out.T)
     return Thinning(x**-0.25, phi0 / left, time, rate, landed > 0)
+
+
+def bending_liquid(
+    charge_density: ArrayLike,
+    surface_tension: ArrayLike,
+    extensional_viscosity: ArrayLike,
+    evaporation: ArrayLike,
+    volume_fraction: ArrayLike,
+    start: ArrayLike,
+    power: ArrayLike,
+    solid_fraction: ArrayLike,
+    *others: FloatArray,
+) -> tuple[FloatArray, ...]:
+    """What every law of a bending jet is given, checked, in this order, and `others` (checked), broadcast together."""
+    given = {
+        "charge_density": (charge_density, "C/m3"),
+        "surface_tension": (surface_tension, "N/m"),
+        "extensional_viscosity": (extensional_viscosity, "Pa s"),
+        "evaporation": (evaporation, "m2/s"),
+        "volume_fraction": (volume_fraction, "1"),
+        "start": (start, "m"),
+    }
+    arrays = [real(name, value, above=0.0, unit=unit) for name, (value, unit) in given.items()]
+    p = real("power", power, above=0.0, most=20.0)
+    solid = real("solid_fraction", solid_fraction, above=0.0, most=1.0)
+    together = np.broadcast_arrays(*arrays, p, solid, *others)
+    phi0, solid = together[4], together[7]
+    if (phi0 >= solid).any():
+        allowed = f"below the solid fraction, {float(solid.min()):g}"
+        raise InputError("volume_fraction", "is that of a solid already", value=float(phi0.max()), allowed=allowed)
+    return tuple(together)
 
 
 def _stations(steps: int) -> FloatArray:

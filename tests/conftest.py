@@ -1,6 +1,7 @@
 """Fixtures shared by all tests."""
 
 import contextlib
+import gc
 import io
 import json
 import os
@@ -18,6 +19,18 @@ os.environ["MKL_NUM_THREADS"] = os.environ.get("MKL_NUM_THREADS", "1")
 import mpmath
 import numpy as np
 import pytest
+
+# Half a million objects of the tests and of what they import stay to the end: looking through them for garbage, over and over,
+# was a quarter of collecting and a tenth of the rest.
+gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """From here on only what the tests make is looked through."""
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
+    gc.enable()
+
 
 os.environ["SPINLINE_QUIET"] = "1"  # how far a command is would depend on the machine; tests of it take this away
 

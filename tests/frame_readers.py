@@ -1,5 +1,7 @@
 """What every format of frame files must do: one suite that each of them inherits."""
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 import pytest
 
@@ -10,15 +12,15 @@ from spinline.images.stacks import open_stack
 FRAMES = np.random.default_rng(3).integers(50, 4000, (7, 20, 33)).astype(np.uint16)
 
 
-class FrameReaderContract:
+class FrameReaderContract(ABC):
     """Inherit, and say how a file of frames is written."""
 
     suffix = ""
     single = False  # a file holds one frame
 
+    @abstractmethod
     def write(self, path, frames):
         """Write frames (frame, row, column) to a path."""
-        raise NotImplementedError
 
     @pytest.fixture
     def frames(self):

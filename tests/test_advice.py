@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import typer.main
@@ -23,36 +24,32 @@ OPTIONS = {option for command in COMMANDS.values() for param in command.params f
 OTHERS = {"--force-reinstall"}
 
 
+@cache
 def said():
     """Text in the code that is no docstring: file and literal."""
+    found = []
     for folder in FOLDERS:
         for file in sorted((ROOT / folder).rglob("*.py")):
             if "__pycache__" in file.parts or file.name == "moved.py":  # a table of modules
                 continue
-            tree = ast.parse(file.read_text("utf-8"))
-            docs = {
-                id(node.body[0].value)
-                for node in ast.walk(tree)
-                if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
-                and node.body
-                and isinstance(node.body[0], ast.Expr)
-            }
-            for node in ast.walk(tree):
-                if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docs:
-                    yield file.relative_to(ROOT), node.value
-
-
-SAID = list(said())
+            docs = set()
+            for node in ast.walk(ast.parse(file.read_text("utf-8"))):  # what stands around a text comes before it
+                if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+                    if node.body and isinstance(node.body[0], ast.Expr):
+                        docs.add(node.body[0].value)
+                elif isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in docs:
+                    found.append((file.relative_to(ROOT), node.value))
+    return found
 
 
 def test_commands_that_are_named_exist():
-    named = {(file, name) for file, text in SAID for name in re.findall(r"`spinline ([a-z][a-z-]+)", text)}
+    named = {(file, name) for file, text in said() for name in re.findall(r"`spinline ([a-z][a-z-]+)", text)}
     assert len(named) > 10
     assert [(str(file), name) for file, name in sorted(named) if name not in COMMANDS] == []
 
 
 def test_options_that_are_named_exist():
-    named = {(file, name) for file, text in SAID for name in re.findall(r"(?<![\w-])--[a-z][a-z-]+", text)}
+    named = {(file, name) for file, text in said() for name in re.findall(r"(?<![\w-])--[a-z][a-z-]+", text)}
     assert len(named) > 10
     assert [(str(file), name) for file, name in sorted(named) if name not in OPTIONS | OTHERS] == []
 
@@ -73,7 +70,7 @@ def test_keys_that_are_named_exist():
     sections = "solution|network|accuracy|effects|rheology|ambient"
     named = {
         (file, name)
-        for file, text in SAID
+        for file, text in said()
         for name in re.findall(rf"(?<![\w.\[])((?:{sections})\.[a-z_]+)(?![\w.(])", text)
     }
     assert len(named) > 10

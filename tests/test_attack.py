@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_damage import GOOD, attack, make_victims, same
+from file_damage import GOOD, attack, same
+from file_victims import NAMES, make_victims
 
 from spinline.base import files
 from spinline.base.checkpoint import Checkpoint
@@ -31,12 +32,12 @@ DATA = Path(__file__).parent / "data"
 
 @pytest.fixture(scope="module")
 def victims(tmp_path_factory):
-    return make_victims(tmp_path_factory.mktemp("victims"), DATA)
+    return {victim.name: victim for victim in make_victims(tmp_path_factory.mktemp("victims"), DATA)}
 
 
-@pytest.mark.parametrize("number", range(17))
-def test_damage_is_refused_redone_or_harmless(victims, number, tmp_path) -> None:
-    victim = victims[number]
+@pytest.mark.parametrize("name", NAMES)
+def test_damage_is_refused_redone_or_harmless(victims, name, tmp_path) -> None:
+    victim = victims[name]
     verdicts, bad = attack(victim, tmp_path, range(12))
     assert set(verdicts) <= GOOD, bad
     if victim.ours:
@@ -207,7 +208,7 @@ def test_checkpoints_that_are_damaged_are_made_again(tmp_path) -> None:
 
 
 def _command(folder: Path, *arguments: str, before: str = "", **environment: str) -> "subprocess.CompletedProcess[str]":
-    line = f"{before} exec {sys.executable} -m spinline {' '.join(arguments)}"
+    line = f"{before} {'' if '|' in arguments[-1] else 'exec'} {sys.executable} -m spinline {' '.join(arguments)}"
     return subprocess.run(
         ["bash", "-c", line],
         cwd=folder,
@@ -233,6 +234,26 @@ def test_a_full_disk_is_one_message(words, tmp_path) -> None:
 def test_standard_output_that_is_full_is_one_message(tmp_path) -> None:
     ran = _command(tmp_path, "crossover", "peo5-water", ">/dev/full")
     assert (ran.returncode, ran.stderr.count("\n")) == (2, 1)
+    assert ran.stderr.startswith("error: standard output: ")
+
+
+@pytest.mark.parametrize(
+    ("words", "files"),
+    [
+        (("deposit", "lay.toml", "-o f.h5", "--csv f.csv"), {"f.h5", "f.csv"}),
+        (("spin", "pvp-spun", "--quick --time 0.1ms --frames 1", "--seeds 2", "-o j.nc"), {"j-0.nc", "j-1.nc"}),
+        (("plan", "peo5-water"), set()),
+    ],
+)
+def test_a_reader_that_has_heard_enough_is_no_error(words, files, tmp_path) -> None:
+    (tmp_path / "lay.toml").write_text(
+        '[laydown]\nspeed = "5 m/s"\nspread = "60 um"\nturning_length = "100 um"\ndiameter = "600 nm"\n'
+        '[collector]\ndistance = "20 cm"\ntime = "1 ms"\n',
+        encoding="utf-8",
+    )
+    ran = _command(tmp_path, *words, "| true", before="set -o pipefail;")
+    assert (ran.returncode, "rror" in ran.stderr) == (0, False), ran.stderr
+    assert set(os.listdir(tmp_path)) == {"lay.toml"} | files
 
 
 def test_homes_and_caches_are_no_need(tmp_path) -> None:

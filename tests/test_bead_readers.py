@@ -223,6 +223,61 @@ def test_zips_that_bite(tmp_path):
         read_beads(tmp_path / "c.zip")
 
 
+@pytest.mark.parametrize("packing", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_zip_of_every_packing_is_the_folder(tmp_path, packing, quiet):
+    packed = _zipped(tmp_path, packing)
+    whole = read_beads(RUN)
+    for name, values in vars(read_beads(packed)).items():
+        if isinstance(values, np.ndarray):
+            assert np.array_equal(values, getattr(whole, name), equal_nan=True), name
+
+
+@pytest.mark.parametrize(
+    ("at", "value", "words"),
+    [
+        (8, 97, "compression method"),  # of WavPack; what zipfile says of it is a NotImplementedError
+        (6, 1, "password"),
+    ],
+)
+def test_a_zip_that_nothing_here_unpacks_is_refused(tmp_path, at, value, words):
+    data = bytearray(_zipped(tmp_path, zipfile.ZIP_STORED).read_bytes())
+    for head, place in (
+        (b"PK\x03\x04", at),
+        (b"PK\x01\x02", at + 2),
+    ):  # said before the file, and in the list at the end
+        start = data.find(head)
+        while start >= 0:
+            data[start + place] = value
+            start = data.find(head, start + 1)
+    (tmp_path / "odd.zip").write_bytes(data)
+    with pytest.raises(InputError, match=rf"odd\.zip: is a zip that cannot be read .*{words}"):
+        read_beads(tmp_path / "odd.zip")
+
+
+@pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_zip_whose_packed_bytes_are_damaged_is_refused(tmp_path, packing):
+    """Each unpacker raises an error of its own."""
+    packed = _zipped(tmp_path, packing)
+    with zipfile.ZipFile(packed) as archive:
+        entry = max(archive.infolist(), key=lambda entry: entry.compress_size)
+    data = bytearray(packed.read_bytes())
+    for share in (0.1, 0.3, 0.5, 0.9):
+        hurt = bytearray(data)
+        start = entry.header_offset + 30 + len(entry.filename) + int(share * entry.compress_size)
+        hurt[start : start + 20] = b"\xff" * 20
+        (tmp_path / "hurt.zip").write_bytes(hurt)
+        with pytest.raises(InputError, match=r"hurt\.zip: is a zip that cannot be read"):
+            read_beads(tmp_path / "hurt.zip")
+
+
+def _zipped(folder, packing):
+    with zipfile.ZipFile(folder / "run.zip", "w", packing) as archive:
+        for file in sorted(RUN.iterdir()):
+            if file.suffix in (".dat", ".txt", ".xyz"):
+                archive.write(file, f"run/{file.name}")
+    return folder / "run.zip"
+
+
 @pytest.mark.parametrize(
     "kind",
     [

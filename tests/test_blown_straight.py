@@ -1,6 +1,8 @@
 """Blown jets, straight part: the air, its forces, the reference table, verdicts, limits."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -221,6 +223,27 @@ def test_refusals_by_name(call, field):
     with pytest.raises(InputError) as error:
         call()
     assert error.value.field == field
+
+
+def test_the_table_of_laws_times_and_speeds():
+    """Every row of the campaign is a profile that closes to 1e-6 or a named verdict; a sample of it found again."""
+    rows = json.loads((Path(__file__).parents[1] / "benchmarks" / "blown_straight.json").read_text())
+    for row in rows:
+        if row["verdict"] in ("converged", "compressed"):
+            assert row["balance"] <= 1e-6
+            assert row["fastest_m_s"] > 0
+        else:
+            assert row["verdict"] in ("critical", "slack")
+            assert row["message"]
+    for law, theta, speed in (("oldroyd-b", 1e-3, 100.0), ("ucm", 1e-5, 100.0), ("ucm", 1e-4, 50.0)):
+        (row,) = (one for one in rows if (one["law"], one["theta_s"], one["speed_m_s"]) == (law, theta, speed))
+        solution = replace(PAN, relaxation_time=theta, solvent_viscosity=0.3 if law == "oldroyd-b" else 0.0)
+        jet = blown.straight_blown_jet(solution, blown.AirJet(MM, speed), 10 * MM, law=law)
+        assert jet.verdict == row["verdict"]
+        assert jet.message == row["message"]
+        if jet.z.size:
+            assert jet.tension[0] * 1e6 == pytest.approx(row["force_uN"], rel=1e-6)
+            assert jet.velocity[-1] == pytest.approx(row["end_m_s"], rel=1e-6)
 
 
 # -- bending, drying -----------------------------------------------------------------------------

@@ -1,8 +1,10 @@
 """The command line as a user meets it: answers on standard output, one message and exit code 2 for bad input."""
 
+import base64
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +18,8 @@ def test_the_main_job(spinline, tmp_path) -> None:
     assert ran.err == ""
     assert "fully stretched at 3.43 mm, radius 26.3" in ran.out
     assert {file.name for file in tmp_path.iterdir()} == {"peo5-water.nc", "peo5-water.png", "r.html", "p.csv"}
+    drawn = base64.b64encode(Path("peo5-water.png").read_bytes()).decode()
+    assert f"base64,{drawn}" in Path("r.html").read_text()  # once drawn, twice used
     again = spinline("run", "peo5-water")
     assert again.code == 2
     assert again.err == "error: peo5-water.nc: exists; choose another name, or --force to overwrite\n"
@@ -144,3 +148,25 @@ def test_as_a_process() -> None:
     code = "import sys, spinline; print(sorted({'numpy','scipy','pandas','xarray','pint','matplotlib'} & set(sys.modules)))"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    "command", ["run", "check", "crossover", "plan", "fit", "sweep", "jet", "fibre", "reduce", "window"]
+)
+@pytest.mark.parametrize(
+    ("head", "what"),
+    [
+        (b"\x89HDF\r\n\x1a\n\x00\x00\x00\x00\x00\x08\x08\x00\x04\x00\x10\x00", "an HDF5 file"),
+        (b"PK\x03\x04\x14\x00", "a zip archive"),
+        (b"\x1f\x8b\x08\x00", "compressed by gzip"),
+        (b"\xff\xd8\xff\xe0\x00\x10JFIF", "a JPEG picture"),
+        (b"\x93NUMPY\x01\x00v\x00", "an array of numpy.save"),
+    ],
+)
+def test_another_programs_file_in_place_of_a_scene_is_named(spinline, tmp_path, command, head, what):
+    (tmp_path / "given.nc").write_bytes(head + bytes(300))
+    done = spinline(command, "given.nc")
+    assert done.code == 2
+    assert f"given.nc: is {what}" in done.err
+    assert "a TOML text" in done.err
+    assert ('[jet] profile = "lagrangian"' in done.err) == (command in ("run", "check", "crossover", "plan", "jet"))

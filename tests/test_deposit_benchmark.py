@@ -49,3 +49,13 @@ def test_blown_beads_keep_their_volume_and_bend_where_they_may():
     full, half = BEADS[0], BEADS[1]
     assert half["cfl"] == full["cfl"] / 2
     assert abs(half["median_radius_um"] / full["median_radius_um"] - 1) < 0.03
+
+
+def test_twice_the_elements_of_a_blown_jet_give_its_radius_within_3_per_cent():
+    mesh = json.loads((FOLDER / "blown_mesh.json").read_text(encoding="utf-8"))
+    coarse, fine = mesh["means"][-2:]
+    assert coarse["element_mm"] == 2 * fine["element_mm"]
+    for size in (coarse["element_mm"], fine["element_mm"]):
+        assert sum(row["element_mm"] == size for row in mesh["runs"]) >= 4
+    for name in ("median_radius_um", "mean_radius_um", "air_radius_um"):
+        assert abs(fine[name] / coarse[name] - 1) < 0.03

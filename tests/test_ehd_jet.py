@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from peo_needle import PEO as BENCH
 from scipy.integrate import solve_bvp
 
 from spinline.base.constants import EPS0
@@ -22,20 +23,7 @@ from spinline.jetprofile.ehd.continuation import follow
 from spinline.jetprofile.ehd.fields import UniformField
 from spinline.jetprofile.ehd.solver import raise_pull, solve
 
-PEO = {
-    "radius": 125e-6,
-    "flow_rate": 3.2e-6 / 3600,
-    "voltage": 6e3,
-    "gap": 0.1,
-    "conductivity": 0.01,
-    "viscosity": 2.0,
-    "surface_tension": 0.061,
-    "density": 1000.0,
-    "permittivity": 80.0,
-    "relaxation_time": 7e-3,
-    "extensibility": 507.0,
-    "end": 0.02,
-}
+PEO = BENCH | {"end": 0.02}
 GLYCEROL = {
     "radius": 0.8e-3,
     "flow_rate": 1e-6 / 60,

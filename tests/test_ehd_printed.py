@@ -12,8 +12,9 @@ VACUUM = mp.mpf(repr(EPS0))
 
 
 @pytest.fixture(autouse=True)
-def _forty_digits():
-    with mp.workdps(40):
+def _thirty_digits():
+    """Nine more than are printed."""
+    with mp.workdps(30):
         yield
 
 

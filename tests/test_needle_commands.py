@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 import xarray as xr
+from peo_needle import peo_needle
 
 import spinline as sl
 from spinline.base.errors import InputError, SpinlineWarning
@@ -14,27 +15,14 @@ from spinline.fit.observations import Observation
 from spinline.fit.overlay import compare_theory
 from spinline.fit.problem import FitProblem, Prior
 from spinline.fit.scene_model import forward_model
-from spinline.jetprofile.ehd import NeedleSettings, NoSteadyJet, StraightEhdJet
+from spinline.jetprofile.ehd import NoSteadyJet, StraightEhdJet
 from spinline.scene.file import load_scene
 from spinline.setup.build import build_jet, build_solution
 from spinline.study.sweep import run_sweep, sweep_from_dict
 from spinline.study.window import operating_window
 
 QUICK = ["jet.field=hyperboloid", "jet.end=20 mm"]
-PEO = NeedleSettings(
-    radius=125e-6,
-    flow_rate=3.2e-6 / 3600,
-    voltage=6e3,
-    gap=0.1,
-    conductivity=0.01,
-    viscosity=2.0,
-    surface_tension=0.061,
-    density=1000.0,
-    permittivity=80.0,
-    relaxation_time=7e-3,
-    extensibility=507.0,
-    end=0.02,
-)
+PEO = peo_needle(end=0.02)
 
 
 def scene_of(*changes):

@@ -91,7 +91,7 @@ def test_the_interval_stands_about_what_the_chain_laid(monkeypatch):
     ratio = found.fibre_diameter / race.fibre_diameter
     assert found.fibre_diameter_95[1] / race.fibre_diameter_95[1] == pytest.approx(ratio)
     assert found.fibre_diameter == pytest.approx(1e-6, rel=0.2)
-    assert any("bead by bead" in words for words in found.remarks)
+    assert any("bead by bead" in words and "22 times too thick" in words for words in found.remarks)
     known = predict(PAN, [Measurement(PAN, 5e-7, 0.02)], rung="lagrangian", shares=False)
     assert 5e-7 < known.fibre_diameter < found.fibre_diameter
 
@@ -114,6 +114,8 @@ def test_the_committed_rungs_stand_side_by_side():
     ratio = COMMITTED["envelope over race, 5 25 50 75 95 %"]
     assert 0.8 < ratio[0] < ratio[4] < 1.25
     known = COMMITTED["one known"]
+    bias = COMMITTED["by beads"]["lagrangian"]["bias"]
+    assert abs(beads.TOO_THICK / bias - 1) < 0.03
     low, high = known["over papers, 68 and 95 %"][:2]
     assert low < known["chain"] < high
 
@@ -135,3 +137,53 @@ def test_percent_without_a_sign_are_recognised(spinline):
     assert '"10 wt%"' in done.err
     assert '"45 %"' in spinline("fibre", "pan-dmf", "--set", "ambient.relative_humidity=45").err
     assert "wt%" not in spinline("fibre", "pan-dmf", "--set", "solution.concentration=-1").err
+
+
+# what nobody spins, and where a recipe's own words are wrong: a remark or a named answer, never a bare number
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (["solution.conductivity=1e3 S/m"], "1e+03 S/m is out of"),
+        (["solution.viscosity=1e-6 Pa s"], "1e-06 Pa s is out of"),
+        (["solution.surface_tension=1 mN/m"], "0.001 N/m is out of"),
+        (["jet.current=1e-14 A"], "1e-14 A is out of"),
+        (["ambient.temperature=-10 degC"], "263.1 K is out of"),
+        (["jet.flow_rate=1e-15 mL/hour"], "a few chains side by side"),
+        (["measured.fibre_diameter=1 m"], "thicker than any electrospun fibre"),
+        (["solution.viscosity=1 +/- 100 Pa s"], "a spread wider than itself"),
+        (["solution.solvent=water", "solution.polymer=PEO", "ambient.relative_humidity=99 %"], "computed as at 97 %"),
+    ],
+)
+def test_what_nobody_spins_is_said(changes, words):
+    found = sl.fibre(sl.recipe.load_recipe("pan-dmf", changes), shares=False)
+    assert np.isfinite(found.fibre_diameter)
+    assert any(words in remark for remark in found.remarks)
+    assert not any(words in remark for remark in sl.fibre("pan-dmf", shares=False).remarks)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("solution.solvent={DMF=0.5,acetone=nan}", "solution.solvent.acetone = nan: should be a finite number"),
+        ("solution.solvent={DMF=0.5,acetone=0.4}", "do not add up to 1"),
+        ("measured.fibre_diameter=nan nm", "measured.fibre_diameter = 'nan nm': is not finite"),
+        ("jet.voltage=0 V", "jet.voltage = '0 V': is out of range"),
+        ("jet.flow_rate=0 mL/hour", "jet.flow_rate = '0 mL/hour': is out of range"),
+        ("solution.concentration=100 wt%", "solution.concentration = '100 wt%': is out of range"),
+    ],
+)
+def test_refusals_name_the_key_of_the_file(spinline, change, words):
+    done = spinline("fibre", "pan-dmf", "--set", change)
+    assert done.code == 2
+    assert words in done.err
+    assert "problems" not in done.err
+    assert "OfRecipe" not in done.err
+
+
+def test_a_spread_is_that_of_a_log_normal():
+    wide = sl.recipe.load_recipe("pan-dmf", ["solution.viscosity=1 +/- 0.5 Pa s"]).recipe()
+    assert wide.spread["viscosity"] == pytest.approx(np.log(1.25) ** 0.5)
+    shares = sl.recipe.load_recipe("pan-dmf", ["solution.solvent={DMF=0.5,acetone=0.49}"]).recipe().solvent
+    assert sum(shares.values()) == pytest.approx(1, abs=1e-15)

@@ -72,14 +72,17 @@ def _energy(s, n, y, azz0, length0):
 
 
 @pytest.mark.parametrize(
-    ("repulsion", "bend"), [("exact", 0.0), ("hybrid", 0.0), ("hybrid", 2e-4), ("needle", 2e-4), ("local", 2e-4)]
+    ("repulsion", "bend"),
+    [("exact", 0.0), ("hybrid", 0.0), ("hybrid", 2e-4), ("needle", 2e-4), ("cone", 2e-4), ("local", 2e-4)],
 )
 def test_forces_are_the_gradient_of_the_energy(repulsion, bend):
     """Forces and potentials are separate kernels: the gradient of one is the other."""
     n = 12
-    y, s = _bent(n, bend), _settings("hybrid" if repulsion == "needle" else repulsion)
-    if repulsion == "needle":
-        s = replace(s, loads=replace(s.loads, metal=True, tip=1e-4, needle_at=-1e-3))
+    y, s = _bent(n, bend), _settings("hybrid" if repulsion in ("needle", "cone") else repulsion)
+    if repulsion in ("needle", "cone"):
+        s = replace(s, loads=replace(s.loads, metal=True, image=True, tip=1e-4, needle_at=-2e-4))
+    if repulsion == "cone":
+        s = replace(s, grid=replace(s.grid, cone=1.5e-3, log_length=5e-2))
     f = _kernel_forces(s, n, y.copy())
     length0 = np.linalg.norm(np.diff(y[: n + 1, :3], axis=0), axis=1)
     azz0 = (y[:n, c.AZZ].copy(), y[:n, c.ARR].copy())

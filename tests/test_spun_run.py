@@ -9,6 +9,7 @@ from spun_cases import AREA, FIELD, material, pvp, rotating
 from spinline.base.errors import InputError
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.spun import _codes as c
+from spinline.jetprofile.spun.chain import parameters
 from spinline.jetprofile.spun.dataset import to_dataset
 from spinline.jetprofile.spun.dumbbell import earnshaw_rate, two_bead
 from spinline.jetprofile.spun.exports import vtk_text, xyz_text
@@ -313,6 +314,32 @@ def test_refined_jet_keeps_everything_and_its_shape():
     assert np.linalg.norm(material(found[1], at) - truth, axis=1).max() < np.linalg.norm(truth, axis=1).max() * 2e-3
 
 
+def test_a_split_keeps_volume_charge_and_polymer_to_rounding():
+    """In whole, not in halves: the charge per volume is linear between neighbours that rise one way, else constant."""
+    from spinline.jetprofile.spun._refine_kernels import refine
+
+    s = replace(pvp(1e-4), grid=replace(pvp(1e-4).grid, turn=0.3))
+    n, rng = 24, np.random.default_rng(4)
+    y = np.zeros((80, c.COLUMNS))
+    angle = np.linspace(0.0, 9.0, n + 1)  # 0.39 rad a node
+    y[: n + 1, c.X], y[: n + 1, c.Y] = 1e-3 * np.cos(angle), 1e-3 * np.sin(angle)
+    y[:n, c.VOLUME] = y[:n, c.LABEL] = rng.uniform(0.8e-12, 1.2e-12, n)
+    label = np.cumsum(y[:n, c.LABEL]) - 0.5 * y[:n, c.LABEL]
+    y[:n, c.CHARGE] = y[:n, c.LABEL] * (0.1 + 2e9 * label)
+    y[:n, c.AZZ], y[:n, c.ARR] = rng.uniform(1, 90, n), rng.uniform(0.2, 1, n)
+    sums = [y[:n, c.VOLUME].sum(), y[:n, c.CHARGE].sum(), *(y[:n, c.LABEL] @ y[:n, col] for col in (c.AZZ, c.ARR))]
+    p, _ = parameters(s)
+    more = refine(n, float(np.pi * s.inlet.radius**2 * 1e-4), y, np.zeros(80, dtype=np.int64), np.zeros((80, 9)), p)
+    assert more > n + 10
+    after = [y[:more, c.VOLUME].sum(), y[:more, c.CHARGE].sum()]
+    after += [y[:more, c.LABEL] @ y[:more, col] for col in (c.AZZ, c.ARR)]
+    assert after == pytest.approx(sums, rel=1e-13)
+    label = np.cumsum(y[:more, c.LABEL]) - 0.5 * y[:more, c.LABEL]
+    density = y[:more, c.CHARGE] / y[:more, c.LABEL]
+    inside = slice(2, more - 3)
+    assert density[inside] == pytest.approx((0.1 + 2e9 * label)[inside], rel=1e-12)
+
+
 def test_drying_jet_loses_solvent_alone():
     s = pvp(4e-4, charge=0.0, start=8e-4)
     s = replace(s, drying=Drying(0.05, 1e-4, 1e-2, viscosity_factor=0.5), air=Air())
@@ -324,6 +351,27 @@ def test_drying_jet_loses_solvent_alone():
     assert left[0] < left[n - 1] <= 1.0
     assert (left > 0.05).all()
     assert y[:n, c.LABEL].sum() == pytest.approx(AREA * 8e-4 + s.inlet.flow_rate * 10e-3, rel=1e-12)
+
+
+def test_stretch_of_a_drying_jet_is_that_of_its_lengths_alone():
+    """What a network is given: l over l at entry of the same material, whatever solvent has left; r^2 l would count that twice."""
+    s = pvp(4e-4, charge=0.0, start=8e-4)
+    s = replace(s, drying=Drying(0.05, 1e-4, 1e-2, viscosity_factor=0.5), air=Air())
+    run = SpunRun.start(s)
+    for _ in run.to(moments(10e-3, 2)):
+        pass
+    early, late = (LagrangianJet.from_dataset(to_dataset(run)).at(t) for t in run.times)
+    front, back = run.frames
+    count = len(front) - 2  # closed elements, the same ones from the front in both
+    longer = np.linalg.norm(np.diff(back[:, :3], axis=0), axis=1)[:count]
+    shorter = np.linalg.norm(np.diff(front[:, :3], axis=0), axis=1)[:count]
+    found = late.stretch[late.usable][::-1][:count] / early.stretch[early.usable][::-1][:count]
+    assert found == pytest.approx(longer / shorter, rel=1e-12)
+    assert late.stretch[late.usable][::-1][:count] == pytest.approx(AREA * longer / front[:count, c.LABEL], rel=1e-12)
+    lost = back[:count, c.VOLUME] / back[:count, c.LABEL]
+    assert lost.min() < 0.95
+    thinned = (50e-6 / late.element_radius[late.usable][::-1][:count]) ** 2
+    assert thinned == pytest.approx(late.stretch[late.usable][::-1][:count] / lost, rel=1e-12)
 
 
 def test_moving_charge_without_a_known_end_is_refused():

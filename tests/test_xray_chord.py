@@ -67,22 +67,19 @@ def test_no_counts_are_marked() -> None:
     assert any("no count" in w for w in found.warnings)
 
 
-COUNTS, DETECTOR = row([0.05], 1e4)
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: xray.chord_fractions(COUNTS, xray.Absorber(531.9, 1.0), DETECTOR, 50e-6), "1 %"),
-        (lambda: xray.chord_fractions(COUNTS[:9], SOLUTION, DETECTOR, 50e-6), "counts"),
-        (lambda: xray.chord_fractions(-COUNTS, SOLUTION, DETECTOR, 50e-6), "counts"),
-        (lambda: xray.chord_fractions(0 * COUNTS, SOLUTION, DETECTOR, 50e-6), "centre chord"),
-        (lambda: xray.chord_fractions(COUNTS, SOLUTION, DETECTOR, 5e-7), "radius"),
-        (lambda: xray.chord_fractions(COUNTS, SOLUTION, DETECTOR, 50e-6, 1.0), "radius"),
-        (lambda: xray.chord_fractions(COUNTS, SOLUTION, DETECTOR, 50e-6, reference=2.0), "reference"),
-        (lambda: xray.chord_fractions(COUNTS, SOLUTION, DETECTOR, 50e-6, amplitude=0.0), "amplitude"),
+        (lambda counts, detector: xray.chord_fractions(counts, xray.Absorber(531.9, 1.0), detector, 50e-6), "1 %"),
+        (lambda counts, detector: xray.chord_fractions(counts[:9], SOLUTION, detector, 50e-6), "counts"),
+        (lambda counts, detector: xray.chord_fractions(-counts, SOLUTION, detector, 50e-6), "counts"),
+        (lambda counts, detector: xray.chord_fractions(0 * counts, SOLUTION, detector, 50e-6), "centre chord"),
+        (lambda counts, detector: xray.chord_fractions(counts, SOLUTION, detector, 5e-7), "radius"),
+        (lambda counts, detector: xray.chord_fractions(counts, SOLUTION, detector, 50e-6, 1.0), "radius"),
+        (lambda counts, detector: xray.chord_fractions(counts, SOLUTION, detector, 50e-6, reference=2.0), "reference"),
+        (lambda counts, detector: xray.chord_fractions(counts, SOLUTION, detector, 50e-6, amplitude=0.0), "amplitude"),
     ],
 )
 def test_refusals(call, words) -> None:
     with pytest.raises(InputError, match=words):
-        call()
+        call(*row([0.05], 1e4))

@@ -2,6 +2,10 @@
 
 Beads run from the far end (0) to the start point (n - 1), which moves as it is told; element e joins beads e and e + 1; the
 last element grows. `p` holds the constants in the order of `bead_jet._Constants`.
+
+`touch`: when (NaN in flight), where and how fast a bead met the collector. Any bead may, also the belly of a loop before the
+beads on its way: it sticks there. `flight`: length of an element when the first of its ends did (NaN in flight): slack when
+its ends are nearer, drawn out, as any element in flight, when they are farther apart.
 """
 
 import math
@@ -67,7 +71,7 @@ def rates(
     dq: FloatArray,
     de: FloatArray,
     flight: FloatArray,
-    landed: int,
+    touch: FloatArray,
     p: FloatArray,
     air: FloatArray,
     gust: FloatArray,
@@ -91,10 +95,10 @@ def rates(
         tx, ty, tz = dx / length, dy / length, dz / length
         rate = ((q[j + 1, 3] - q[j, 3]) * tx + (q[j + 1, 4] - q[j, 4]) * ty + (q[j + 1, 5] - q[j, 5]) * tz) / length
         volume = e[j, 0]
-        drawn = 1.0
-        if j < landed:  # half on the collector: slack below the length it flew with, drawn out above
-            drawn = max(length / flight[0], 1.0)
-        area = volume / (length if j >= landed else flight[0] * drawn)
+        slack = length < flight[j]  # half on the collector: it neither pulls nor pushes, nor grows shorter
+        if slack:
+            rate = 0.0
+        area = volume / (flight[j] if slack else length)
         a = math.sqrt(area / math.pi)
         g, th = g_mod, theta
         if drying > 0:
@@ -105,14 +109,9 @@ def rates(
             g = g_mod * mu / c_ratio
         azz, arr = e[j, 1], e[j, 2]
         h = _spring(azz, arr, p[14])
-        pull = area * g * h * (azz - arr) + math.pi * a * sigma
-        if j < landed:
-            pull = 0.0
-            if drawn > 1:
-                z2, r2 = azz * drawn * drawn, arr / drawn
-                pull = max(area * g * _spring(z2, r2, p[14]) * (z2 - r2), 0.0) + math.pi * a * sigma
-        else:
-            pull += area * 3 * mu_s * rate
+        pull = 0.0
+        if not slack:
+            pull = area * (g * h * (azz - arr) + 3 * mu_s * rate) + math.pi * a * sigma
         x, y, z = 0.5 * (q[j, 0] + q[j + 1, 0]), 0.5 * (q[j, 1] + q[j + 1, 1]), 0.5 * (q[j, 2] + q[j + 1, 2])
         air_at(x, y, z, t, p, air, gust, wind)
         wx = wind[0] - 0.5 * (q[j, 3] + q[j + 1, 3])
@@ -144,12 +143,10 @@ def rates(
             dq[j, 4] -= (ty - ky) * weight
             dq[j, 5] -= (tz - kz) * weight
         counts[0] += 1.0
-        if pull < reach:
+        if pull < reach and not slack:
             counts[1] += 1.0
         kx, ky, kz, reach_before = tx, ty, tz, reach
         de[j, 0] = de[j, 3] = 0.0
-        if j < landed:  # its conformation is that of its flight
-            rate = 0.0
         de[j, 1] = 2 * rate * azz
         de[j, 2] = -rate * arr
         if th > 0 and math.isfinite(th):
@@ -171,20 +168,25 @@ def rates(
         for k in range(3):
             dq[i, 3 + k] /= mass
         dq[i, 3] += gravity
-    for k in range(3):  # the start moves as told; what has landed rests in the moving surface
-        dq[n - 1, 3 + k] = 0.0
-        if landed > 0:
-            dq[0, 3 + k] = 0.0
+    for i in range(n):  # the start moves as told; what has landed rests in the moving surface
+        if i == n - 1 or not math.isnan(touch[i, 0]):
+            for k in range(3):
+                dq[i, 3 + k] = 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def elastic_step(n: int, q: FloatArray, e: FloatArray, landed: int, p: FloatArray) -> float:
+def elastic_step(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, p: FloatArray) -> float:
     """Least time that a wave or the stretching takes over an element in flight, s."""
     least = 1e30
-    for j in range(landed, n - 1):
+    for j in range(n - 1):
         dx, dy, dz = q[j + 1, 0] - q[j, 0], q[j + 1, 1] - q[j, 1], q[j + 1, 2] - q[j, 2]
         length = math.sqrt(dx * dx + dy * dy + dz * dz)
-        rate = ((q[j + 1, 3] - q[j, 3]) * dx + (q[j + 1, 4] - q[j, 4]) * dy + (q[j + 1, 5] - q[j, 5]) * dz) / length**2
+        rate = 0.0
+        if length < flight[j]:
+            length = flight[j]
+        else:
+            rate = (q[j + 1, 3] - q[j, 3]) * dx + (q[j + 1, 4] - q[j, 4]) * dy + (q[j + 1, 5] - q[j, 5]) * dz
+            rate /= length**2
         g = p[1]
         if p[12] > 0:
             c = e[j, 3] / e[j, 0] / p[13]
@@ -210,12 +212,21 @@ def gap_of(x: float, y: float, surface: FloatArray) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _carried(x: float, y: float, surface: FloatArray, out: FloatArray) -> None:
-    """Velocity of the collector's surface."""
-    out[0], out[1], out[2] = 0.0, surface[2], 0.0
+def _distance(a: FloatArray, b: FloatArray) -> float:
+    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+
+
+@njit(cache=True, error_model="numpy")
+def _carry(touch: FloatArray, time: float, surface: FloatArray, out: FloatArray) -> None:
+    """Place and velocity, in `out` (6), of a bead that has touched, as the collector's surface carries it on."""
+    since = time - touch[0]
+    out[0], out[1], out[2] = touch[1], touch[2] + surface[2] * since, touch[3]
+    out[3], out[4], out[5] = 0.0, surface[2], 0.0
     if surface[0] == 1:
-        beta = math.atan2(y - surface[4], surface[1] + surface[3] - x)
-        out[0], out[1] = surface[2] * math.sin(beta), surface[2] * math.cos(beta)
+        beta = math.atan2(touch[2] - surface[4], surface[1] + surface[3] - touch[1]) + surface[2] / surface[3] * since
+        across = math.hypot(touch[2] - surface[4], surface[1] + surface[3] - touch[1])
+        out[0], out[1] = surface[1] + surface[3] - across * math.cos(beta), surface[4] + across * math.sin(beta)
+        out[3], out[4] = surface[2] * math.sin(beta), surface[2] * math.cos(beta)
 
 
 @njit(cache=True, error_model="numpy")
@@ -226,6 +237,7 @@ def advance(
     q: FloatArray,
     e: FloatArray,
     flight: FloatArray,
+    touch: FloatArray,
     landed: int,
     p: FloatArray,
     air: FloatArray,
@@ -240,36 +252,36 @@ def advance(
     """Steps up to `end` or until the landing rows are full; returns n, t, landed, rows filled, and 0, or 1 where room ran out,
     2 where work did (`counts`: elements looked at, those with c_b^2 < 0, and how many may be looked at).
 
-    `start`: place (3), velocity (3), volume of an element, longest element, CFL, amplitude, angular frequency of its circle.
+    `start`: place (3), velocity (3), volume of an element, longest element, CFL, amplitude, angular frequency of its circle,
+    length of an element. `landed`: bead 0 lies on the collector and its row is written.
     """
     size = q.shape[0]
     q1, e1, q2, e2 = np.empty_like(q), np.empty_like(e), np.empty_like(q), np.empty_like(e)
     dq, de = np.empty_like(q), np.empty_like(e)
-    surf = np.empty(3)
     while t < end:
         if filled >= rows.shape[0] - 2:
             return n, t, landed, filled, 0
         if counts[0] > counts[2]:
             return n, t, landed, filled, 2
-        dt = min(start[8] * elastic_step(n, q, e, landed, p), end - t)
+        dt = min(start[8] * elastic_step(n, q, e, flight, p), end - t)
         dt = min(dt, 0.25 * start[6] / p[11])  # the start feeds no more than a quarter of an element
         if dt < 1e-15 * max(end, 1e-3):
             dt = end - t
-        rates(n, t, q, e, dq, de, flight, landed, p, air, gust, inlet, counts)
+        rates(n, t, q, e, dq, de, flight, touch, p, air, gust, inlet, counts)
         for i in range(n):
             for k in range(6):
                 q1[i, k] = q[i, k] + dt * dq[i, k]
         for i in range(n - 1):
             for k in range(4):
                 e1[i, k] = e[i, k] + dt * de[i, k]
-        rates(n, t + dt, q1, e1, dq, de, flight, landed, p, air, gust, inlet, counts)
+        rates(n, t + dt, q1, e1, dq, de, flight, touch, p, air, gust, inlet, counts)
         for i in range(n):
             for k in range(6):
                 q2[i, k] = 0.75 * q[i, k] + 0.25 * (q1[i, k] + dt * dq[i, k])
         for i in range(n - 1):
             for k in range(4):
                 e2[i, k] = 0.75 * e[i, k] + 0.25 * (e1[i, k] + dt * de[i, k])
-        rates(n, t + 0.5 * dt, q2, e2, dq, de, flight, landed, p, air, gust, inlet, counts)
+        rates(n, t + 0.5 * dt, q2, e2, dq, de, flight, touch, p, air, gust, inlet, counts)
         for i in range(n):
             for k in range(6):
                 q1[i, k] = (q[i, k] + 2 * (q2[i, k] + dt * dq[i, k])) / 3
@@ -285,40 +297,37 @@ def advance(
             q1[n - 1, 2] += start[9] * s
             q1[n - 1, 4] -= start[9] * start[10] * s
             q1[n - 1, 5] += start[9] * start[10] * c
-        n, landed, filled = _land(n, t, dt, q, q1, e, flight, landed, surface, surf, rows, filled)
+        _touch(n, t, dt, q, q1, flight, touch, surface)
+        n, landed, filled = _land(n, q1, e, flight, touch, landed, surface, rows, filled)
         t += dt
         for i in range(n):
             for k in range(6):
                 q[i, k] = q1[i, k]
         if n < 2:
             return n, t, landed, filled, 1
-        n = _feed(n, q, e, flight, start)
-        n = _split(n, q, e, flight, landed, start[7], size)
+        n = _feed(n, q, e, flight, touch, start)
+        n = _split(n, q, e, flight, touch, start[7], size)
+        n = _join(n, q, e, flight, touch, 0.25 * start[11])
         if n >= size - 2:
             return n, t, landed, filled, 1
     return n, t, landed, filled, 0
 
 
 @njit(cache=True, error_model="numpy")
-def _land(
+def _touch(
     n: int,
     t: float,
     dt: float,
     q: FloatArray,
     q1: FloatArray,
-    e: FloatArray,
     flight: FloatArray,
-    landed: int,
+    touch: FloatArray,
     surface: FloatArray,
-    surf: FloatArray,
-    rows: FloatArray,
-    filled: int,
-) -> tuple[int, int, int]:
-    """Beads next to the end that touched within the step are clamped; elements whose both ends did leave the chain."""
-    while n > 2:
-        i = landed  # the bead whose turn it is: 0, or 1 behind a clamped one
-        if i >= n - 1 or gap_of(q1[i, 0], q1[i, 1], surface) > 0:
-            break
+) -> None:
+    """Beads that met the collector within the step stick where they did; all that have are carried with its surface."""
+    for i in range(n - 2):  # the growing element's end when the next is closed
+        if not math.isnan(touch[i, 0]) or gap_of(q1[i, 0], q1[i, 1], surface) > 0:
+            continue
         low, high = 0.0, 1.0
         for _ in range(50):
             u = 0.5 * (low + high)
@@ -328,40 +337,60 @@ def _land(
                 high = u
             else:
                 low = u
-        rows[filled, 0] = t + high * dt
+        touch[i, 0] = t + high * dt
         for k in range(3):
-            rows[filled, 1 + k] = _cubic(high, dt, q[i, k], q1[i, k], q[i, 3 + k], q1[i, 3 + k])
-            rows[filled, 4 + k] = (1 - high) * q[i, 3 + k] + high * q1[i, 3 + k]
+            touch[i, 1 + k] = _cubic(high, dt, q[i, k], q1[i, k], q[i, 3 + k], q1[i, 3 + k])
+            touch[i, 4 + k] = (1 - high) * q[i, 3 + k] + high * q1[i, 3 + k]
+        for j in range(max(i - 1, 0), i + 1):  # both ends at that moment
+            if math.isnan(flight[j]):
+                square = 0.0
+                for k in range(3):
+                    square += ((1 - high) * (q[j + 1, k] - q[j, k]) + high * (q1[j + 1, k] - q1[j, k])) ** 2
+                flight[j] = math.sqrt(square)
+    for i in range(n - 2):
+        if not math.isnan(touch[i, 0]):
+            _carry(touch[i], t + dt, surface, q1[i])
+
+
+@njit(cache=True, error_model="numpy")
+def _land(
+    n: int,
+    q: FloatArray,
+    e: FloatArray,
+    flight: FloatArray,
+    touch: FloatArray,
+    landed: int,
+    surface: FloatArray,
+    rows: FloatArray,
+    filled: int,
+) -> tuple[int, int, int]:
+    """Rows, in the fibre's order, of what lies on the collector from the far end on; elements with both ends there leave.
+
+    A row's time does not run back along the fibre: a bead that touched before its predecessor has been carried on till then.
+    """
+    at = np.empty(6)
+    while n > 3 and filled < rows.shape[0] - 1 and not math.isnan(touch[landed, 0]):
+        when = max(touch[landed, 0], touch[0, 0])
+        _carry(touch[landed], when, surface, at)
+        rows[filled, 0] = touch[landed, 0] = when
+        for k in range(3):
+            rows[filled, 1 + k] = touch[landed, 1 + k] = at[k]
+            rows[filled, 4 + k] = touch[landed, 4 + k]
+        rows[filled, 7], rows[filled, 8], rows[filled, 9] = 0.0, math.nan, math.nan
         if landed:
-            rows[filled, 7], rows[filled, 8], rows[filled, 9] = e[0, 0], flight[0], e[0, 3]
-        else:
-            rows[filled, 7], rows[filled, 8], rows[filled, 9] = 0.0, math.nan, math.nan
-        if landed:  # the element before is down: the clamped bead goes
+            rows[filled, 7], rows[filled, 8], rows[filled, 9] = e[0, 0], max(flight[0], _distance(q[0], q[1])), e[0, 3]
             for j in range(n - 1):
                 for k in range(6):
-                    q[j, k], q1[j, k] = q[j + 1, k], q1[j + 1, k]
+                    q[j, k] = q[j + 1, k]
+                for k in range(7):
+                    touch[j, k] = touch[j + 1, k]
             for j in range(n - 2):
                 flight[j] = flight[j + 1]
                 for k in range(4):
                     e[j, k] = e[j + 1, k]
             n -= 1
         landed = 1
-        # its next element is still in flight: this is the length it flew with
-        dx, dy, dz = q1[1, 0] - rows[filled, 1], q1[1, 1] - rows[filled, 2], q1[1, 2] - rows[filled, 3]
-        flight[0] = math.sqrt(dx * dx + dy * dy + dz * dz)
-        _carried(rows[filled, 1], rows[filled, 2], surface, surf)
-        left = (1 - high) * dt
-        for k in range(3):
-            q1[0, k] = rows[filled, 1 + k] + surf[k] * left
-            q1[0, 3 + k] = surf[k]
-            q[0, k], q[0, 3 + k] = q1[0, k], surf[k]
         filled += 1
-        if filled >= rows.shape[0] - 1:
-            break
-    if landed and surface[0] == 1:
-        _carried(q1[0, 0], q1[0, 1], surface, surf)
-        for k in range(3):
-            q1[0, 3 + k] = surf[k]
     return n, landed, filled
 
 
@@ -372,12 +401,12 @@ def _cubic(u: float, dt: float, a: float, b: float, va: float, vb: float) -> flo
 
 
 @njit(cache=True, error_model="numpy")
-def _feed(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, start: FloatArray) -> int:
-    """Close the growing element at 1.5 of its volume: one closed, half a volume goes on growing."""
+def _feed(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, touch: FloatArray, start: FloatArray) -> int:
+    """Close the growing element at 1.5 of its volume, or longer than any may be: one closed, up to half goes on growing."""
     m = n - 2
-    if e[m, 0] < 1.5 * start[6]:
+    if e[m, 0] < 1.5 * start[6] and _distance(q[n - 2], q[n - 1]) < start[7]:
         return n
-    share = start[6] / e[m, 0]
+    share = min(start[6] / e[m, 0], 2 / 3)
     for k in range(6):
         q[n, k] = q[n - 1, k]
         q[n - 1, k] = q[n - 2, k] + share * (q[n, k] - q[n - 2, k])
@@ -385,30 +414,73 @@ def _feed(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, start: Float
         e[m + 1, k] = e[m, k]
     e[m + 1, 0], e[m, 0] = e[m, 0] * (1 - share), e[m, 0] * share
     e[m + 1, 3], e[m, 3] = e[m, 3] * (1 - share), e[m, 3] * share
-    flight[m + 1] = math.nan
+    flight[m + 1] = touch[n, 0] = math.nan
     return n + 1
 
 
 @njit(cache=True, error_model="numpy")
-def _split(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, landed: int, longest: float, size: int) -> int:
-    """Halve elements that have grown too long; the one behind a clamped bead and the growing one stay."""
-    j = landed
+def _split(
+    n: int, q: FloatArray, e: FloatArray, flight: FloatArray, touch: FloatArray, longest: float, size: int
+) -> int:
+    """Halve elements that have grown too long, but for the growing one; of those half on the collector, half still is."""
+    j = 0
     while j < n - 2 and n < size - 2:
-        dx, dy, dz = q[j + 1, 0] - q[j, 0], q[j + 1, 1] - q[j, 1], q[j + 1, 2] - q[j, 2]
-        if dx * dx + dy * dy + dz * dz > longest * longest:
+        low, high = not math.isnan(touch[j, 0]), not math.isnan(touch[j + 1, 0])
+        if _distance(q[j], q[j + 1]) > longest and not (low and high):
             for i in range(n, j + 1, -1):
                 for k in range(6):
                     q[i, k] = q[i - 1, k]
+                for k in range(7):
+                    touch[i, k] = touch[i - 1, k]
             for i in range(n - 1, j, -1):
                 flight[i] = flight[i - 1]
                 for k in range(4):
                     e[i, k] = e[i - 1, k]
             for k in range(6):
                 q[j + 1, k] = 0.5 * (q[j, k] + q[j + 2, k])
+            touch[j + 1, 0] = math.nan
+            whole = flight[j]
+            flight[j] = 0.5 * whole if low else math.nan
+            flight[j + 1] = 0.5 * whole if high else math.nan
             for k in (0, 3):
                 e[j, k] *= 0.5
                 e[j + 1, k] *= 0.5
             n += 1
             j += 1
         j += 1
+    return n
+
+
+@njit(cache=True, error_model="numpy")
+def _join(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, touch: FloatArray, shortest: float) -> int:
+    """A free end draws back under capillarity into a drop, shorter than wide: it takes in the next element.
+
+    Volume and momentum are kept; the two outer beads keep the speed at which they part, after the two inner ones have joined.
+    """
+    while n > 4 and math.isnan(flight[0]) and math.isnan(flight[1]):
+        dx, dy, dz = q[1, 0] - q[0, 0], q[1, 1] - q[0, 1], q[1, 2] - q[0, 2]
+        if dx * dx + dy * dy + dz * dz >= shortest * shortest:
+            break
+        a, b, c = e[0, 0], e[1, 0], e[2, 0]
+        for k in range(3, 6):
+            joined = (a * q[0, k] + (a + b) * q[1, k]) / (2 * a + b)
+            shift = a * (joined - q[2, k]) / (2 * a + 2 * b + c)
+            q[1, k] = joined + shift
+            q[2, k] += shift
+        for k in range(3):
+            q[1, k] = q[0, k]
+        for k in (1, 2):
+            e[1, k] = (a * e[0, k] + b * e[1, k]) / (a + b)
+        e[1, 0] += a
+        e[1, 3] += e[0, 3]
+        for j in range(n - 1):
+            for k in range(6):
+                q[j, k] = q[j + 1, k]
+            for k in range(7):
+                touch[j, k] = touch[j + 1, k]
+        for j in range(n - 2):
+            flight[j] = flight[j + 1]
+            for k in range(4):
+                e[j, k] = e[j + 1, k]
+        n -= 1
     return n

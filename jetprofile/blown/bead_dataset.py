@@ -106,7 +106,8 @@ def _moment(
     slip = np.sum(past * along, axis=1)
     arc = np.concatenate(([0.0], np.cumsum(length)))
     whole = np.ones(length.size)
-    whole[-1] = 0.0 if state.landed else 1.0
+    down = state.landed[::-1]
+    whole[places.size - 1 :][down[1:] | down[:-1]] = 0.0
     bead = dict(zip(("x", "y", "z", "velocity_x", "velocity_y", "velocity_z"), q.T, strict=True))
     bead |= {"arc_length": arc, "velocity": np.linalg.norm(q[:, 3:], axis=1)}
     element = {

@@ -3,15 +3,21 @@
 Elements keep their volume exactly (polymer and solvent), their conformation A_zz, A_rr; beads their place and velocity. Per
 element: tension ``f [G h (A_zz - A_rr) + 3 mu_s rate] + pi a sigma`` (h = 1, or FENE-P's where strands have an end), drag
 along and across (`drag`), weight; vapour leaves with the jet's velocity, so drying changes masses and no velocity. The element
-at the start grows by Q dt and mixes in the inflow. What is laid on the collector is clamped to its moving surface and pulls; a
-fibre already touching never pushes.
+at the start grows by Q dt and mixes in the inflow.
+
+Any bead that meets the collector sticks to its moving surface, where and when it does: the belly of a loop often lands before
+what lies ahead of it. An element with one end down is slack below the length it had when that end met the collector, and drawn
+like any other above; the longer of that and its last chord is its flight length, and longer ones are halved as in flight, so
+that the drawing by the collector does not depend on the mesh. Landings are written in the fibre's order.
+
+A free end, before it lands, is drawn back by capillarity into a drop that no chain of cylinders describes: the end element
+takes in the next when it is shorter than a quarter of the mesh; volume and momentum are kept.
 
 Time: SSP Runge-Kutta of third order, ``dt = CFL min l/(c + |rate| l)`` with the drag's rate in it. (Heun's method pumps
 undamped waves at each step: at CFL 0.4 it gave fibres 22 % too thin.) Elements longer than `longest` are halved.
 
 Start it at z* of the straight part (`straight`, `bending_onset`): upstream of it no mesh converges. The share of elements with
-c_b^2 < 0 is reported of every run. With `lift` the air's lift on bends is in (linear in curvature: wrong for loops); without,
-tension is not allowed below 0 (a slack string).
+c_b^2 < 0 is reported of every run. With `lift` the air's lift on bends is in (linear in curvature: wrong for loops).
 
 Left out: loops below the mesh, bending stiffness, air slowed by the jet, twist, jets that touch.
 
@@ -26,6 +32,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError, SpinlineWarning
@@ -135,13 +142,13 @@ class BlownBeads:
 @dataclass(frozen=True, eq=False)
 class BeadState:
     """One moment: beads (n, 6) of place and velocity from the far end on, elements (n - 1, 4) of volume, A_zz, A_rr and
-    volume of polymer, and whether the far end lies on the collector.
+    volume of polymer, and which beads lie on the collector.
     """
 
     time: float
     beads: FloatArray
     elements: FloatArray
-    landed: bool
+    landed: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +165,9 @@ class BeadRun:
         Of the elements, m3 and 1.
     landings : ndarray, (landing, 10)
         time, x, y, z, vx, vy, vz, volume, flight length, polymer volume: the last three of the element between the landing
-        before and this one.
+        before and this one. Time does not run back: what touched before its predecessor is carried on till that one touches.
+    landed : ndarray of bool, (bead,)
+        What lies on the collector at the end of the run, and is not among the landings yet or the last of them.
     fed, polymer_fed : float
         m3.
     evaporated : float
@@ -177,6 +186,7 @@ class BeadRun:
     axial_conformation: FloatArray
     radial_conformation: FloatArray
     landings: FloatArray
+    landed: NDArray[np.bool_]
     fed: float
     polymer_fed: float
     evaporated: float
@@ -191,9 +201,10 @@ class BeadRun:
 
     @property
     def radius(self) -> FloatArray:
-        """Of the elements in flight, m."""
-        length = np.linalg.norm(np.diff(self.position, axis=0), axis=1)
-        return np.asarray(np.sqrt(self.volume / (np.pi * length)))
+        """Of the elements with both ends in flight, m."""
+        free = ~(self.landed[1:] | self.landed[:-1])
+        length = np.linalg.norm(np.diff(self.position, axis=0), axis=1)[free]
+        return np.asarray(np.sqrt(self.volume[free] / (np.pi * length)))
 
     @property
     def landed_radius(self) -> FloatArray:
@@ -220,10 +231,6 @@ class BeadRun:
         import xarray as xr
 
         rows = self.landings
-        rows = rows.copy()
-        rows[:, 0] = (
-            np.maximum.accumulate(rows[:, 0]) if len(rows) else rows[:, 0]
-        )  # several in one step: in the fibre's order
         names = (
             ("touch_time", 0, "s"),
             ("x", 1, "m"),
@@ -314,8 +321,10 @@ def blown_beads(
     table = np.ascontiguousarray(np.column_stack([table, gusts.carried, gusts.length, gusts.weights]))
     modes = np.ascontiguousarray(gusts.modes)
     longest = 4 * run.element if run.longest is None else run.longest
-    place = np.array([z0, 0.0, 0.0, speed, 0.0, 0.0, grown, longest, run.cfl, run.amplitude, 2 * np.pi * run.frequency])
-    q, e, flight = np.zeros((_ROOM, 6)), np.ones((_ROOM, 4)), np.full(_ROOM, np.nan)
+    place = np.array(
+        [z0, 0, 0, speed, 0, 0, grown, longest, run.cfl, run.amplitude, 2 * np.pi * run.frequency, run.element]
+    )
+    q, e, flight, touch = np.zeros((_ROOM, 6)), np.ones((_ROOM, 4)), np.full(_ROOM, np.nan), np.full((_ROOM, 7), np.nan)
     n = 3
     q[:n, 0] = z0 + run.element * np.array([1.5, 0.5, 0.0])
     q[:n, 3] = speed
@@ -324,7 +333,7 @@ def blown_beads(
     e[: n - 1, 3] = e[: n - 1, 0] * run.polymer_fraction
     began = float(e[: n - 1, 0].sum())
     t, n, landings, stored, counts = _drive(
-        run, n, q, e, flight, p, table, modes, place, np.array([azz, arr]), surface, frames
+        run, n, q, e, flight, touch, p, table, modes, place, np.array([azz, arr]), surface, frames
     )
     below = float(counts[1] / counts[0])
     fed = began + solution.flow_rate * t
@@ -346,6 +355,7 @@ def blown_beads(
         e[: n - 1, 1].copy(),
         e[: n - 1, 2].copy(),
         landings,
+        np.isfinite(touch[:n, 0]),
         fed,
         fed * run.polymer_fraction,
         fed - laid - inside if run.drying else 0.0,
@@ -361,6 +371,7 @@ def _drive(
     q: FloatArray,
     e: FloatArray,
     flight: FloatArray,
+    touch: FloatArray,
     p: FloatArray,
     table: FloatArray,
     modes: FloatArray,
@@ -378,7 +389,23 @@ def _drive(
     for moment in np.linspace(0, run.duration, max(frames, 1) + 1)[1:]:
         while t < moment:
             n, t, landed, filled, full = advance(
-                n, t, float(moment), q, e, flight, landed, p, table, modes, place, inlet, surface, rows, 0, counts
+                n,
+                t,
+                float(moment),
+                q,
+                e,
+                flight,
+                touch,
+                landed,
+                p,
+                table,
+                modes,
+                place,
+                inlet,
+                surface,
+                rows,
+                0,
+                counts,
             )
             parts.append(rows[:filled].copy())
             if full == 2:
@@ -407,7 +434,7 @@ def _drive(
                     "cfl", f"lets the run diverge at {t:.4g} s", value=run.cfl, remedy="take a smaller one"
                 )
         if frames:
-            stored.append(BeadState(t, q[:n].copy(), e[: n - 1].copy(), bool(landed)))
+            stored.append(BeadState(t, q[:n].copy(), e[: n - 1].copy(), np.isfinite(touch[:n, 0])))
     return t, n, np.concatenate(parts) if parts else np.empty((0, 10)), stored, counts
 
 

@@ -111,23 +111,18 @@ def scales(y: FloatArray) -> FloatArray:
 
 
 class Linear:
-    """The system linearised about y, factored; `ok` is False where it cannot be."""
+    """The system linearised about y, factored; `ok` is False where it cannot be. `near` is another one, on the same mesh."""
 
-    def __init__(self, problem: Problem, s: FloatArray, y: FloatArray) -> None:
+    def __init__(self, problem: Problem, s: FloatArray, y: FloatArray, near: "Linear | None" = None) -> None:
         n, m = y.shape
         if problem.work is not None:
             problem.work.spend(n)
         count = problem.left.shape[0]
         self._low, self._high = count + m - 1, 2 * m - 1 - count
         self._shape = (n, m)
-        self._args = (
-            problem.field(s),
-            problem.field(0.5 * (s[1:] + s[:-1])),
-            problem.parameters,
-            problem.flags,
-            problem.left,
-        )
-        self._s = s
+        self._s, self._field = s, problem.field
+        self._applied = near._applied_by(problem.field) if near is not None else _applied(problem.field, s)
+        self._args = (*self._applied, problem.parameters, problem.flags, problem.left)
         self.value = self.residual(y)
         self.ok = bool(np.isfinite(self.value).all())
         if not self.ok:
@@ -139,7 +134,7 @@ class Linear:
         except ZeroDivisionError:  # an unknown ran away and its exponential vanished
             self.ok = False
         if self.ok:
-            self._lu, self._pivots, info = _FACTOR(band, self._low, self._high)
+            self._lu, self._pivots, info = _FACTOR(band, self._low, self._high, overwrite_ab=True)
             self.ok = info == 0
 
     def residual(self, y: FloatArray) -> FloatArray:
@@ -148,13 +143,15 @@ class Linear:
         residual(self._s, y, *self._args, out)
         return out
 
-    @staticmethod
-    def residual_of(problem: Problem, s: FloatArray, y: FloatArray) -> FloatArray:
+    def residual_of(self, problem: Problem, y: FloatArray) -> FloatArray:
         """Residual alone, of another problem on the same mesh."""
         out = np.empty(y.size)
-        middle = problem.field(0.5 * (s[1:] + s[:-1]))
-        residual(s, y, problem.field(s), middle, problem.parameters, problem.flags, problem.left, out)
+        applied = self._applied_by(problem.field)
+        residual(self._s, y, *applied, problem.parameters, problem.flags, problem.left, out)
         return out
+
+    def _applied_by(self, field: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray, FloatArray]:
+        return self._applied if field is self._field else _applied(field, self._s)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Solution for one right-hand side, in the shape of y."""
@@ -169,12 +166,17 @@ class Linear:
         return float(np.prod(np.sign(diagonal)) * (-1) ** swaps)
 
 
+def _applied(field: Callable[[FloatArray], FloatArray], s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Applied field at the nodes and half way between them."""
+    return field(s), field(0.5 * (s[1:] + s[:-1]))
+
+
 def newton(problem: Problem, s: FloatArray, y: FloatArray, *, most: int = 40, tol: float = 1e-9) -> Discrete:
     """Solution near `y`; `converged` says whether it was found."""
-    y, damping = y.copy(), 1.0
+    y, damping, system = y.copy(), 1.0, None
     for _ in range(most):
         scale = scales(y)
-        system = Linear(problem, s, y)
+        system = Linear(problem, s, y, system)
         if not system.ok:
             break
         change = system.solve(-system.value)

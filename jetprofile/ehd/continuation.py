@@ -130,7 +130,8 @@ def _follow(
         trail[:] = [Path(Discrete(s, y), False, t, fold, step)]
         length = min(largest, length * (1.6 if used <= 4 else 1.0 if used <= 6 else 0.6))
         moved = remesh(s, y, nodes)
-        y, dy, s = interpolate(s, y, moved), interpolate(s, dy, moved), moved
+        both, s = interpolate(s, np.concatenate((y, dy), axis=1), moved), moved
+        y, dy = np.ascontiguousarray(both[:, : y.shape[1]]), np.ascontiguousarray(both[:, y.shape[1] :])
     return Path(Discrete(s, y), False, t, fold, most)
 
 
@@ -164,13 +165,13 @@ def _correct(
     row = dy / scale**2 / y.size
     guess, guess_t = y + dy * reach, t + dt * reach
     y, t = guess, guess_t
-    before = np.inf
+    before, system = np.inf, None
     for step in range(9):
-        system = Linear(problem_at(t), s, y)
+        system = Linear(problem_at(t), s, y, system)
         delta = 1e-6 if t < 0.5 else -1e-6
         if not system.ok:
             return None
-        moved = Linear.residual_of(problem_at(t + delta), s, y)
+        moved = system.residual_of(problem_at(t + delta), y)
         if not np.isfinite(moved).all():
             return None
         first, second = system.solve(-system.value), system.solve((moved - system.value) / delta)

@@ -38,7 +38,7 @@ import numpy as np
 
 from spinline.base.kernels import njit
 
-__all__ = ["PARAMETERS", "jacobian", "rates", "residual", "slopes"]
+__all__ = ["PARAMETERS", "jacobian", "rates", "residual", "slopes", "tilts"]
 
 # Order of the parameter vector; `share` = rs, `gain` = (1 - rs) / De, `extensibility` = 1 / L2 (0: Oldroyd-B),
 # `mobility` = the Giesekus a, `end_slope` = V' / V at the end
@@ -104,24 +104,62 @@ def rates(y: Any, fields: Any, p: Any, flags: Any) -> Any:
 
 
 @njit(cache=True, error_model="numpy")
-def _local(y: Any, field: float, p: Any, flags: Any, out: Any, z: Any, work: Any) -> None:
-    """Derivatives of `slopes` by the unknowns into `out`: complex steps, exact to rounding. `z`, `work` are scratch."""
-    size = y.size
-    for k in range(size):
-        z[k] = y[k]
-    for k in range(size):
-        z[k] = y[k] + 1e-30j
-        slopes(z, field, p, flags[0], flags[1], flags[2], work)
-        z[k] = y[k]
-        for r in range(size):
-            out[r, k] = work[r].imag * 1e30
+def tilts(y: Any, field: float, p: Any, flags: Any, value: Any, out: Any) -> None:
+    """Values of `slopes` into `value`, and their derivatives by the unknowns, a column each, into `out`.
+
+    `slopes` differentiated line by line; ``x_k`` is dx / dy_k.
+    """
+    polymer, charge, local, last = flags[0], flags[1], flags[2], y.size - 1
+    inside, q, _ = slopes(y, field, p, polymer, charge, local, value)
+    v, area, radius, current = np.exp(y[0]), np.exp(-y[0]), np.exp(-0.5 * y[0]), np.exp(y[3])
+    length, du = p[6] + (0.5 * y[0] if local else 0.0), value[0]
+    charge_density, sigma = y[2] / length, current * (1.0 - q) * radius / p[3]
+    stress, shear = 0.5 * p[4] * (sigma**2 + p[5] * inside**2), 2.0 * p[4] * current**2 / p[3]
+    b, c = (np.exp(y[4]), np.exp(y[5])) if polymer else (1.0, 1.0)
+    for k in range(y.size):
+        u_k, i_k = 1.0 * (k == 0), 1.0 * (k == 3)
+        density_k = (1.0 * (k == 2) - (0.5 * u_k * charge_density if local else 0.0)) / length
+        q_k = 1.0 * (k == last) if charge else -p[3] * v / current * (density_k + charge_density * (u_k - i_k))
+        inside_k = inside * (u_k + i_k) + current * v * q_k
+        sigma_k = sigma * (i_k - 0.5 * u_k) - current * radius / p[3] * q_k
+        stress_k = p[4] * (sigma * sigma_k + p[5] * inside * inside_k)
+        tension_k = 1.0 * (k == 1) - p[0] * area * (stress_k - stress * u_k)
+        du_k = _stretch_tilts(k, tension_k, du, area, b, c, p, out) if polymer else tension_k / 3.0
+        pull_k = v * (du_k + du * u_k) + area * p[2] * u_k + 0.5 * radius / p[1] * (du_k - 0.5 * du * u_k)
+        push_k = area * (du_k * stress + du * (stress_k - stress * u_k))
+        shear_k = shear * (2.0 * q * (1.0 - q) * i_k + (1.0 - 2.0 * q) * q_k)
+        out[0, k], out[1, k], out[2, k], out[3, k] = du_k, p[0] * (pull_k - push_k - shear_k), -inside_k, 0.0
+        if charge:
+            free_k = -(q_k + (1.0 - q) * u_k) * area / p[3]
+            out[last, k] = 2.0 / p[5] * (free_k - (density_k - charge_density * i_k) / current)
+
+
+@njit(cache=True, error_model="numpy")
+def _stretch_tilts(k: int, tension_k: float, du: float, area: float, b: float, c: float, p: Any, out: Any) -> Any:
+    """Derivatives by unknown k: of u', returned, and of the slopes of ln B and ln C, into `out`."""
+    u_k, b_k, c_k = 1.0 * (k == 0), b * (k == 4), c * (k == 5)
+    f, f_k = 1.0 + (b + 2.0 * c - 3.0) * p[10], (b_k + 2.0 * c_k) * p[10]
+    zz, rr = b / f, c / f
+    zz_k, rr_k = (b_k - zz * f_k) / f, (c_k - rr * f_k) / f
+    du_k = (tension_k + p[9] * area * ((b - c) * u_k - b_k + c_k)) / (3.0 * p[8])
+    # db / B = 2 u' - g (B - 1 + a (A_zz - 1)^2) / A_zz, dc / C likewise with -u'
+    g, far, near = p[7] * area, b - 1.0 + p[11] * (zz - 1.0) ** 2, c - 1.0 + p[11] * (rr - 1.0) ** 2
+    far_k, near_k = b_k + 2.0 * p[11] * (zz - 1.0) * zz_k, c_k + 2.0 * p[11] * (rr - 1.0) * rr_k
+    long, thin = 2.0 * du - g * far / zz, -du - g * near / rr
+    long_k = 2.0 * du_k - g / zz * (far_k - far * (u_k + zz_k / zz))
+    thin_k = -du_k - g / rr * (near_k - near * (u_k + rr_k / rr))
+    stiffer_k = (b_k * long + b * long_k + 2.0 * (c_k * thin + c * thin_k)) * p[10] / (1.0 - 3.0 * p[10])
+    out[4, k], out[5, k] = long_k + stiffer_k, thin_k + stiffer_k
+    return du_k
 
 
 @njit(cache=True, error_model="numpy")
 def _end_rows(y: Any, p: Any, flags: Any, work: Any) -> Any:
-    """Conditions at the end: the field is the applied one, and V' = end_slope V."""
+    """Conditions at the end: the field is the applied one (or, with none given, Psi = -p[13]), and V' = end_slope V."""
     inside, _, _ = slopes(y, p[13], p, flags[0], flags[1], flags[2], work)
-    return inside / p[13] - 1.0, work[0] - p[12]
+    if p[13] > 0.0:
+        return inside / p[13] - 1.0, work[0] - p[12]
+    return y[2] + p[13], work[0] - p[12]
 
 
 @njit(cache=True, error_model="numpy")
@@ -190,20 +228,17 @@ def jacobian(s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left:
     for k in range(count):
         c = int(left[k, 0])
         band[top + k - c, c] = 1.0
-    f0, f1, mid = np.empty(m), np.empty(m), np.empty(m)
-    z, work = np.empty(m, np.complex128), np.empty(m, np.complex128)
+    f0, f1, fm, mid = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     j0, j1, jm, a, b = np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), np.empty((m, m)), np.empty((m, m))
-    slopes(y[0], nodes[0], p, flags[0], flags[1], flags[2], f0)
-    _local(y[0], nodes[0], p, flags, j0, z, work)
+    tilts(y[0], nodes[0], p, flags, f0, j0)
     for j in range(n - 1):
         h = s[j + 1] - s[j]
-        _local(y[j + 1], nodes[j + 1], p, flags, j1, z, work)
+        tilts(y[j + 1], nodes[j + 1], p, flags, f1, j1)
         if not flags[3]:
-            slopes(y[j + 1], nodes[j + 1], p, flags[0], flags[1], flags[2], f1)
             for k in range(m):
                 mid[k] = 0.5 * (y[j, k] + y[j + 1, k]) + 0.125 * h * (f0[k] - f1[k])
                 f0[k] = f1[k]
-            _local(mid, middles[j], p, flags, jm, z, work)
+            tilts(mid, middles[j], p, flags, fm, jm)
         _blocks(h, flags[3], j0, jm, j1, a, b)
         for r in range(m):
             row = count + j * m + r
@@ -211,13 +246,10 @@ def jacobian(s: Any, y: Any, nodes: Any, middles: Any, p: Any, flags: Any, left:
                 band[top + row - j * m - c, j * m + c] = a[r, c]
                 band[top + row - (j + 1) * m - c, (j + 1) * m + c] = b[r, c]
                 j0[r, c] = j1[r, c]
+    # the conditions at the end: of the field at p[13], which u' does not hold, or of Psi, and of u'
+    tilts(y[n - 1], p[13], p, flags, f1, j1)
     row = count + (n - 1) * m
     for c in range(m):
-        z[c] = y[n - 1, c]
-    for c in range(m):
         column = (n - 1) * m + c
-        z[c] = y[n - 1, c] + 1e-30j
-        d0, d1 = _end_rows(z, p, flags, work)
-        z[c] = y[n - 1, c]
-        band[top + row - column, column] = d0.imag * 1e30
-        band[top + row + 1 - column, column] = d1.imag * 1e30
+        band[top + row - column, column] = -j1[2, c] / p[13] if p[13] > 0.0 else 1.0 * (c == 2)
+        band[top + row + 1 - column, column] = j1[0, c]

@@ -7,8 +7,9 @@ With the radius r_0 and velocity v_0 of the needle and the mean field ``E_s = V 
     A = Re El = eps_0 E_s^2 r_0 / (mu v_0)     B = 2 / Pe = K r_0 / (eps_0 v_0)     chi = L / r_0
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -224,12 +225,21 @@ class NeedleSettings:
         n, near = self.numbers, float(self.applied_field.axial(self.radius)) / self.field_scale
         return float(4 * n["pull"] ** (1 / 3) * near ** (2 / 3) * n["capillary"])
 
+    @cached_property
+    def _applied(self) -> Callable[[FloatArray], FloatArray]:
+        """Applied field over its scale by place over the radius: one function, so that one mesh asks it once."""
+        return partial(_over_scale, self.applied_field, self.field_scale, self.radius, self.end_position)
+
+    @cached_property
+    def _last_field(self) -> float:
+        return float(self.applied_field.axial(self.end_position)) / self.field_scale
+
     def problem(
         self, *, charge: bool, predicted: bool, pull: float = 1.0, slack: float = 1.0, work: Work | None = None
     ) -> Problem:
         """The boundary-value problem; `pull` scales every force on the thread alike, `slack` the relaxation time."""
         n, polymer = self.numbers, self.polymer
-        chi, field, scale, radius = n["slenderness"], self.applied_field, self.field_scale, self.radius
+        chi = n["slenderness"]
         de = self.deborah * slack
         share = self.solvent_share if polymer else 1.0
         limit = 1 / self.extensibility if polymer and self.law == "fene-p" and self.extensibility else 0.0
@@ -248,12 +258,9 @@ class NeedleSettings:
                 limit,
                 self.mobility if self.law == "giesekus" else 0.0,
                 self.end_factor / (2 * chi),
-                float(field.axial(self.end_position)) / scale,
+                self._last_field,
             ]
         )
-
-        def applied(s: FloatArray) -> FloatArray:
-            return field.axial(np.minimum(s * radius, self.end_position)) / scale
 
         left = [[0, 0.0]]
         if charge:
@@ -264,8 +271,14 @@ class NeedleSettings:
             left.append([3, float(np.log(self.current / self.current_scale))])
         if polymer:
             left += [[4, 0.0], [5, 0.0]]
-        return Problem(parameters, applied, chi, np.array(left), polymer, charge, self.log != "constant", work=work)
+        return Problem(
+            parameters, self._applied, chi, np.array(left), polymer, charge, self.log != "constant", work=work
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Every parameter by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
+
+
+def _over_scale(field: AppliedField, scale: float, radius: float, end: float, s: FloatArray) -> FloatArray:
+    return field.axial(np.minimum(s * radius, end)) / scale

@@ -41,6 +41,7 @@ _FINEST = 5121
 _LEAST_PULL = 0.01
 _RELAXED = 1e-5  # share of the conducted current by which charge relaxation may be off before it is resolved
 _SLACK = 0.5  # Deborah number at which the pull is raised where a longer relaxation time folds the path
+PLATE = 0.8  # of the gap, from where a jet that ends at the plate's potential feels it
 _FLAT = 1e-7  # slope of ln V below which a thread that thickens does so by rounding
 _WORK = 1_000_000
 _NEAR = 0.6  # change of a neighbour's solution, in its ranges, that is taken in one go
@@ -241,9 +242,14 @@ class _Search:
 
 
 def thins(problem: Problem, found: Discrete) -> bool:
-    """Whether a solution thins and is under tension everywhere, to rounding."""
+    """Whether a solution thins and is under tension everywhere, to rounding.
+
+    A jet whose end has the plate's potential gives its charge up there and may thicken: it thins up to `PLATE`.
+    """
     slope, told = rates(found.y, problem.field(found.s), problem.parameters, problem.flags)
     rate, tension = slope[:, 0], told[:, 2]
+    if not problem.parameters[13] > 0:
+        rate = rate[found.s < PLATE * problem.end]
     return bool(tension.min() > 0 and rate.min() > -_FLAT * max(1.0, float(rate.max())))
 
 

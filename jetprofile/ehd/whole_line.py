@@ -17,8 +17,10 @@ round's potential, so that what is left to the rounds is the answer of the jet.
 
 Near the needle the jet is as wide as long: a line's potential says nothing there, and the needle's own imposed on it is an
 equation of the first kind. S lets D in over the first ten radii; with three or twenty in their place the line charge
-beyond twice as many moves by 0.5 %. Near the plate the line and its mirror cancel, and what lands there is not modelled: S
-lets D go over the last fifth of the gap. The needle answers as a slender body: charge on its axis that keeps its surface
+beyond twice as many moves by 0.5 %. Near the plate the line and its mirror cancel: S lets D go over the last fifth of the gap.
+The jet ends on the plate and has its potential, Psi = 0, so all of the current is conducted there: its own potential, a
+third of the voltage, falls over the last centimetre, which pulls the whole jet by a tenth more than the applied field at
+its end would. A jet may thicken there. The needle answers as a slender body: charge on its axis that keeps its surface
 at no potential (uniform field: the plate at the tip, a mirror).
 """
 
@@ -28,20 +30,21 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from spinline.base.checks import FloatArray
-from spinline.jetprofile.ehd.boundary_value import Discrete, Problem, interpolate, newton, remesh
+from spinline.jetprofile.ehd.boundary_value import Discrete, Problem, halved, interpolate, newton, remesh, spline
 from spinline.jetprofile.ehd.fields import HyperboloidField, NeedleField, UniformField
 from spinline.jetprofile.ehd.settings import NeedleSettings
-from spinline.jetprofile.ehd.solver import Solved, errors_of, thins
+from spinline.jetprofile.ehd.solver import PLATE, Solved, errors_of, thins
 
 __all__ = ["needle_axis", "own_potential", "whole_line"]
 
 CONE = 10.0  # radii over which the local logarithm gives way
-_PLATE = 0.8  # of the gap, from where it comes back
 _RINGS = 24
-_ROUNDS = 60
+_ROUNDS = 100
 _CLOSED = 1e-8  # of Psi: change of D in the last round
 _EASED = (0.3, 0.5, 0.7)  # D comes in by parts
-_NODES = (201, 401)
+_NODES = 201  # and once halved
+_END = 13  # of the parameters: the condition on the field at the end
+_HELD, _LOWERED = 4, 16  # rounds before the end's own potential is let down, and in which
 
 
 def _smooth(x: FloatArray) -> FloatArray:
@@ -117,7 +120,7 @@ def _missing(settings: NeedleSettings, problem: Problem, found: Discrete, missin
     s, u = found.s, found.y[:, 0]
     log = problem.parameters[6] + 0.5 * u
     gap = settings.applied_field.gap / settings.radius
-    kept = _smooth(s / CONE) * (1 - _smooth((s / gap - _PLATE) / (1 - _PLATE)))
+    kept = _smooth(s / CONE) * (1 - _smooth((s / gap - PLATE) / (1 - PLATE)))
     matrix = kept[:, np.newaxis] * own_potential(settings, s, np.exp(-0.5 * u))
     matrix[np.diag_indices(s.size)] += (1 - kept) * log
     whole = found.y[:, 2] + missing
@@ -125,31 +128,46 @@ def _missing(settings: NeedleSettings, problem: Problem, found: Discrete, missin
     return value
 
 
-def _in_field(problem: Problem, s: FloatArray, missing: FloatArray) -> Problem:
+def _in_field(problem: Problem, s: FloatArray, missing: FloatArray, level: float | None) -> Problem:
+    """With the field of `missing`, and the own potential `level` at the plate (None: the applied field there)."""
     slope = CubicSpline(s, missing).derivative()
-    before = problem.field
+    before, parameters = problem.field, problem.parameters.copy()
+    if level is not None:
+        parameters[_END] = -level
 
     def field(at: FloatArray) -> FloatArray:
         value: FloatArray = before(at) - slope(at)
         return value
 
-    return replace(problem, field=field)
+    return replace(problem, field=field, parameters=parameters)
 
 
 def _closed(
-    settings: NeedleSettings, problem: Problem, found: Discrete, missing: FloatArray
+    settings: NeedleSettings, problem: Problem, found: Discrete, missing: FloatArray, earthed: bool
 ) -> tuple[Problem, Discrete, FloatArray] | None:
-    """Jet and D on one mesh, each the other's; None where they do not close."""
+    """Jet and D on one mesh, each the other's; None where they do not close.
+
+    Where the start is not `earthed`, the potential at its end is let down to the plate's once D has all but settled.
+    """
+    first = last = stride = 0.0
     for step in range(_ROUNDS):
-        now = _in_field(problem, found.s, missing)
-        made = newton(now, found.s, found.y)
+        ease = _EASED[step] if step < len(_EASED) else 1.0
+        held = not earthed and step < _HELD
+        if not earthed and step == _HELD:
+            first = last = float(found.y[-1, 2])
+            stride = first / _LOWERED
+        level = max(last - stride, 0.0) if last > 0.0 else 0.0
+        made = newton(_in_field(problem, found.s, missing, None if held else level), found.s, found.y)
         if not made.converged:
-            return None
+            stride *= 0.5
+            if held or last == 0.0 or stride < 1e-3 * first:
+                return None
+            continue
         change = _missing(settings, problem, made, missing) - missing
-        found = made
-        if np.abs(change).max() < _CLOSED * np.abs(found.y[:, 2]).max():
-            return now, found, missing
-        missing = missing + (_EASED[step] if step < len(_EASED) else 1.0) * change
+        found, last = made, level
+        if np.abs(change).max() < _CLOSED * np.abs(found.y[:, 2]).max() and level == 0.0 and not held:
+            return _in_field(problem, found.s, missing, 0.0), found, missing
+        missing = missing + ease * change
     return None
 
 
@@ -170,21 +188,24 @@ def whole_line(settings: NeedleSettings, local: Solved) -> Solved:
         errors are those of the mesh and of the line cut into straight pieces of charge.
     """
     problem = replace(local.problem, work=None)
-    found, last, missing = local.discrete, None, np.zeros(local.discrete.s.size)
-    for nodes in _NODES:
-        before, s = last, remesh(found.s, found.y, nodes)
-        start = Discrete(s, interpolate(found.s, found.y, s))
-        made = _closed(settings, problem, start, np.interp(s, found.s, missing))
-        if made is None:
-            return replace(local, why="lost")
-        now, found, missing = made
-        last = found
+    s = remesh(local.discrete.s, local.discrete.y, _NODES)
+    start = Discrete(s, interpolate(local.discrete.s, local.discrete.y, s))
+    made = _closed(settings, problem, start, np.zeros(_NODES), earthed=False)
+    if made is None:
+        return replace(local, why="lost")
+    now, before, missing = made
+    s = halved(s)
+    made = _closed(
+        settings, problem, Discrete(s, spline(now, before)[0](s)), CubicSpline(before.s, missing)(s), earthed=True
+    )
+    if made is None:
+        return replace(local, why="lost")
+    now, found, _ = made
     error = errors_of(now, found)
     if error is None:
         return replace(local, why="mesh")
-    if before is not None:
-        change = np.abs(interpolate(before.s, before.y, s) - found.y) / 3  # order 2
-        error["radius"] = max(error["radius"], 0.5 * float(change[:, 0].max()))
-        error["current"] = max(error["current"], float(change[0, 3]))
+    change = np.abs(interpolate(before.s, before.y, s) - found.y) / 3  # order 2
+    error["radius"] = max(error["radius"], 0.5 * float(change[:, 0].max()))
+    error["current"] = max(error["current"], float(change[0, 3]))
     why = "" if error["radius"] < 0.005 and thins(now, found) else "mesh"
     return Solved(now, found, error, why, local.pull, local.time_share, local.direct)

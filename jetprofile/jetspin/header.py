@@ -57,6 +57,7 @@ _INTERNAL = {
     "Mass unit": ("mass_unit", "g"),
     "Charge unit": ("charge_unit", "statC"),
 }
+_NAMES = [re.compile("|".join(f"(?P<{field}>{re.escape(rule[k])})" for field, rule in _VALUES.items())) for k in (0, 1)]
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
 _POSITIVE = frozenset(
     [
@@ -81,6 +82,7 @@ _POSITIVE = frozenset(
         "system",
     ]
 )
+_FIELDS = frozenset(field.name for field in fields(RunParameters))
 _Values = dict[str, object]
 
 
@@ -91,22 +93,27 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
     if version is not None:
         found["version"] = version[1]
     inside = ended = False
-    for line in text.splitlines():
+    run = text.find("\nStart simulation")
+    for line in (text if run < 0 else text[:run]).splitlines():
+        if line.startswith("*"):  # of the banner
+            continue
         if line.startswith("Start simulation"):
             break
         if line.startswith("Start printing input"):
             inside = True
         elif line.startswith("Finish printing input"):
             inside, ended = False, True
-        resolution = re.match(r"The 'resolution' value is equal to\s+(\S+)", line)
-        if resolution is not None:
-            _store(found, "resolution", resolution[1], "cm", notes)
+        elif line.startswith("The 'resolution' value is equal to"):
+            value = line[34:].split()
+            if value and line[34].isspace():
+                _store(found, "resolution", value[0], "cm", notes)
         name, _, rest = line.partition("=")
-        internal = _INTERNAL.get(name.strip())
-        if internal is not None and rest.split():
-            _store(found, internal[0], rest.split()[0], internal[1], notes)
-        elif inside and rest.split():
-            _lookup(found, name.strip(), rest.split()[0], 0, notes)
+        words = rest.split()
+        internal = _INTERNAL.get(name.strip()) if words else None
+        if internal is not None:
+            _store(found, internal[0], words[0], internal[1], notes)
+        elif inside and words:
+            _lookup(found, name.strip(), words[0], 0, notes)
         elif inside:
             _switch(found, line)
     return _finish(found, source, ended, notes)
@@ -130,13 +137,14 @@ def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
 
 
 def _lookup(found: _Values, name: str, value: str, column: int, notes: Notes) -> None:
-    for field, rule in _VALUES.items():
-        if name.startswith(rule[column]):
-            _store(found, field, value, rule[2], notes)
-            return
+    known = _NAMES[column].match(name)
+    if known is not None and known.lastgroup is not None:
+        _store(found, known.lastgroup, value, _VALUES[known.lastgroup][2], notes)
 
 
 def _switch(found: _Values, line: str) -> None:
+    if not line.startswith(tuple(_SWITCHES)):
+        return
     for name, field in _SWITCHES.items():
         words = line[len(name) :].split() if line.startswith(name) else []
         if words and words[0] in ("yes", "no"):
@@ -154,8 +162,7 @@ def _store(found: _Values, field: str, value: str, unit: str, notes: Notes) -> N
 
 
 def _finish(found: _Values, source: str, ended: bool, notes: Notes) -> RunParameters:
-    known = {field.name for field in fields(RunParameters)}
-    params = RunParameters(source=source, complete=ended, **{k: v for k, v in found.items() if k in known})  # type: ignore[arg-type]
+    params = RunParameters(source=source, complete=ended, **{k: v for k, v in found.items() if k in _FIELDS})  # type: ignore[arg-type]
     if ended:
         params = replace(
             params,

@@ -86,8 +86,9 @@ def open_xyz(
             remedy="read another file of the run",
         )
     kept = order_frames(source.time, Notes(""))
-    kept = kept[np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))] if len(kept) else kept
-    sample = source.load(kept, Notes(""))
+    if len(kept) > 2 * _SAMPLES:  # of few frames all: they are read once for this and for good
+        kept = kept[np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))]
+    sample = source.look(kept)
     time, x = sample.time, sample.values["x"][sample.first]
     name = files[0].name.lower()
     padded = bool((source.weight[kept] > sample.length).any())

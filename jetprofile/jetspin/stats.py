@@ -1,5 +1,6 @@
 """What JETSPIN prints beside the beads: statout.dat, statdat.dat, bead.dat, and the set-up as a Dataset."""
 
+from contextlib import suppress
 from dataclasses import fields
 from os import PathLike
 from pathlib import Path
@@ -143,7 +144,7 @@ def _check_record(values: Floats, notes: Notes) -> None:
 def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
     columns: list[Column] | None = None
     rows: list[list[float]] = []
-    unreadable = torn = 0
+    torn = 0
     with path.open("rb") as file:
         for raw in file:
             if raw.startswith(b"#***") or not raw.strip():
@@ -164,14 +165,22 @@ def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
                 torn += 1
                 continue
             cells = [line[:10]] + [line[at : at + _WIDTH] for at in range(10, width, _WIDTH)]
-            row = [to_float(cell) for cell in cells]
-            unreadable += sum(value != value for value in row)
-            rows.append(row)
+            rows.append(_numbers(cells))
     notes.add("{n} cut or damaged rows left out", torn, dropped=True)
-    notes.add("{n} values cannot be read and are NaN", unreadable)
+    table = np.array(rows, dtype=np.float64)
+    notes.add("{n} values cannot be read and are NaN", int(np.isnan(table).sum()))
     if columns is None:
         raise InputError(str(path), "has no header", remedy="read statdat.dat instead")
-    return np.array(rows, dtype=np.float64).reshape(len(rows), len(columns)), columns
+    return table.reshape(len(rows), len(columns)), columns
+
+
+def _numbers(cells: list[str]) -> list[float]:
+    """`to_float` of each; at once where all are plain."""
+    together = "".join(cells)
+    if together.isascii() and "_" not in together:
+        with suppress(ValueError):
+            return list(map(float, cells))
+    return [to_float(cell) for cell in cells]
 
 
 def _columns(line: str) -> list[Column]:

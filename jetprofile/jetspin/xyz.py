@@ -25,6 +25,8 @@ __all__ = ["XyzSource", "map_file", "scan_frames"]
 
 _HEADER = re.compile(rb"frame at time([ 0-9.+\-EeDd*]{20})([ 0-9*]{10})\r?\n")
 _COUNT = re.compile(rb" *[0-9]{1,10}\Z")
+_Rows = tuple[Floats, NDArray[np.uint8], Integers]
+_SMALL = 2 << 20
 _KEEP = 64 << 20  # bytes of small files kept after the first pass
 
 
@@ -161,6 +163,7 @@ class XyzSource:
         self.parameters: RunParameters | None = None
         self.scale = 1.0
         self._content: dict[int, Any] = {}
+        self._looked: tuple[Integers, _Rows] | None = None
         frames = FrameList()
         owner: list[int] = []
         kept = 0
@@ -190,7 +193,8 @@ class XyzSource:
         content = self._content.get(number)
         if content is None:
             path = self.paths[number]
-            content = map_file(path) if len(self.paths) == 1 else _read(path)
+            small = len(self.paths) > 1 or path.stat().st_size <= _SMALL  # mapping costs more than reading then
+            content = _read(path) if small else map_file(path)
             self._content[number] = content
         return content
 
@@ -214,9 +218,33 @@ class XyzSource:
         joined.flags.writeable = False
         return joined, self._offset[frames] + moved
 
+    def look(self, frames: Integers) -> Block:
+        """Beads in the unit of the file, before its scale is known; what was read is kept for a `load` of the same frames."""
+        self._looked = frames, self._rows(frames)
+        return self._block(frames, self._looked[1])
+
     def load(self, frames: Integers, notes: Notes) -> Block:
         """Beads of the frames with these numbers, m."""
-        from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE, parse_rows
+        from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE
+
+        looked, self._looked = self._looked, None
+        rows = looked[1] if looked is not None and np.array_equal(looked[0], frames) else self._rows(frames)
+        out, status, chains = rows
+        out *= self.scale
+        add = notes.add
+        add("{n} rows hold asterisks (numbers too wide for their field) and are NaN", _bits(status, OVERFLOW))
+        bad = int(((status & (UNREADABLE | OVERFLOW)) != 0).sum())
+        add("{n} rows cannot be read and are NaN", bad - _bits(status, OVERFLOW))
+        add("{n} rows are damaged outside their numbers", int((status == DAMAGED).sum()))
+        add(
+            "{n} rows behind the nozzle are not the padding they should be and are left out",
+            chains[:, 3].sum(),
+        )
+        return self._block(frames, rows)
+
+    def _rows(self, frames: Integers) -> "_Rows":
+        """Beads in the unit of the file, their flags, and the frames' places among them (`parse_rows`)."""
+        from spinline.jetprofile.jetspin.xyz_rows import parse_rows
 
         buffer, offset = self._gather(frames)
         rows = self.weight[frames]
@@ -226,23 +254,18 @@ class XyzSource:
         used = parse_rows(buffer, offset, rows, self._stride[frames], out, status, chains)
         if len(self.paths) == 1:
             forget_pages(self._content[0])
-        out, status = out[:, :used], status[:used]
-        out *= self.scale
-        add = notes.add
-        add("{n} rows hold asterisks (numbers too wide for their field) and are NaN", _bits(status, OVERFLOW))
-        bad = (status & (UNREADABLE | OVERFLOW)) != 0
-        add("{n} rows cannot be read and are NaN", int(bad.sum()) - _bits(status, OVERFLOW))
-        add("{n} rows are damaged outside their numbers", int((status == DAMAGED).sum()))
-        add(
-            "{n} rows behind the nozzle are not the padding they should be and are left out",
-            chains[:, 3].sum(),
-        )
+        return out[:, :used], status[:used], chains
+
+    def _block(self, frames: Integers, rows: "_Rows") -> Block:
+        from spinline.jetprofile.jetspin.xyz_rows import OVERFLOW, UNREADABLE
+
+        out, status, chains = rows
         return Block(
             time=self.time[frames],
             first=chains[:, 0].copy(),
             length=chains[:, 1].copy(),
             values={"x": out[0], "y": out[1], "z": out[2]},
-            bad=bad,
+            bad=(status & (UNREADABLE | OVERFLOW)) != 0,
             reaches_nozzle=chains[:, 2] == 1,
         )
 

@@ -74,6 +74,10 @@ def _unpacked(path: Path, folder: Path) -> Path:
                 if stat.S_ISLNK(entry.external_attr >> 16):
                     raise InputError(str(path), "holds a symbolic link", value=entry.filename, remedy="zip the files")
                 write_bytes(folder / PurePosixPath(entry.filename).name, archive.read(entry))
-    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, EOFError) as error:
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        # zipfile's own, and those of what unpacks for it: BadZipFile, NotImplementedError for a compression it does not know,
+        # RuntimeError for a password, zlib.error and others for bytes that are damaged
         raise InputError(str(path), f"is a zip that cannot be read ({error})", remedy="zip the run again") from None
     return folder

@@ -28,6 +28,7 @@ from spinline.jetprofile.spun._codes import (
     COUPLING,
     DRYING,
     END,
+    EXACT,
     EXPLICIT_SOLVENT,
     EXTRAPOLATED,
     FLOW,
@@ -73,13 +74,14 @@ from spinline.jetprofile.spun._codes import (
     Z,
 )
 from spinline.jetprofile.spun._collector_kernels import surface_velocity
+from spinline.jetprofile.spun._cone_kernels import cone_forces
 from spinline.jetprofile.spun._coulomb_kernels import repulsion
 from spinline.jetprofile.spun._dry_kernels import drying_rates, material
 from spinline.jetprofile.spun._field_kernels import field_forces
 from spinline.jetprofile.spun._law_kernels import inlet_stretch, law_rates, stress_ratio
 from spinline.jetprofile.spun._needle_kernels import needle_forces
 from spinline.jetprofile.spun._neighbour_kernels import neighbour_forces
-from spinline.jetprofile.spun._nozzle_kernels import nozzle, smooth
+from spinline.jetprofile.spun._nozzle_kernels import affine_inlet, nozzle, smooth
 
 __all__ = ["explicit_rates", "geometry", "inlet_radius"]
 
@@ -174,6 +176,8 @@ def _forces(
     repulsion(n, y, p, k, w, f)
     if k[REPULSION] == HYBRID:
         needle_forces(n, y, p, k, tables, w, f)
+    if k[REPULSION] == HYBRID or k[REPULSION] == EXACT:
+        cone_forces(n, y, p, k, tables, w, f)
     for i in range(n):
         pull = w[TENSION, i]
         if held[i] == 1 and (pull < 0.0 or w[RATE, i] <= 0.0):
@@ -273,5 +277,14 @@ def _inflow(n: int, radius: float, y: FloatArray, p: FloatArray, k: IntArray, w:
     if k[INLET] == EXTRAPOLATED and w[G_HERE, i] > 0.0:
         area = math.pi * radius * radius
         azz = inlet_stretch(k[LAW], _inlet_tension(n, y, w) / (area * w[G_HERE, i]), p[ARR_IN], p)
-    dy[i, AZZ] += flow / volume * (azz - y[i, AZZ])
-    dy[i, ARR] += flow / volume * (p[ARR_IN] - y[i, ARR])
+    if not affine_inlet(p, k):
+        dy[i, AZZ] += flow / volume * (azz - y[i, AZZ])
+        dy[i, ARR] += flow / volume * (p[ARR_IN] - y[i, ARR])
+        return
+    # what enters takes the element's area at once, and the element is stretched by what its area says: without relaxation
+    # A_zz A^2 and A_rr/A stay what they are at the nozzle, however little of the first stretch one element resolves
+    area = y[i, LABEL] / w[LENGTH, i]
+    thinner = math.pi * radius * radius / area
+    more = (y[n, VX] * w[TX, i] - flow / area) / w[LENGTH, i]
+    dy[i, AZZ] += 2.0 * more * y[i, AZZ] + flow / y[i, LABEL] * (azz * thinner * thinner - y[i, AZZ])
+    dy[i, ARR] += -more * y[i, ARR] + flow / y[i, LABEL] * (p[ARR_IN] / thinner - y[i, ARR])

@@ -88,7 +88,8 @@ COLUMNS = 16  # LABEL: the element's volume when it left the nozzle; SPIN: its t
 FEED_FIRST = 73  # their lengths and line charges in turn
 FEEDS = 12
 CROSS = FEED_FIRST + 2 * FEEDS  # weight of the flow across in the transfer to the air
-PARAMETERS = CROSS + 1
+TURN = CROSS + 1  # angle between neighbours beyond which the longer is split in two; 0: never
+PARAMETERS = TURN + 1
 
 # switches
 (

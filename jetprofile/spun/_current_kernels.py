@@ -64,7 +64,7 @@ def currents(
         potential_matrix(n, y, p, k, tables, w, matrix, psi)
         psi += np.dot(matrix, start)
     else:
-        near_band(n, reach, a2, p, k, w, near)
+        near_band(n, reach, 0, a2, p, k, w, near)
         level(n, reach, start, y, x, a2, near, p, k, tables, w, psi)
         outer_level(n, y, p, k, tables, w, a2, psi)
     right = np.empty(last - first + 1)

@@ -21,6 +21,7 @@ from spinline.jetprofile.spun._codes import (
     PAUSED,
     RADIUS,
     STALLED,
+    TURN,
     VX,
     WORK,
     IntArray,
@@ -158,12 +159,12 @@ def march_explicit(
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
             fresh = True
-        if p[LONGEST] > 0.0:
-            parts = refine(n, y, held, marks, p)
+        if p[LONGEST] > 0.0 or p[TURN] > 0.0:
+            parts = refine(n, clock[0], y, held, marks, p)
             fresh = fresh or parts > n
             n = parts
         if t >= entry:
-            split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
+            split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p, k)
             held[n + 1] = held[n] = 0
             n += 1
             clock[1] += 1

@@ -49,6 +49,7 @@ from spinline.jetprofile.spun._codes import (
     STALLED,
     THETA_HERE,
     TRACTION,
+    TURN,
     TX,
     VOLUME,
     VX,
@@ -325,10 +326,10 @@ def march_implicit(
             leave(t, n, y, held, marks, p)
             n, clock[3], rows = remove_landed(n, clock[3], y, held, marks, landed, int(clock[4]), True)
             clock[4] = rows
-        if p[LONGEST] > 0.0:
-            n = refine(n, y, held, marks, p)
+        if p[LONGEST] > 0.0 or p[TURN] > 0.0:
+            n = refine(n, clock[0], y, held, marks, p)
         if t >= entry:
-            split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p)
+            split(n, clock[0], p[FLOW] / (math.pi * p[RADIUS] ** 2), y, p, k)
             held[n + 1] = held[n] = 0
             n += 1
             clock[1] += 1

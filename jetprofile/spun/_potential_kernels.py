@@ -41,7 +41,7 @@ from spinline.jetprofile.spun._mirror_kernels import OPENING, middles, mirror_ke
 from spinline.jetprofile.spun._needle_kernels import needle_level, needle_matrix
 from spinline.jetprofile.spun._tree_kernels import tree_sum
 
-__all__ = ["far_band", "level", "near_band", "outer_level", "potential_matrix"]
+__all__ = ["bare_outer", "far_band", "level", "log_level", "near_band", "outer_level", "potential_matrix"]
 
 
 @njit(cache=True, error_model="numpy")
@@ -60,7 +60,7 @@ def potential_matrix(
     x, charge, a2 = np.empty((n + 1, 3)), np.empty(n + 1), np.empty(n + 1)
     beads(n, y, w, x, charge, a2)
     near = np.zeros((n, reach + 1))
-    near_band(n, reach, a2, p, k, w, near)
+    near_band(n, reach, 0, a2, p, k, w, near)
     for i in range(n):
         matrix[i, i] += near[i, 0]
         for d in range(1, min(reach, n - 1 - i) + 1):
@@ -83,15 +83,24 @@ def local_level(i: int, p: FloatArray, w: FloatArray) -> float:
     rest: float = 1.0 - w[SHARE, i] ** 2
     if rest == 0.0:
         return rest
-    value: float = rest * 2.0 * p[COUPLING] * math.log(p[LOG_LENGTH] / math.sqrt(w[AREA, i] / math.pi)) / w[LENGTH, i]
+    value: float = rest * log_level(i, p, w)
     return value
 
 
 @njit(cache=True, error_model="numpy")
-def near_band(n: int, reach: int, a2: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, near: FloatArray) -> None:
-    """Element i and element i + d as straight segments, less their lumped halves: `near[i, d]`, V/C."""
+def log_level(i: int, p: FloatArray, w: FloatArray) -> float:
+    """An element's own potential by the local logarithm, V/C."""
+    value: float = 2.0 * p[COUPLING] * math.log(p[LOG_LENGTH] / math.sqrt(w[AREA, i] / math.pi)) / w[LENGTH, i]
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def near_band(
+    n: int, reach: int, low: int, a2: FloatArray, p: FloatArray, k: IntArray, w: FloatArray, near: FloatArray
+) -> None:
+    """Element i and element i + d as straight segments, less their lumped halves: `near[i, d]`, V/C, from `low` on."""
     exact = k[REPULSION] == EXACT
-    for i in range(n):
+    for i in range(low, n):
         li, ai = w[LENGTH, i], w[AREA, i] / math.pi
         u, _, _ = segment_self(1.0, li, ai)
         if not exact:
@@ -239,13 +248,33 @@ def outer_level(
     a2: FloatArray,
     outer: FloatArray,
 ) -> None:
-    """Potential of the feed lines at the elements, and of what they induce on the needle, added to `outer`."""
+    """Potential of the feed lines at the elements, and of what they induce on the needle, as the elements see it, added to
+    `outer`.
+    """
+    whole = np.zeros(n)
+    bare_outer(n, y, p, k, tables, w, a2, whole)
+    for i in range(n):
+        outer[i] += whole[i] * w[SHARE, i]
+
+
+@njit(cache=True, error_model="numpy")
+def bare_outer(
+    n: int,
+    y: FloatArray,
+    p: FloatArray,
+    k: IntArray,
+    tables: FloatArray,
+    w: FloatArray,
+    a2: FloatArray,
+    outer: FloatArray,
+) -> None:
+    """`outer_level` before the cone takes its share."""
     if p[FEED_COUNT] > 0.0 and k[REPULSION] != EXACT:
         x, soft2, answer = np.empty((n, 3)), np.empty(n), np.zeros(n)
         middles(n, y, w, x, soft2)
         needle_level(x, np.zeros(n), True, n, y, p, tables, answer)
         for i in range(n):
-            outer[i] += p[COUPLING] * answer[i] * w[SHARE, i]
+            outer[i] += p[COUPLING] * answer[i]
     exact = k[REPULSION] == EXACT
     reach = n if exact else k[NEAR]
     foot = p[RADIUS] ** 2
@@ -270,5 +299,5 @@ def outer_level(
                         _, _, _, far, _, _ = feed_field(2.0 * p[GAP] - y[j, X], dy, dz, soft, length, 0.0)
                         one -= far
                     u += 0.5 * e * one
-            outer[i] += p[COUPLING] * u * w[SHARE, i]
+            outer[i] += p[COUPLING] * u
             gap += li

@@ -68,7 +68,7 @@ def parameters(s: SpunSettings) -> tuple[FloatArray, c.IntArray]:
     p[[c.NEEDLE_AT, c.CONE]] = loads.needle_at, grid.cone
     p[[c.SETTLE, c.SETTLED]] = grid.settle, 1.0
     p[[c.COLLECTOR_SPEED, c.DRUM_RADIUS, c.OUTFLOW]] = s.collector.speed, s.collector.radius, s.outflow
-    p[c.COUPLING], p[c.LONGEST] = c.COULOMB, grid.longest
+    p[c.COUPLING], p[c.LONGEST], p[c.TURN] = c.COULOMB, grid.longest, grid.turn
     _air_and_drying(s, p, k)
     k[c.LAW] = law.code
     k[c.REPULSION] = {"none": c.NO_REPULSION, "local": c.LOCAL, "exact": c.EXACT, "hybrid": c.HYBRID}[grid.repulsion]

@@ -290,6 +290,9 @@ class Grid:
         Equal steps, s, for orders of convergence; 0: error control.
     longest : float
         Length beyond which an element is split in two, m; 0: never.
+    turn : float
+        Angle between neighbours, rad, beyond which the longer of them is split, while it is longer than `element_length`: k l
+        for the curvature k of a bend; 0: never.
     """
 
     element_length: float
@@ -307,6 +310,7 @@ class Grid:
     cfl: float = 0.3
     fixed_step: float = 0.0
     longest: float = 0.0
+    turn: float = 0.0
     cone: float = 0.0
     settle: float = 0.0
 
@@ -326,6 +330,7 @@ class Grid:
         number("cfl", self.cfl, above=0.0, most=1.0)
         number("fixed_step", self.fixed_step, least=0.0)
         number("longest", self.longest, least=0.0, unit="m")
+        number("turn", self.turn, least=0.0, most=math.pi, unit="rad")
         number("feed_length", self.feed_length, least=0.0, unit="m")
         number("feed_charge", self.feed_charge, unit="C/m")
         if len(self.feed_lines) >= FEEDS:

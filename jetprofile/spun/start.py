@@ -50,15 +50,23 @@ def start_straight(settings: SpunSettings, straight: StraightStart, capacity: in
             break
         cuts = np.sort(np.concatenate((cuts, 0.5 * (cuts[:-1] + cuts[1:])[long])))
     n = cuts.size - 1
-    nodes, middles = place(cuts)[::-1], place(0.5 * (cuts[:-1] + cuts[1:]))[::-1]
+    nodes = place(cuts)[::-1]
     nodes[0], nodes[-1] = z[-1], 0.0
-    at = {name: PchipInterpolator(z, getattr(straight, name)) for name in ("velocity", "axial", "radial")}
+    speed, area = PchipInterpolator(z, straight.velocity), math.pi * straight.radius**2
+    volumes = label(z)
+    # each element's mean tension, and of A_rr/A, which an affine stretch leaves alone: a first stretch within an element would
+    # else be forgotten, and a step of the radius run down the jet
+    pull = PchipInterpolator(volumes, (straight.axial - straight.radial) * area).antiderivative()
+    radial = PchipInterpolator(volumes, straight.radial / area).antiderivative()
     charge = PchipInterpolator(z, straight.line_charge).antiderivative()
     rows = max(capacity, 2 * n + 8)
     state, held = np.zeros((rows, c.COLUMNS)), np.zeros(rows, dtype=np.int64)
-    state[: n + 1, c.X], state[: n + 1, c.VX] = nodes, at["velocity"](nodes)
-    state[:n, c.AZZ], state[:n, c.ARR] = at["axial"](middles), at["radial"](middles)
-    state[:n, c.VOLUME] = state[:n, c.LABEL] = np.diff(cuts)[::-1]
+    pieces = np.diff(cuts)[::-1]
+    areas = pieces / -np.diff(nodes)
+    state[: n + 1, c.X], state[: n + 1, c.VX] = nodes, speed(nodes)
+    state[:n, c.ARR] = np.diff(radial(cuts))[::-1] / pieces * areas
+    state[:n, c.AZZ] = state[:n, c.ARR] + np.diff(pull(cuts))[::-1] / pieces / areas
+    state[:n, c.VOLUME] = state[:n, c.LABEL] = pieces
     state[:n, c.CHARGE] = np.diff(charge(nodes[::-1]))[::-1]
     state[:, c.TEMP] = settings.drying.temperature if settings.drying else 293.15
     marks = np.zeros((rows, 9))

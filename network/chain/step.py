@@ -30,13 +30,13 @@ class Room:
     """Scratch arrays that grow with the chain."""
 
     def __init__(self) -> None:
-        self._rows = np.empty((kernels.ROWS, 0))
+        self._room = np.empty(0)
 
     def of(self, size: int) -> FloatArray:
-        """Scratch for that many beads."""
-        if self._rows.shape[1] < size:
-            self._rows = np.empty((kernels.ROWS, size + size // 8))
-        return self._rows[:, :size]
+        """Scratch for that many beads: rows without gaps, for which alone the kernels are compiled."""
+        if self._room.size < kernels.ROWS * size:
+            self._room = np.empty(kernels.ROWS * (size + size // 8))
+        return self._room[: kernels.ROWS * size].reshape(kernels.ROWS, size)
 
 
 def with_rates(chain: Chain, span: Segment, number: int, state: ChainState) -> ChainState:

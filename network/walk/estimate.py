@@ -24,7 +24,7 @@ import numpy as np
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 from spinline.network._objects import instance
-from spinline.network.walk.exact import WalkMoments, walk_moments
+from spinline.network.walk.exact import WalkMoments
 from spinline.network.walk.sample import StrandSample
 from spinline.network.walk.strand import whole
 
@@ -115,7 +115,7 @@ def sample_moments(sample: StrandSample) -> SampleMoments:
     SampleMoments
     """
     count = _enough(sample, 2)
-    centre = np.rint(walk_moments(sample.strand).mean)
+    centre = np.rint(sample.exact.mean)
     away = sample.end_to_end - centre  # whole numbers: exact
     mean = away.mean(axis=0)
     away = away - mean
@@ -179,7 +179,7 @@ def sample_average(
     plain, plain_error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(count))
     if not control:
         return Average(plain, plain_error, plain, plain_error, 1.0)
-    columns = np.column_stack([np.ones(count), *_controls(sample, walk_moments(sample.strand))])
+    columns = np.column_stack([np.ones(count), *_controls(sample, sample.exact)])
     # normal equations: the columns have unit variance; the pseudo-inverse drops those that repeat each other, and the
     # intercept stays unbiased whatever the coefficients
     gram = columns.T @ columns / count

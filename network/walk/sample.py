@@ -22,6 +22,7 @@ pictures; `sample_average` then uses the exact moments as control variates.
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -31,6 +32,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.network._objects import instance
 from spinline.network.walk import _multinomial, _step_kernels
+from spinline.network.walk.exact import WalkMoments, walk_moments
 from spinline.network.walk.strand import MOST_VARYING, Strand, step_probabilities, whole
 
 __all__ = ["StrandSample", "WalkMethod", "sample_paths", "sample_strands"]
@@ -73,6 +75,11 @@ class StrandSample:
         """Hermans orientation of every strand, ``(3 n_z/N_s - 1)/2``."""
         value: FloatArray = (3 * self.axial_steps / self.strand.segments - 1) / 2
         return value
+
+    @cached_property
+    def exact(self) -> WalkMoments:
+        """What the sample scatters about: `walk_moments` of the strand."""
+        return walk_moments(self.strand)
 
 
 def sample_strands(

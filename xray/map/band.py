@@ -103,7 +103,7 @@ def assembled(basis: AxialBasis, fisher: FloatArray, gradient: FloatArray) -> tu
     width = gradient.shape[1]
     matrix = np.zeros((basis.size, basis.degree + 1, width, width))
     right = np.zeros((basis.size, width))
-    _assemble(basis.first, basis.values, fisher, gradient, matrix, right)
+    _assemble(basis.first, basis.values, fisher, np.ascontiguousarray(gradient), matrix, right)
     return matrix, right
 
 

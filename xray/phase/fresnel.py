@@ -168,6 +168,7 @@ class WaveRowModel(RowModel):
         at = slice(self._skip, self._skip + self._seen)
         columns = np.zeros((self._seen, k + 5))
         wave = np.zeros((k + 4, self._x.size - 1), dtype=np.complex128)
+        turned = np.empty((k + 5, wave.shape[1]), dtype=np.complex128)
         wide = self._seen * self._step  # light of frequency f lands lambda z f aside
         shares = self.medium.weight / self.sections.shape[0]
         for more, aside in self.sections.tolist():
@@ -175,16 +176,18 @@ class WaveRowModel(RowModel):
             paths = self._paths(radius + more, x, axis + aside)
             for i, share in enumerate(shares):
                 wave[:] = 0.0
-                wave[:, within], by_phase = self._wave(i, parameters[:k], bend, paths)
-                spectrum = _fft(wave)
+                by_phase = self._wave(i, parameters[:k], bend, paths, wave[:, within])
                 lam = self.medium.wavelength[i]
-                turned = spectrum * self._transfer(lam, distance, wide)
-                later = _ifft(np.concatenate((turned, turned[:1] * (-1j * np.pi * lam * self._frequency**2))))[:, at]
+                np.multiply(_fft(wave), self._transfer(lam, distance, wide), out=turned[:-1])
+                np.multiply(turned[0], -1j * np.pi * lam * self._frequency**2, out=turned[-1])
+                later = _ifft(turned)[:, at]
                 u = 1.0 + later[0]
                 columns[:, 0] += share * (u.real**2 + u.imag**2)
-                changes = 2.0 * (np.conj(u) * later[1:]).real
-                changes[:k] = 2.0 * (np.conj(u) * later[1 : k + 1] * by_phase).real
-                columns[:, 1:] += share * changes.T
+                # twice the real part of conj(u) d, and of conj(u) by_phase d
+                changes = u.real * later[1:].real + u.imag * later[1:].imag
+                towards = u * np.conj(by_phase)
+                changes[:k] = towards.real * later[1 : k + 1].real + towards.imag * later[1 : k + 1].imag
+                columns[:, 1:] += 2.0 * share * changes.T
         blurred, by_blur = self._blurred(columns, blur)
         beam = self.flat * (amplitude * (1.0 + slope * self.u))
         jacobian = np.empty((self.flat.size, k + 7))
@@ -210,7 +213,7 @@ class WaveRowModel(RowModel):
             for i, share in enumerate(m.weight / self.sections.shape[0]):
                 rate, _, _ = self._rates(i, parameters[:k], bend)
                 wave = np.zeros(self._x.size - 1, dtype=np.complex128)
-                wave[within] = np.exp(-(depth @ rate)) * (1.0 + 0.5 * rate[-1] ** 2 * variance) - 1.0
+                wave[within] = np.exp(-_along(depth, rate)) * (1.0 + 0.5 * rate[-1] ** 2 * variance) - 1.0
                 later = _ifft(_fft(wave) * self._transfer(m.wavelength[i], distance, self._seen * self._step))[at]
                 seen[:, 0] += share * np.abs(1.0 + later) ** 2
         blurred, _ = self._blurred(seen, blur)
@@ -242,23 +245,22 @@ class WaveRowModel(RowModel):
         return mu + bend * delta, delta, complex(0.5 * m.contrast[line] + bend * turn * m.delta_contrast[line])
 
     def _wave(
-        self, line: int, fraction: FloatArray, bend: float, paths: _Paths
-    ) -> tuple[NDArray[np.complex128], complex]:
-        """The wave less 1, cell by cell, and its derivatives (fractions short of a factor, radius, axis, bend)."""
+        self, line: int, fraction: FloatArray, bend: float, paths: _Paths, out: NDArray[np.complex128]
+    ) -> complex:
+        """The wave less 1 and its derivatives (fractions, short of the factor returned, radius, axis, bend) into `out`."""
         rate, delta, slope = self._rates(line, fraction, bend)
         depth, by_radius, by_axis, (variance, variance_by_radius, variance_by_axis) = paths
         k, edge = self.shells, rate[-1]
-        plain = np.exp(-(depth @ rate))
+        plain = np.exp(-_along(depth, rate))
         half = 0.5 * edge**2
         u = plain * (1.0 + half * variance)
-        out = np.empty((k + 4, u.size), dtype=np.complex128)
         out[0] = u - 1.0
-        out[1 : k + 1] = -u * depth.T
+        np.multiply(-u, depth.T, out=out[1 : k + 1])
         out[k] += plain * (edge * variance)
-        out[k + 1] = -u * (by_radius @ rate) + plain * (half * variance_by_radius)
-        out[k + 2] = -u * (by_axis @ rate) + plain * (half * variance_by_axis)
-        out[k + 3] = -u * (depth @ delta) + plain * (edge * variance * delta[-1])
-        return out, slope
+        out[k + 1] = -u * _along(by_radius, rate) + plain * (half * variance_by_radius)
+        out[k + 2] = -u * _along(by_axis, rate) + plain * (half * variance_by_axis)
+        out[k + 3] = -u * _along(depth, delta) + plain * (edge * variance * delta[-1])
+        return slope
 
     def _transfer(self, wave: float, distance: float, wide: float) -> NDArray[np.complex128]:
         """Propagator, with the average over cells undone, and without the frequencies that leave the window."""
@@ -326,6 +328,12 @@ def _chord_spread(
     turned = 2.0 * radius * over * np.diff(inside) - 2.0 * chord * by_radius
     moved = -over * np.diff(radius**2 - inside**2) - 2.0 * chord * by_axis
     return variance, turned, moved
+
+
+def _along(depth: FloatArray, rate: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """``depth @ rate``, without a complex copy of the depths."""
+    parts: FloatArray = depth @ np.stack((rate.real, rate.imag), axis=1)
+    return parts.view(np.complex128)[:, 0]
 
 
 def _fft(wave: NDArray[np.complex128]) -> NDArray[np.complex128]:

@@ -1,10 +1,15 @@
 """Compiled loops: numba's ``njit``, with a cache that may fail, and a word while it compiles.
 
 numba keeps compiled code on disk. Here that is a help and no need: without a place for it, on a full disk, or with a damaged
-file, the loop is compiled again. Every cached piece is sealed, for damaged machine code would be run.
+file, the loop is compiled again. Every cached piece is sealed, for damaged machine code would be run, and stamped with all that
+went into it (`spinline.base.kernel_stamp`), for numba looks at the loop's own file alone.
 
 A loop that another one calls is compiled as a part of it: translated, but optimised and made machine code only with its caller,
 and without the way in from Python. Called from Python it is compiled as a whole, as numba does in every case.
+
+The parts, the seals and the word reach into numba, which may be another one tomorrow. Each is left out where it no longer fits:
+numba then seals nothing, or compiles wholes. Of wholes none is kept on disk: numba 0.68 crashes on one that calls another that
+calls itself (`tests/test_kernels.py`).
 """
 
 import gc
@@ -17,14 +22,13 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numba
 import numpy as np
-from numba.core import caching, event, types
+from numba.core.errors import NumbaError
 
-from spinline.base.compiling import AS_PART, AS_WHOLE
+from spinline.base.kernel_stamp import ingredients
 from spinline.base.progress import announce
 from spinline.base.seals import sealed, unsealed
 
 __all__ = ["njit", "plain"]
-
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
@@ -37,26 +41,22 @@ else:
         """Decorator as ``numba.njit``; see its documentation for the options."""
 
         def compiled(function: Callable[..., Any]) -> Any:
-            made: Any = numba.njit(**options, **AS_WHOLE)(function)
+            try:
+                made: Any = numba.njit(**options, no_cfunc_wrapper=True)(function)
+            except (TypeError, KeyError, NumbaError):  # no such option any more
+                made = numba.njit(**options)(function)
             if not hasattr(made, "_cache"):  # numba is switched off
                 return made
+            if _PART is None:
+                return made
             if "inline" not in options:
-                part = numba.njit(**options, **AS_PART)(function)
-                made._compiling_counter = part._compiling_counter  # for loops that call themselves
-                made.get_overload = part.get_overload
-                made.get_call_template = partial(_call, part)
+                with suppress(*_CHANGED):
+                    _in_parts(made, numba.njit(**options, **_PART)(function))
             if cache:
-                with suppress(RuntimeError, OSError, AttributeError):  # no place for one
-                    made._cache = _Cache(function)
+                _kept(made, function)
             return made
 
         return compiled
-
-
-def _call(part: Any, arguments: Any, keywords: Any) -> Any:
-    """As ``Dispatcher.get_call_template``, but with one version of a loop for all numbers that are written in calls of it."""
-    plain: Any = types.unliteral
-    return part.get_call_template(tuple(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()})
 
 
 @cache
@@ -78,71 +78,196 @@ def plain(loop: Callable[_P, _T]) -> Callable[_P, _T]:
     return run
 
 
-class _CacheFile(caching.IndexDataCacheFile):
-    """Index and data of one function, sealed."""
+# what an inside of numba raises that is another one by now
+_CHANGED = (AttributeError, TypeError, KeyError, NotImplementedError, ImportError, NumbaError)
+_parted: list[tuple[Any, dict[str, Any]]] = []  # loops with parts, and what was theirs before
 
-    def _dump(self, obj: Any) -> bytes:
-        return sealed(super()._dump(obj))  # type: ignore[no-untyped-call]
 
-    def _load_index(self) -> dict[Any, str]:
+def _in_parts(made: Any, part: Any) -> None:
+    """Let callers take `part` of a loop, and Python the whole."""
+    own = {
+        "_compiling_counter": part._compiling_counter,  # for loops that call themselves
+        "get_overload": part.get_overload,
+        "get_call_template": partial(_call, part),
+        "compile": partial(_compile, made),
+    }
+    before = {name: getattr(made, name) for name in (*own, "_cache")}
+    for name, value in own.items():
+        setattr(made, name, value)
+    _parted.append((made, before))
+
+
+def _call(part: Any, arguments: Any, keywords: Any) -> Any:
+    """As ``Dispatcher.get_call_template``, but with one version of a loop for all numbers that are written in calls of it."""
+    plain: Any = numba.types.unliteral
+    return part.get_call_template(tuple(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()})
+
+
+def _compile(made: Any, signature: Any) -> Any:
+    """As ``Dispatcher.compile``; where parts do not fit into this numba, of wholes from then on, which are not kept."""
+    try:
+        return type(made).compile(made, signature)
+    except NumbaError:  # of the loop, not of how it is compiled
+        raise
+    except Exception:
+        if not _parted:
+            raise
+        while _parted:
+            loop, before = _parted.pop()
+            for name, value in before.items():
+                setattr(loop, name, value)
+        return type(made).compile(made, signature)
+
+
+def _kept(made: Any, function: Any) -> None:
+    """Keep what is compiled on disk: sealed, or as numba keeps it; or not at all, where there is no place."""
+    with suppress(OSError, RuntimeError):
         try:
-            with open(self._index_path, "rb") as file:
-                version = pickle.load(file)
-                body = unsealed(file.read())
-        except FileNotFoundError:
-            return {}
-        if version != self._version or body is None:
-            return {}
-        stamp, overloads = pickle.loads(body)
-        return overloads if stamp == self._source_stamp else {}
-
-    def _load_data(self, name: str) -> Any:
-        with open(self._data_path(name), "rb") as file:  # type: ignore[no-untyped-call]
-            body = unsealed(file.read())
-        if body is None:
-            raise OSError("damaged")
-        return pickle.loads(body)
+            made._cache = _sealed_cache(function)
+        except _CHANGED:
+            with suppress(*_CHANGED):
+                made.enable_caching()
 
 
-class _Cache(caching.FunctionCache):
-    """Cache of one function that never stands in the way."""
+def _part_options() -> dict[str, Any] | None:
+    """Options of a part; None where this numba has no such parts."""
+    try:
+        from numba.core import codegen, compiler
 
-    def __init__(self, function: Any) -> None:
-        super().__init__(function)  # type: ignore[no-untyped-call]
-        mine = self._cache_file
-        self._cache_file = _CacheFile.__new__(_CacheFile)
-        self._cache_file.__dict__.update(mine.__dict__)
+        class PartLibrary(codegen.JITCodeLibrary):
+            """Translated code that waits to be linked into its caller's."""
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Compiled code, or None."""
-        try:
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except Exception:  # whatever a damaged cache makes of it
-            return None
+            def _optimize_final_module(self) -> None:
+                pass
 
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep compiled code, where that is possible."""
-        with suppress(OSError, pickle.PickleError, EOFError, ValueError, TypeError, AttributeError):
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+            def _finalize_final_module(self) -> None:
+                self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
+                self._verify_declare_only_symbols()  # type: ignore[no-untyped-call]
+                self._finalized = True
 
+            @property
+            def codegen(self) -> Any:
+                """Nothing: there is no machine code yet that would need its surroundings."""
+                return _Nowhere
 
-class _Says(event.Listener):
-    """Says that it takes a while; and keeps Python's collector, which finds nothing in compilers, from looking."""
+        class PartCompiler(compiler.Compiler):
+            def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+                made = PartLibrary(target.codegen(), "part")  # type: ignore[no-untyped-call]
+                super().__init__(typing, target, made, *rest)  # type: ignore[no-untyped-call]
 
-    depth = 0
-    collects = False
-
-    def on_start(self, _: Any) -> None:
-        announce("compiling, once: the next start is quicker")
-        if not self.depth:
-            self.collects = gc.isenabled()
-            gc.disable()
-        self.depth += 1
-
-    def on_end(self, _: Any) -> None:
-        self.depth -= 1
-        if not self.depth and self.collects:
-            gc.enable()
+        for name in PartLibrary.__dict__.keys() - {"__module__", "__doc__", "codegen"}:
+            getattr(codegen.JITCodeLibrary, name)  # what would override nothing would do nothing
+    except _CHANGED:
+        return None
+    return {"no_cfunc_wrapper": True, "no_cpython_wrapper": True, "pipeline_class": PartCompiler}
 
 
-event.register("numba:compile", _Says())  # type: ignore[no-untyped-call]
+class _Nowhere:
+    @staticmethod
+    def set_env(name: str, environment: object) -> None:
+        pass
+
+
+_PART = _part_options()
+
+
+def _cache_class() -> Any:
+    """Class of a sealed cache of one function that never stands in the way; None where this numba's caches are other ones."""
+    try:
+        from numba.core import caching
+
+        class CacheFile(caching.IndexDataCacheFile):
+            """Index and data of one function, sealed and stamped with all that went into it."""
+
+            @property
+            def _source_stamp(self) -> tuple[object, str]:
+                if "stamp" not in self.__dict__:  # at the first call: the module is whole by then
+                    self.stamp = self.__dict__["_source_stamp"], ingredients(self.function)
+                return self.stamp
+
+            def _dump(self, obj: Any) -> bytes:
+                return sealed(super()._dump(obj))  # type: ignore[no-untyped-call]
+
+            def _load_index(self) -> dict[Any, str]:
+                try:
+                    with open(self._index_path, "rb") as file:
+                        version = pickle.load(file)
+                        body = unsealed(file.read())
+                except FileNotFoundError:
+                    return {}
+                if version != self._version or body is None:
+                    return {}
+                stamp, overloads = pickle.loads(body)
+                return overloads if stamp == self._source_stamp else {}
+
+            def _load_data(self, name: str) -> Any:
+                with open(self._data_path(name), "rb") as file:  # type: ignore[no-untyped-call]
+                    body = unsealed(file.read())
+                if body is None:
+                    raise OSError("damaged")
+                return pickle.loads(body)
+
+        class Cache(caching.FunctionCache):
+            def __init__(self, function: Any) -> None:
+                super().__init__(function)  # type: ignore[no-untyped-call]
+                mine = self._cache_file
+                self._cache_file = CacheFile.__new__(CacheFile)
+                self._cache_file.__dict__.update(mine.__dict__, function=function)
+                for name in ("_index_path", "_version", "_source_stamp"):
+                    getattr(mine, name)
+
+            def load_overload(self, sig: Any, target_context: Any) -> Any:
+                """Compiled code, or None."""
+                try:
+                    return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+                except Exception:  # whatever a damaged cache makes of it
+                    return None
+
+            def save_overload(self, sig: Any, data: Any) -> None:
+                """Keep compiled code, where that is possible."""
+                with suppress(OSError, pickle.PickleError, EOFError, ValueError, TypeError, AttributeError):
+                    super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+
+        for name in ("_dump", "_load_index", "_load_data", "_data_path"):
+            getattr(caching.IndexDataCacheFile, name)
+        for name in ("load_overload", "save_overload"):
+            getattr(caching.FunctionCache, name)
+    except _CHANGED:
+        return None
+    return Cache
+
+
+_CACHE = _cache_class()
+
+
+def _sealed_cache(function: Any) -> Any:
+    if _CACHE is None:
+        raise AttributeError("numba's cache is another one")
+    return _CACHE(function)
+
+
+def _say_when_compiling() -> None:
+    from numba.core import event
+
+    class Says(event.Listener):
+        """Says that it takes a while; and keeps Python's collector, which finds nothing in compilers, from looking."""
+
+        depth, collects = 0, False
+
+        def on_start(self, _: Any) -> None:
+            announce("compiling, once: the next start is quicker")
+            if not self.depth:
+                self.collects = gc.isenabled()
+                gc.disable()
+            self.depth += 1
+
+        def on_end(self, _: Any) -> None:
+            self.depth -= 1
+            if not self.depth and self.collects:
+                gc.enable()
+
+    event.register("numba:compile", Says())  # type: ignore[no-untyped-call]
+
+
+with suppress(*_CHANGED):
+    _say_when_compiling()

@@ -14,9 +14,26 @@ __all__ = ["LONGEST_TEXT", "decoded", "parsed_toml", "read_text", "read_toml_tex
 _DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+_BINARY = (
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 file, as netCDF files are"),
+    (b"CDF\x01", "a netCDF 3 file"),
+    (b"CDF\x02", "a netCDF 3 file"),
+    (b"CDF\x05", "a netCDF 3 file"),
+    (b"PK\x03\x04", "a zip archive, as workbooks and npz files are"),
+    (b"\x1f\x8b", "compressed by gzip"),
+    (b"BZh91AY&SY", "compressed by bzip2"),
+    (b"\xfd7zXZ\x00", "compressed by xz"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a document of older Office programs"),
+    (b"\x93NUMPY", "an array of numpy.save"),
+    (b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"II*\x00", "a TIFF picture"),
+    (b"MM\x00*", "a TIFF picture"),
+    (b"%PDF-", "a PDF document"),
+)
 
 
-def decoded(data: bytes, name: str) -> tuple[str, str]:
+def decoded(data: bytes, name: str, binary: str = "give a text file, or save it as text, UTF-8") -> tuple[str, str]:
     """Text of a file's bytes, and the encoding it was written in.
 
     Parameters
@@ -25,6 +42,8 @@ def decoded(data: bytes, name: str) -> tuple[str, str]:
         The whole file.
     name : str
         Of the file, for the error.
+    binary : str
+        Remedy where the file is of a well-known binary format.
 
     Returns
     -------
@@ -38,6 +57,9 @@ def decoded(data: bytes, name: str) -> tuple[str, str]:
     InputError
         For bytes that are text in none of them.
     """
+    for mark, what in _BINARY:
+        if data.startswith(mark):
+            raise InputError(name, f"is {what}, and no text", remedy=binary)
     for mark, codec in _MARKS:
         if data.startswith(mark):
             return _as(data, codec, name), "UTF-8" if codec == "utf-8-sig" else "UTF-16"
@@ -91,6 +113,9 @@ def read_text(path: str | Path, *, most: int = LONGEST_TEXT) -> tuple[str, str]:
     return decoded(data, name)
 
 
+_JETS = '; a jet is named in one: [jet] profile = "lagrangian", path = "..."'
+
+
 def read_toml_text(
     path: str | Path, noun: str, longest: int, remedy: str = "check the path"
 ) -> tuple[dict[str, Any], str]:
@@ -118,7 +143,8 @@ def read_toml_text(
         if not stat.S_ISREG(mode) and not (from_shell and stat.S_ISFIFO(mode)):
             raise InputError(name, f"cannot be read as a {noun} (it is {kind_of(mode)})", remedy=remedy)
         with Path(path).open("rb") as file:
-            text, _ = decoded(file.read(4 * longest + 1), name)
+            give = f"give a {noun}, a TOML text{_JETS if noun == 'scene' else ''}"
+            text, _ = decoded(file.read(4 * longest + 1), name, give)
     except InputError:
         raise
     except (OSError, ValueError) as error:

@@ -4,7 +4,6 @@ Bad input ends with exit code 2 and one message on standard error; warnings go t
 output holds the answer alone.
 """
 
-import contextlib
 import gc
 import os
 import sys
@@ -28,7 +27,7 @@ from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.signals import stopping
 from spinline.cli.simulate import register as register_simulate
-from spinline.cli.speech import say
+from spinline.cli.speech import say, unheard
 from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
@@ -126,7 +125,8 @@ def run(
     if report is not None:
         from spinline.report.page import save_report
 
-        save_report(result, report, force=force)
+        drawn = picture is not None and picture.suffix.lower() == ".png"
+        save_report(result, report, force=force, picture=picture.read_bytes() if picture and drawn else None)
     if csv is not None:
         results.to_csv(result, csv, force=force)
     if json:
@@ -372,13 +372,13 @@ def main() -> None:
         say(f"error: {error}", err=True)
         code = 2
     except BrokenPipeError:
-        _quietly()
+        unheard()
     except MemoryError:
         say("error: there is not enough memory for this; take fewer points, shells, strands or frames", err=True)
         code = 2
     except OSError as error:
         say(f"error: {error.filename or 'the system'}: {error.strerror or error}", err=True)
-        _quietly()
+        unheard()
         code = 2
     except Exception as error:
         if os.environ.get("SPINLINE_TRACEBACK"):
@@ -406,18 +406,12 @@ def _flushed(code: int) -> int:
     try:
         sys.stdout.flush()
     except BrokenPipeError:
-        _quietly()
+        unheard()
     except OSError as error:
         say(f"error: standard output: {error.strerror}", err=True)
-        _quietly()
+        unheard()
         return code or 2
     return code
-
-
-def _quietly() -> None:
-    """Nothing more goes to standard output, not even at exit."""
-    with contextlib.suppress(OSError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:

@@ -129,7 +129,7 @@ def mat(
     export: Annotated[
         list[Path] | None, typer.Option(help="First window for other programs: .vtp, .ply, .csv, .tif, .raw.")
     ] = None,
-    slope: Annotated[float | None, typer.Option(help="Steepest a fibre hangs, m.")] = None,
+    slope: Annotated[float | None, typer.Option(help="Steepest slope at which a fibre hangs, 1 (no unit).")] = None,
     window: Annotated[str | None, typer.Option(help="Side of the windows.")] = None,
     envelope: Annotated[str | None, typer.Option(help="mean-top, max-top or percentile.")] = None,
     law: Annotated[list[str] | None, typer.Option(help="Law of permeability; several times for several.")] = None,
@@ -159,7 +159,7 @@ def mat(
     side = parse(window, "length", "--window").value if window is not None else None
     with FibreFile(fibres) as opened:
         file = opened
-        turn = float(opened.attributes.get("circumference", 0.0))
+        turn = opened.circumference
         mat_of: Any = Rolled(opened, turn) if turn > 0 else opened
         options = options_from_text(
             str(file.attributes.get("mat", "")),

@@ -1,12 +1,28 @@
 """What a command says: text from files and names with nothing in it that a terminal would obey."""
 
+import os
+import sys
+from contextlib import suppress
+
 import typer
 
 from spinline.base.words import clean
 
-__all__ = ["say"]
+__all__ = ["say", "unheard"]
 
 
 def say(text: object, *, err: bool = False) -> None:
     """Print a line on standard output, or standard error."""
-    typer.echo(clean(str(text)), err=err)
+    try:
+        typer.echo(clean(str(text)), err=err)
+    except BrokenPipeError:  # the reader has heard enough: no error, and what is still to be written is written
+        unheard(err=err)
+    except OSError as error:
+        error.filename = "standard error" if err else "standard output"
+        raise
+
+
+def unheard(*, err: bool = False) -> None:
+    """Nothing more goes to standard output (or standard error), not even at exit."""
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), (sys.stderr if err else sys.stdout).fileno())

@@ -220,7 +220,7 @@ class Rung:
 
     def relax(self, context: "Context", history: "History") -> Relaxed:
         """Strands along a material element; of a rung that relaxes."""
-        raise NotImplementedError(self.name)
+        raise TypeError(f"{self.name} is no rung that relaxes")
 
     def solved_remarks(self, context: "Context", network: Network) -> list[str]:
         """What is odd about the network that was found."""

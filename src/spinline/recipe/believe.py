@@ -24,12 +24,14 @@ from spinline.rheology.thermal import saturation_pressure
 from spinline.rheology.vapour import molar_mass, vapour_diffusivity
 from spinline.rheology.wet_bulb import wet_bulb
 
-__all__ = ["Recipe", "believe", "evaporation_rate"]
+__all__ = ["DAMPEST", "Recipe", "believe", "evaporation_rate"]
 
 _GAS = 8.31446261815324
 _OVERLAPS = 10.0  # c_e [eta], semidilute entangled; 5 to 20
 _ANY_DENSITY = 1250.0  # kg/m3
 _USUAL = {"voltage": 15e3, "flow_rate": 1e-6 / 3600, "gap": 0.15}
+#: Relative humidity above which water dries as there: at 1 nothing would ever be solid. `outside_remarks` says so.
+DAMPEST = 0.97
 _ENTANGLED_SD = 0.6  # of ln c_e at a known molar mass
 
 
@@ -196,13 +198,14 @@ def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_
     volumes = {name: share / solvent_density(name, temperature) for name, share in solvent.items() if share > 0}
     total = sum(volumes.values())
     return 1.0 / sum(
-        v / total / _rate(name, round(temperature, 1), round(relative_humidity, 2)) for name, v in volumes.items()
+        v / total / _rate(name, temperature, relative_humidity if name == "water" else 0.0)
+        for name, v in volumes.items()
     )
 
 
 @lru_cache(maxsize=4096)
 def _rate(name: str, kelvin: float, humidity: float) -> float:
-    ambient = min(humidity, 0.97) if name == "water" else 0.0
+    ambient = min(humidity, DAMPEST)
     pressure = float(saturation_pressure(name, kelvin))
     content = pressure * molar_mass(name) / (_GAS * kelvin)
     free = vapour_diffusivity(name, kelvin) * TAKEN.sherwood * content * (1 - ambient) / solvent_density(name, kelvin)

@@ -23,7 +23,10 @@ from spinline.recipe.model import UNKNOWNS, Believed, spun
 if TYPE_CHECKING:
     from spinline.jetprofile.spun.settings import SpunSettings
 
-__all__ = ["Laid", "laid", "settings_of"]
+__all__ = ["TOO_THICK", "Laid", "laid", "settings_of"]
+
+#: Times by which such chains lay published fibres too thick, median (`benchmarks/spindb_rungs.py`, "by beads").
+TOO_THICK = 22
 
 _ELEMENT, _LONGEST = 4.0, 2e-3  # radii at the start; m in flight
 _CIRCLE = 0.2  # of the radius: what bends has something to grow from

@@ -1,13 +1,27 @@
 """Settings of a recipe that no spinning line has: the chain answers, and says that nothing like it was ever spun."""
 
-from spinline.recipe.believe import Recipe
+from typing import Any
 
-__all__ = ["outside_remarks"]
+from spinline.recipe.believe import DAMPEST, Recipe
+
+__all__ = ["outside_remarks", "size_remarks"]
 
 _BREAKDOWN = 3e6  # V/m, of air
 _RATES = (1e-14, 1e-7)  # m3/s: 0.04 uL/hour to 0.4 L/hour
 _GAPS = (5e-3, 2.0)  # m
 _MOST_POLYMER = 0.6
+# what solutions that spin have, by the recipe's fields: least, most, and the same in words
+_SPUN: dict[str, tuple[float, float, str]] = {
+    "viscosity": (2e-3, 1e3, "{:.3g} Pa s is out of the 0.002 to 1000 of solutions that spin"),
+    "conductivity": (1e-10, 10.0, "{:.3g} S/m is out of the 1e-10 to 10 of solutions that spin"),
+    "surface_tension": (0.01, 0.08, "{:.3g} N/m is out of the 0.01 to 0.08 of solutions that spin"),
+    "current": (1e-10, 1e-4, "{:.3g} A is out of the 1e-10 to 1e-4 of electrospun jets"),
+    "needle_radius": (1e-5, 3e-3, "an inner radius of {:.3g} m is out of the 1e-5 to 0.003 of needles"),
+    "molar_mass": (5.0, 2e4, "{:.3g} kg/mol is out of the 5 to 20000 of polymers that spin"),
+    "temperature": (273.15, 343.15, "{:.4g} K is out of the 273 to 343 at which solutions are spun"),
+}
+_WIDE = 1.0  # sd of a logarithm
+_SIZES = (5e-9, 5e-5)  # m
 
 
 def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
@@ -31,4 +45,27 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
         said.append(f"a gap of {100 * recipe.gap:.3g} cm is out of the usual 5 to 30: check its unit")
     if recipe.mass_fraction > _MOST_POLYMER:
         said.append(f"{100 * recipe.mass_fraction:.3g} wt% of polymer is no solution that flows through a needle")
+    for name, (least, most, words) in _SPUN.items():
+        value: Any = getattr(recipe, name)
+        if value == value and not least <= value <= most:
+            said.append(f"{words.format(value)}: check its unit")
+    if recipe.relative_humidity > DAMPEST and "water" in recipe.solvent:
+        said.append(
+            f"water dries ever more slowly towards 100 % relative humidity: computed as at {100 * DAMPEST:.0f} %, the jet "
+            "lands wetter than said here"
+        )
+    said += [
+        f"{name} is given with a spread wider than itself: worth no more than none"
+        for name, spread in (recipe.spread or {}).items()
+        if spread > _WIDE
+    ]
     return tuple(said)
+
+
+def size_remarks(diameter: float) -> tuple[str, ...]:
+    """What to say of a fibre (diameter in m) of a size that was never spun."""
+    if diameter < _SIZES[0]:
+        return (f"{1e9 * diameter:.2g} nm is a few chains side by side: no fibre is so thin, the laws end before it",)
+    if diameter > _SIZES[1]:
+        return (f"{1e6 * diameter:.3g} um is thicker than any electrospun fibre: the laws end before it",)
+    return ()

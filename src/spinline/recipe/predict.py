@@ -12,7 +12,7 @@ from spinline.jetprofile.envelope import Envelope
 from spinline.recipe.believe import Recipe, believe
 from spinline.recipe.constants import CONSTANTS, TAKEN
 from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
-from spinline.recipe.outside import outside_remarks
+from spinline.recipe.outside import outside_remarks, size_remarks
 from spinline.recipe.regime import Regime, regime_of
 
 __all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
@@ -170,7 +170,13 @@ def predict(
         charge_density=float(np.median(found.charge_density)),
         trade=trade,
         borrowed=borrowed,
-        remarks=(*outside_remarks(recipe), *about, *_remarks(regime, far), *_pores(recipe, believed)),
+        remarks=(
+            *outside_remarks(recipe),
+            *size_remarks(float(median)),
+            *about,
+            *_remarks(regime, far),
+            *_pores(recipe, believed),
+        ),
         landing_fraction=float(np.median(found.thinning.volume_fraction)),
         laying_speed=float(recipe.flow_rate * believed.volume_fraction / (np.pi * (median / 2) ** 2)),
         flight_time=float(np.median(found.thinning.time)),
@@ -196,7 +202,7 @@ def _trade(believed: Believed, z: FloatArray, found: Fibres, rung: str, law: str
 
 def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float]:
     """What a chain of the medians laid, in words, and ln of its fibre over the race's at the medians."""
-    from spinline.recipe.lagrangian import laid
+    from spinline.recipe.lagrangian import TOO_THICK, laid
 
     chain = laid(believed)
     alone = spun(believed, np.zeros((1, len(UNKNOWNS))), rung="race").thinning.radius[0]
@@ -204,7 +210,8 @@ def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float]:
         f"bead by bead: {1e9 * chain.fibre_diameter:.3g} nm within a factor of {np.exp(chain.spread):.2g} along the fibre, "
         f"landing at {chain.impact_speed:.2g} m/s within {1e3 * chain.spot_radius:.2g} mm of the axis with "
         f"{100 * chain.landing_fraction:.0f} % of polymer; its charge is {100 * chain.carried:.2g} % of what the current "
-        "would bring, a bound from the thick side; interval, regime and orientation are those of the race"
+        f"would bring, a bound from the thick side (published fibres came out {TOO_THICK} times too thick); interval, "
+        "regime and orientation are those of the race"
     )
     return (words,), float(np.log(chain.fibre_diameter / (2 * np.sqrt(believed.volume_fraction) * alone)))
 

@@ -129,7 +129,7 @@ class RecipeSheet(Sheet):
             current=_value(j.current),
             temperature=kelvin if kelvin == kelvin else _value(s.temperature),
             relative_humidity=_value(air.relative_humidity),
-            spread={name: m.std / m.value for name, m in given.items() if m is not None and m.std > 0 and m.value > 0},
+            spread={name: _log_sd(m) for name, m in given.items() if m is not None and m.std > 0 and m.value > 0},
         )
 
     def measurements(self) -> list[Measurement]:
@@ -147,12 +147,17 @@ class RecipeSheet(Sheet):
             }
             changes: dict[str, Any] = {name: value.value for name, value in names.items() if value is not None}
             size = one.fibre_diameter
-            found.append(Measurement(replace(recipe, **changes), size.value, max(size.std / size.value, 0.02)))
+            found.append(Measurement(replace(recipe, **changes), size.value, max(_log_sd(size), 0.02)))
         return found
 
 
 def _value(measured: Measured | None) -> float:
     return math.nan if measured is None else measured.value
+
+
+def _log_sd(measured: Measured) -> float:
+    """Standard deviation of the logarithm of what has this mean and this standard deviation, if it is log-normal."""
+    return math.sqrt(math.log1p((measured.std / measured.value) ** 2))
 
 
 def _named(name: str, table: Any, field: str) -> str:

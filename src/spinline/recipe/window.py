@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 from spinline.base.version import __version__
-from spinline.recipe.outside import outside_remarks
+from spinline.recipe.outside import outside_remarks, size_remarks
 from spinline.recipe.predict import Fibre, predict
 from spinline.recipe.recipe_file import RecipeSheet
 from spinline.recipe.regime import REGIMES
@@ -102,6 +102,7 @@ def fibre_window(
             continue
         for name, three in _bands(one).items():
             found[name][at] = three
+        remark[at] = "; ".join((*outside_remarks(here), *size_remarks(one.fibre_diameter)))
         regime[at], borrowed = one.regime, dict(one.borrowed)
         if progress is not None:
             progress(done + 1, total)

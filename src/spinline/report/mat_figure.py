@@ -101,7 +101,7 @@ def diameters(axis: "Axes", result: "xr.Dataset") -> None:
             d,
             np.exp(-0.5 * ((np.log(d) - law.mu) / law.s) ** 2) / (d * law.s * np.sqrt(2 * np.pi)),
             color="black",
-            label=f"lognormal, {mean:.3g} ± {deviation:.3g} nm",
+            label=f"lognormal, {mean:.4g} ± {deviation:.3g} nm",
         )
         axis.set_xlim(max(0.0, mean - 4 * deviation), mean + 6 * deviation)
     if "measured_diameter" in result:
@@ -180,7 +180,7 @@ def sentences(result: "xr.Dataset") -> list[str]:
     """The answer in words."""
     get = {str(name): float(value) for name, value in result.data_vars.items() if not value.dims}
     shares = zip(result["envelope"].values, result["envelope_porosity"].values, strict=True)
-    envelopes = ", ".join(f"{100 * float(p):.1f} % ({e})" for e, p in shares)
+    envelopes = ", ".join(f"{f'{100 * float(p):.1f} %' if np.isfinite(p) else 'none'} ({e})" for e, p in shares)
     windows = f"{result.attrs['realisations']} windows of {float(result.attrs['window_m']) * 1e6:.3g} µm"
     lines = [
         f"{get['laid_length']:.4g} m of fibre, diameter {get['mean_diameter'] * 1e9:.4g} ± "

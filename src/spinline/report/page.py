@@ -33,10 +33,10 @@ pre { background: #f4f4f4; padding: 1rem; overflow-x: auto; } img { max-width: 1
 """
 
 
-def html(result: "xr.Dataset | NamedArrays") -> str:
-    """HTML text of the report."""
+def html(result: "xr.Dataset | NamedArrays", picture: bytes | None = None) -> str:
+    """HTML text of the report; `picture` is the figure's PNG, where it is drawn already."""
     attrs = result.attrs
-    picture = base64.b64encode(png(result)).decode("ascii")
+    drawn = base64.b64encode(png(result) if picture is None else picture).decode("ascii")
     answer = "".join(f"<p>{escape(sentence)}</p>" for sentence in words(result))
     remarks = str(attrs.get("warnings", "")).splitlines()
     warned = "".join(f"<p class='warning'>{escape(remark)}</p>" for remark in remarks)
@@ -54,7 +54,7 @@ def html(result: "xr.Dataset | NamedArrays") -> str:
 <div class="answer">{answer}</div>
 {warned}
 <h2>Pictures</h2>
-<img alt="Jet and network radius, strands, stretch and polymer fraction along the jet" src="data:image/png;base64,{picture}">
+<img alt="Jet and network radius, strands, stretch and polymer fraction along the jet" src="data:image/png;base64,{drawn}">
 <h2>Numbers</h2>
 {_of_inputs(result)}
 <table>{numbers}</table>
@@ -105,15 +105,17 @@ def _numbers(result: "xr.Dataset | NamedArrays") -> str:
     return rows
 
 
-def save_report(result: "xr.Dataset | NamedArrays", path: str | Path, *, force: bool = False) -> Path:
-    """Write the report.
+def save_report(
+    result: "xr.Dataset | NamedArrays", path: str | Path, *, force: bool = False, picture: bytes | None = None
+) -> Path:
+    """Write the report; `picture` as for `html`.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    return write_text(path, html(result), force=force)
+    return write_text(path, html(result, picture), force=force)
 
 
 _MODELS = (

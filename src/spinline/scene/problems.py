@@ -41,13 +41,18 @@ def _foremost(details: list[ErrorDetails]) -> list[ErrorDetails]:
         key = _key(detail)
         if key not in best or best[key]["type"] in _TYPE_ERRORS:
             best[key] = detail
-    return list(best.values())
+    kept = [d for k, d in best.items() if d["type"] not in _TYPE_ERRORS or not any(o.startswith(f"{k}.") for o in best)]
+    return kept or list(best.values())
 
 
-_TYPE_ERRORS = frozenset({"string_type", "literal_error", "model_type", "dict_type", "float_type", "bool_type"})
+_TYPE_ERRORS = frozenset(
+    {"string_type", "literal_error", "model_type", "dict_type", "list_type", "float_type", "bool_type"}
+)
 
 
-_FORMS = frozenset({"name", "mixture", "properties"})  # branches of unions, as profiles are: no keys of the user's
+_FORMS = frozenset(
+    {"name", "mixture", "properties", "str", "MeasuredOfRecipe"}
+)  # branches of unions, as profiles are: no keys of the user's
 
 
 def _key(detail: ErrorDetails) -> str:

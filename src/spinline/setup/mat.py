@@ -82,9 +82,10 @@ def options_from_text(text: str, changes: dict[str, Any]) -> MatOptions:
     """Options from a file of fibres, changed on the command line."""
     try:
         data = json.loads(text) if text else {}
-    except json.JSONDecodeError:
+    except (ValueError, RecursionError):
         data = {}
-    known = {key: value for key, value in data.items() if key in MatOptions.__dataclass_fields__}
+    told = data.items() if isinstance(data, dict) else ()
+    known = {key: value for key, value in told if key in MatOptions.__dataclass_fields__}
     return MatOptions(**{**known, **{key: value for key, value in changes.items() if value is not None}})
 
 

@@ -63,6 +63,7 @@ def spun_settings(
         log_length=gap,
         bending=section.bending,
         longest=given(section.longest_element) or 0.0,
+        turn=section.largest_turn or 0.0,
     )
     settings = SpunSettings(
         density=solution.density,

@@ -1,5 +1,6 @@
 """What an effect is: an object with its name, its switch and its estimate."""
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["Effect"]
 
 
-class Effect:
+class Effect(ABC):
     """An effect that a run may hold or leave out; a new one overrides what it does otherwise.
 
     Attributes
@@ -37,6 +38,7 @@ class Effect:
     after: str = ""
     moves: bool = False
 
+    @abstractmethod
     def estimate(self, context: Context, known: "EffectNumbers") -> Estimate:
         """Its number, and the error of an answer that leaves it out.
 
@@ -47,7 +49,6 @@ class Effect:
         known : EffectNumbers
             Governing numbers of the scene.
         """
-        raise NotImplementedError(self.name)
 
     def error(self, context: Context, known: "EffectNumbers") -> tuple[float, str]:
         """The estimated error alone, and where there is none why: what its switch is decided by."""
@@ -65,6 +66,7 @@ class Effect:
         ------
         InputError
         """
+        return  # most refuse nothing
 
     def held(self, context: Context, rung: "Rung", automatic: bool) -> bool:
         """Whether a run by a rung holds it; of effects without a switch. `automatic`: "auto" took the rung."""
