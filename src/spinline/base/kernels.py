@@ -171,47 +171,60 @@ class _Nowhere:
 _PART = _part_options()
 
 
+def _cache_file_class(base: Any) -> Any:
+    for name in ("_dump", "_load_index", "_load_data", "_data_path"):
+        getattr(base, name)
+
+    class CacheFile(base):  # type: ignore[misc]
+        """Index and data of one function, sealed and stamped with all that went into it."""
+
+        function: Any
+
+        @property
+        def _source_stamp(self) -> Any:
+            if "stamp" not in self.__dict__:  # at the first call: the module is whole by then
+                self.__dict__["stamp"] = self.__dict__["_source_stamp"], ingredients(self.function)
+            return self.__dict__["stamp"]
+
+        def _dump(self, obj: Any) -> bytes:
+            return sealed(super()._dump(obj))
+
+        def _load_index(self) -> dict[Any, str]:
+            try:
+                with open(self._index_path, "rb") as file:
+                    version = pickle.load(file)
+                    body = unsealed(file.read())
+            except FileNotFoundError:
+                return {}
+            if version != self._version or body is None:
+                return {}
+            stamp, overloads = pickle.loads(body)
+            return overloads if stamp == self._source_stamp else {}
+
+        def _load_data(self, name: str) -> Any:
+            with open(self._data_path(name), "rb") as file:
+                body = unsealed(file.read())
+            if body is None:
+                raise OSError("damaged")
+            return pickle.loads(body)
+
+    return CacheFile
+
+
 def _cache_class() -> Any:
     """Class of a sealed cache of one function that never stands in the way; None where this numba's caches are other ones."""
     try:
         from numba.core import caching
 
-        class CacheFile(caching.IndexDataCacheFile):
-            """Index and data of one function, sealed and stamped with all that went into it."""
-
-            @property
-            def _source_stamp(self) -> tuple[object, str]:
-                if "stamp" not in self.__dict__:  # at the first call: the module is whole by then
-                    self.stamp = self.__dict__["_source_stamp"], ingredients(self.function)
-                return self.stamp
-
-            def _dump(self, obj: Any) -> bytes:
-                return sealed(super()._dump(obj))  # type: ignore[no-untyped-call]
-
-            def _load_index(self) -> dict[Any, str]:
-                try:
-                    with open(self._index_path, "rb") as file:
-                        version = pickle.load(file)
-                        body = unsealed(file.read())
-                except FileNotFoundError:
-                    return {}
-                if version != self._version or body is None:
-                    return {}
-                stamp, overloads = pickle.loads(body)
-                return overloads if stamp == self._source_stamp else {}
-
-            def _load_data(self, name: str) -> Any:
-                with open(self._data_path(name), "rb") as file:  # type: ignore[no-untyped-call]
-                    body = unsealed(file.read())
-                if body is None:
-                    raise OSError("damaged")
-                return pickle.loads(body)
+        for name in ("load_overload", "save_overload"):
+            getattr(caching.FunctionCache, name)
+        cache_file = _cache_file_class(caching.IndexDataCacheFile)
 
         class Cache(caching.FunctionCache):
             def __init__(self, function: Any) -> None:
                 super().__init__(function)  # type: ignore[no-untyped-call]
-                mine = self._cache_file
-                self._cache_file = CacheFile.__new__(CacheFile)
+                mine: Any = self._cache_file
+                self._cache_file = cache_file.__new__(cache_file)
                 self._cache_file.__dict__.update(mine.__dict__, function=function)
                 for name in ("_index_path", "_version", "_source_stamp"):
                     getattr(mine, name)
@@ -228,10 +241,6 @@ def _cache_class() -> Any:
                 with suppress(OSError, pickle.PickleError, EOFError, ValueError, TypeError, AttributeError):
                     super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
-        for name in ("_dump", "_load_index", "_load_data", "_data_path"):
-            getattr(caching.IndexDataCacheFile, name)
-        for name in ("load_overload", "save_overload"):
-            getattr(caching.FunctionCache, name)
     except _CHANGED:
         return None
     return Cache
