@@ -94,7 +94,7 @@ class MatOptions:
         for name, unit in (("window", "m"), ("voxel", "m"), ("polymer_density", "kg/m3"), ("face_velocity", "m/s")):
             if getattr(self, name) is not None:
                 positive(f"mat.{name}", getattr(self, name), unit)
-        if self.slope != np.inf:
+        if np.ndim(self.slope) or self.slope != np.inf:
             number("mat.slope", self.slope, least=0.0)
         number("mat.flatten", self.flatten, least=0.0, below=1.0)
         if self.envelope not in ENVELOPES:

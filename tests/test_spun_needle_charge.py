@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_spun_whole import _needle, _spun
+from peo_needle import peo_needle
+from test_spun_whole import _spun
 
 from spinline.jetprofile.ehd import StraightEhdJet
 from spinline.jetprofile.spun import _codes as c
@@ -25,7 +26,7 @@ ELEMENTS = np.array([25.468, 26.254, 26.662, 25.115, 19.807]) * 1e-9
 
 def _line_charge(metal):
     """Line charge that has the straight jet's own potential, with the chain's matrix."""
-    needle = _needle()
+    needle = peo_needle()
     jet = StraightEhdJet(needle, length=needle.gap)
     s = _spun(needle, element_length=5e-6)
     s = replace(s, grid=replace(s.grid, settle=0.0), loads=replace(s.loads, metal=metal))
