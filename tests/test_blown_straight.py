@@ -228,6 +228,10 @@ def test_refusals_by_name(call, field):
 def test_the_table_of_laws_times_and_speeds():
     """Every row of the campaign is a profile that closes to 1e-6 or a named verdict; a sample of it found again."""
     rows = json.loads((Path(__file__).parents[1] / "benchmarks" / "blown_straight.json").read_text())
+    asked = {(row["law"], row["theta_s"], row["speed_m_s"]) for row in rows}
+    times, speeds = (1e-5, 1e-4, 1e-3, 5e-3, 1e-2, 1e-1, 1.0), (50.0, 100.0, 200.0, 400.0)
+    assert asked >= {(law, t, u) for law in ("ucm", "oldroyd-b", "fene-p") for t in times for u in speeds}
+    assert {speed for law, _, speed in asked if law == "newton"} == set(speeds)
     for row in rows:
         if row["verdict"] in ("converged", "compressed"):
             assert row["balance"] <= 1e-6
