@@ -10,7 +10,6 @@ back from 1 %), as scipy's start. Near the four reference jets: glycerol with it
 
 import json
 import sys
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -179,8 +178,7 @@ class Again:
             start += [] if self.plain else [np.log(a) for a in jet.conformation(z)]
             start += [jet.conduction_share(z)] if self.resolved else []
             p = None if self.given is not None else [np.log(jet.current / self.unit) + off]
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", RuntimeWarning)
+            with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # of its trials, which may be anything
                 done = solve_bvp(
                     lambda s, y, p=None: self.slopes(s, y, self.current(p))[0],
                     self.ends,

@@ -4,20 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pan_recipe import PAN
 
-from spinline.recipe import Believed, Recipe, spun
+from spinline.recipe import Believed, spun
 from spinline.recipe.believe import believe
 from spinline.recipe.predict import normals
 
-PAN = Recipe(
-    polymer="PAN",
-    solvent={"DMF": 1.0},
-    voltage=15e3,
-    gap=0.15,
-    flow_rate=1e-6 / 3600,
-    mass_fraction=0.10,
-    usual_fraction=0.1,
-)
 PEO = replace(PAN, polymer="PEO", solvent={"water": 1.0}, mass_fraction=0.04, usual_fraction=0.04)
 SWEEPS = {
     "mass_fraction": np.geomspace(0.02, 0.4, 201),

@@ -6,24 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pan_recipe import PAN
 
 import spinline as sl
 from spinline.base.errors import InputError
-from spinline.recipe import Measurement, Recipe
+from spinline.recipe import Measurement
 from spinline.recipe import lagrangian as beads
 from spinline.recipe.believe import believe
 from spinline.recipe.predict import RUNGS, predict
 from spinline.recipe.window import fibre_window
 
-PAN = Recipe(
-    polymer="PAN",
-    solvent={"DMF": 1.0},
-    voltage=15e3,
-    gap=0.15,
-    flow_rate=1e-6 / 3600,
-    mass_fraction=0.10,
-    usual_fraction=0.1,
-)
 COMMITTED = json.loads((Path(__file__).parents[1] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
 
 

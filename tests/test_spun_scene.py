@@ -33,6 +33,16 @@ def settings_of(*changes):
     return spun_settings(scene.jet, build_solution(scene), scene=scene)
 
 
+@pytest.mark.parametrize("length", ["0.1 mm", "0.79 mm", "1 nm"])
+def test_elements_are_not_split_as_they_enter(length):
+    """Each half would be split again: the march stood still without a word."""
+    with pytest.raises(InputError, match=r"jet.longest_element.*splits elements as they enter.*0.0008 m, twice"):
+        settings_of(f'jet.longest_element="{length}"')
+    assert settings_of('jet.longest_element="0.8 mm"').grid.longest == 0.8e-3
+    with pytest.raises(InputError, match="largest_turn"):
+        settings_of("jet.largest_turn=1e-9")
+
+
 def test_a_scene_that_asks_for_nothing_gets_nothing():
     s = settings_of()
     assert s.air is None

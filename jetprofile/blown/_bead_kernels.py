@@ -353,6 +353,21 @@ def _touch(
 
 
 @njit(cache=True, error_model="numpy")
+def _without_first(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, touch: FloatArray) -> int:
+    """The chain without its bead 0 and element 0; returns how many beads are left."""
+    for j in range(n - 1):
+        for k in range(6):
+            q[j, k] = q[j + 1, k]
+        for k in range(7):
+            touch[j, k] = touch[j + 1, k]
+    for j in range(n - 2):
+        flight[j] = flight[j + 1]
+        for k in range(4):
+            e[j, k] = e[j + 1, k]
+    return n - 1
+
+
+@njit(cache=True, error_model="numpy")
 def _land(
     n: int,
     q: FloatArray,
@@ -379,16 +394,7 @@ def _land(
         rows[filled, 7], rows[filled, 8], rows[filled, 9] = 0.0, math.nan, math.nan
         if landed:
             rows[filled, 7], rows[filled, 8], rows[filled, 9] = e[0, 0], max(flight[0], _distance(q[0], q[1])), e[0, 3]
-            for j in range(n - 1):
-                for k in range(6):
-                    q[j, k] = q[j + 1, k]
-                for k in range(7):
-                    touch[j, k] = touch[j + 1, k]
-            for j in range(n - 2):
-                flight[j] = flight[j + 1]
-                for k in range(4):
-                    e[j, k] = e[j + 1, k]
-            n -= 1
+            n = _without_first(n, q, e, flight, touch)
         landed = 1
         filled += 1
     return n, landed, filled
@@ -473,14 +479,5 @@ def _join(n: int, q: FloatArray, e: FloatArray, flight: FloatArray, touch: Float
             e[1, k] = (a * e[0, k] + b * e[1, k]) / (a + b)
         e[1, 0] += a
         e[1, 3] += e[0, 3]
-        for j in range(n - 1):
-            for k in range(6):
-                q[j, k] = q[j + 1, k]
-            for k in range(7):
-                touch[j, k] = touch[j + 1, k]
-        for j in range(n - 2):
-            flight[j] = flight[j + 1]
-            for k in range(4):
-                e[j, k] = e[j + 1, k]
-        n -= 1
+        n = _without_first(n, q, e, flight, touch)
     return n

@@ -52,7 +52,7 @@ class SpunJet(Section):
     inlet_stress: Literal["free", "given"] = "free"
     element_length: Length | None = None
     longest_element: Length | None = None
-    largest_turn: Annotated[float, Field(gt=0, le=1.5)] | None = None
+    largest_turn: Annotated[float, Field(ge=0.01, le=1.5)] | None = None
     nozzle_amplitude: Length | None = None
     nozzle_frequency: Frequency | None = None
     time: Time = Measured(0.02, 0.0, "20 ms")

@@ -53,6 +53,15 @@ def spun_settings(
         frequency=frequency,
         ramp=5 / frequency if frequency else 0.0,
     )
+    longest = given(section.longest_element) or 0.0
+    if 0.0 < longest < 2 * step:
+        raise InputError(
+            "jet.longest_element",
+            "splits elements as they enter",
+            value=f"{longest:g} m",
+            allowed=f">= {2 * step:g} m, twice jet.element_length",
+            remedy="raise it, or lower jet.element_length",
+        )
     grid = Grid(
         step,
         tolerance=section.tolerance,
@@ -62,7 +71,7 @@ def spun_settings(
         feed_charge=density * area if frozen else 0.0,
         log_length=gap,
         bending=section.bending,
-        longest=given(section.longest_element) or 0.0,
+        longest=longest,
         turn=section.largest_turn or 0.0,
     )
     settings = SpunSettings(
