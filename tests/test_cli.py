@@ -2,8 +2,10 @@
 
 import base64
 import json
+import shutil
 import subprocess
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +189,58 @@ def test_as_a_process() -> None:
     code = "import sys, spinline; print(sorted({'numpy','scipy','pandas','xarray','pint','matplotlib'} & set(sys.modules)))"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "[]"
+
+
+LAY = """
+[laydown]
+speed = "5 m/s"
+spread = "60 um"
+turning_length = "100 um"
+diameter = "600 nm"
+[collector]
+distance = "20 cm"
+time = "20 ms"
+[mat]
+realisations = 1
+window = "12 um"
+"""
+
+
+def test_commands_without_a_figure_load_nothing_that_draws(tmp_path) -> None:
+    (tmp_path / "lay.toml").write_text(LAY)
+    lines = [  # in one process, which costs one start
+        "run peo5-water --no-figure --csv r.csv",
+        "jet peo5-needle --csv j.csv",
+        "deposit lay.toml -o f.h5",
+        "mat f.h5 --no-figure --csv m.csv",
+        "window pan-dmf --voltage 15kV --gap 15cm --flow-rate 1mL/h --steps 2 --no-figure",
+        "import-jet pvp3d -o b.nc",
+    ]
+    shutil.copytree(Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d", tmp_path / "pvp3d")
+    code = (
+        "import sys\nfrom spinline.cli.commands import app\n"
+        f"for line in {lines}:\n app(line.split(), standalone_mode=False)\n"
+        " print('\\nLOADED', line, 'matplotlib' in sys.modules)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    told = [line for line in ran.stdout.splitlines() if line.startswith("LOADED")]
+    assert told == [f"LOADED {line} False" for line in lines]
+
+
+def test_another_file_under_the_name_of_the_result_is_named(spinline, tmp_path) -> None:
+    assert spinline("run", "peo5-water", "--no-figure").code == 0
+    result = tmp_path / "peo5-water.nc"
+    shutil.copy(result, tmp_path / "p.h5")
+    before = result.read_bytes()
+    for words, wanted in (
+        (("mat", "peo5-water.nc"), "is not a file of fibres"),
+        (("deposit", "p.h5"), "has no landings"),
+        (("import-jet", "peo5-water.nc"), "not a file of a JETSPIN run"),
+    ):
+        ran = spinline(*words, "--force")
+        assert (ran.code, wanted in ran.err, "this very command" in ran.err) == (2, True, False), ran.err
+    assert result.read_bytes() == before
 
 
 @pytest.mark.parametrize(

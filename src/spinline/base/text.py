@@ -177,7 +177,7 @@ def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
     except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
         reason = str(error)
     remedy = "see `spinline scenes --copy`"
-    if name.lower().endswith((".csv", ".tsv", ".txt", ".dat")):
+    if noun.startswith("scene") and name.lower().endswith((".csv", ".tsv", ".txt", ".dat")):
         remedy = f'a table is named in a scene, [jet] profile = "table", path = "{name}"; {remedy}'
     raise InputError(name, f"is not a TOML {noun} ({reason})", remedy=remedy)
 

@@ -277,8 +277,7 @@ def fit_jet(
     from spinline.jetprofile.fit import fit_power_law
 
     z, r, std, r0 = _profile(profile, along, unit)
-    empty = r != r  # of the last bead, which has no element
-    if empty.any() and not empty.all():
+    if (empty := r != r).any() and not empty.all():  # of the last bead, which has no element
         warnings.warn(f"{profile}: rows without a radius left out: {int(empty.sum())}", SpinlineWarning, stacklevel=1)
         z, r, std = z[~empty], r[~empty], None if std is None else std[~empty]
     if radius is not None:
@@ -313,8 +312,11 @@ def import_jet(
     from spinline.base.files import writable
     from spinline.base.netcdf import sizes_in
     from spinline.jetprofile.jetspin import write_jet
+    from spinline.jetprofile.jetspin.detect import file_kind
 
     target = out or Path(run_dir.resolve().stem + ".nc")
+    if run_dir.is_file():
+        file_kind(run_dir)  # before anything is said of the output, which may be the input
     writable(target, force=force)
     write_jet(run_dir, target, source=source, unit=unit, force=force)
     sizes = sizes_in(target)
@@ -462,9 +464,6 @@ def _beads(path: Path) -> bool:
     return any(reader.claims(path, head) for reader in readers() if not reader.name.startswith("table"))
 
 
-_PROFILES = "give a table of z and radius, a result of `spinline run` or `spin`, or what `spinline import-jet` wrote"
-
-
 def _profile(
     path: Path, along: Along, unit: str | None
 ) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
@@ -489,12 +488,11 @@ def _profile(
         ):  # a result, of a straight jet or of one moment of beads
             place = {"z": "z", "element": "arc_length"}.get(" ".join(map(str, dataset["radius"].dims)), "")
             if place in dataset:
-                r0 = float(dataset.attrs["initial_radius"])
-                return dataset[place].values, dataset["radius"].values, None, r0
+                return dataset[place].values, dataset["radius"].values, None, float(dataset.attrs["initial_radius"])
         try:
             jet = LagrangianJet.from_dataset(dataset).at()
         except InputError as error:
-            problem = f"holds no radius along a jet: {error.problem}"
-            raise InputError(str(path), problem, remedy=_PROFILES) from None
+            remedy = "give a table of z and radius, a result of `spinline run` or `spin`, or a file of `import-jet`"
+            raise InputError(str(path), f"holds no radius along a jet: {error.problem}", remedy=remedy) from None
     distance = jet.arc_length if along is Along.arc else 0.5 * (jet.x[1:] + jet.x[:-1])
     return distance[jet.usable], jet.element_radius[jet.usable], None, jet.initial_radius
