@@ -58,6 +58,11 @@ CHANGES = {
         False,
         True,
     ),
+    "a library that cannot be kept": (
+        "other(codegen, JITCodeLibrary=type('L', (codegen.JITCodeLibrary,), {{'enable_object_caching': changed}}))",
+        False,
+        True,
+    ),
     "no compiler": ("other(compiler, leave=['Compiler'])", False, True),
     "a compiler that fails": (
         "other(compiler, Compiler=type('C', (compiler.Compiler,), {{'__init__': changed}}))",
