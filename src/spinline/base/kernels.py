@@ -28,6 +28,7 @@ from spinline.base.kernel_parts import AS_PART, AS_WHOLE, CHANGED
 from spinline.base.kernel_stamp import ingredients
 from spinline.base.progress import announce
 from spinline.base.seals import sealed, unsealed
+from spinline.base.taking_turns import one_at_a_time
 
 __all__ = ["njit", "plain"]
 
@@ -80,6 +81,7 @@ def plain(loop: Callable[_P, _T]) -> Callable[_P, _T]:
     return run
 
 
+_PATIENCE = 60.0  # s, with another process that compiles the same file
 _parted: list[tuple[Any, dict[str, Any]]] = []  # loops with parts, and what was theirs before
 
 
@@ -106,7 +108,8 @@ def _call(part: Any, arguments: Any, keywords: Any) -> Any:
 def _compile(made: Any, signature: Any) -> Any:
     """As ``Dispatcher.compile``; where parts do not fit into this numba, of wholes from then on, which are not kept."""
     try:
-        return type(made).compile(made, signature)
+        with one_at_a_time(made.py_func.__code__.co_filename, _PATIENCE):  # whoever waits finds it on disk
+            return type(made).compile(made, signature)
     except NumbaError:  # of the loop, not of how it is compiled
         raise
     except Exception:
