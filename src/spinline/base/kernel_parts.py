@@ -5,6 +5,7 @@ another one calls is translated only, and waits; what it ends in is optimised an
 are the same.
 """
 
+from collections.abc import Iterable
 from typing import Any, ClassVar
 
 from numba.core.errors import NumbaError
@@ -58,15 +59,23 @@ def _options() -> tuple[dict[str, Any], dict[str, Any] | None]:
                 """Only what the whole needs of it."""
                 module.data_layout = self._codegen._data_layout
 
+            def finalize(self) -> None:
+                """With all parts of its parts, each once."""
+                self._linking_libraries = [*_with_parts(self._linking_libraries)]
+                super().finalize()  # type: ignore[no-untyped-call]
+
         class Part(Whole):
-            """Translated code that waits to be linked into its caller's."""
+            """Translated code that waits to be linked, with its own parts, into the whole."""
+
+            def finalize(self) -> None:
+                self.parts, self._linking_libraries = self._linking_libraries, []
+                super().finalize()
 
             def _optimize_final_module(self) -> None:
                 pass
 
             def _finalize_final_module(self) -> None:
                 self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
-                self._verify_declare_only_symbols()  # type: ignore[no-untyped-call]
                 self._finalized = True
 
             @property
@@ -92,6 +101,17 @@ def _options() -> tuple[dict[str, Any], dict[str, Any] | None]:
         return options, None
     part = {**options, "no_cpython_wrapper": True, "pipeline_class": CompilesPart}
     return {**options, "pipeline_class": CompilesWhole}, part
+
+
+def _with_parts(libraries: Iterable[Any]) -> dict[Any, None]:
+    """All that is to be linked, in order, as the keys."""
+    found: dict[Any, None] = {}
+    waiting = [*libraries]
+    for library in waiting:
+        if library not in found:
+            found[library] = None
+            waiting += getattr(library, "parts", [])
+    return found
 
 
 class _Nowhere:
