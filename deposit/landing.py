@@ -20,7 +20,7 @@ from spinline.deposit.segments import Segments
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LandingRecord", "laid_by", "lay"]
+__all__ = ["LandingRecord", "feed_remark", "laid_by", "lay"]
 
 IntArray = NDArray[np.int64]
 _FLOATS = ("touch_time", "x", "y", "z", "vx", "vy", "vz", "volume", "polymer_fraction", "flight_length", "charge")
@@ -205,6 +205,27 @@ def lay(record: LandingRecord, collector: Collector) -> Segments:
         length=flight,
         jet=record.jet[order].astype(np.int32),
         fibre=record.fibre[order].astype(np.int32),
+    )
+
+
+def feed_remark(segments: Segments, surface_speed: float) -> str:
+    """What to say of a surface that runs faster than the fibre is fed; nothing where it does not.
+
+    The feed is the length laid over the time in which it was, mean of the jets.
+    """
+    feeds = []
+    for jet in np.unique(segments.jet):
+        own = segments.jet == jet
+        span = float(np.ptp(segments.touch_time[own]))
+        if span > 0:
+            feeds.append(float(segments.length[own].sum()) / span)
+    feed = float(np.mean(feeds)) if feeds else np.inf
+    if not abs(surface_speed) > feed:
+        return ""
+    return (
+        f"the collector's surface runs at {abs(surface_speed):.3g} m/s, faster than the fibre is fed ({feed:.3g} m/s): it is "
+        "drawn, and a fibre that is drawn hangs above the surface, by some hundredths of a millimetre in a blown jet; "
+        "take a slower surface, or do not trust the thickness of the mat"
     )
 
 

@@ -3,12 +3,14 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import spinline.jetprofile.blown as blown
 from spinline.base.errors import InputError, SpinlineWarning
+from spinline.jetprofile.blown import two_point
 from spinline.jetprofile.blown.gas_nozzle import choking_ratio, sonic_velocity, subsonic
 from spinline.jetprofile.blown.vapour_loss import drying_constant
 
@@ -223,6 +225,16 @@ def test_refusals_by_name(call, field):
     with pytest.raises(InputError) as error:
         call()
     assert error.value.field == field
+
+
+def test_a_solver_that_gives_up_does_not_blame_the_jet(monkeypatch):
+    """No profile because none is found (FENE-P in fast air) reads otherwise than a jet that cannot be."""
+    solution = replace(PAN, relaxation_time=1e-3, solvent_viscosity=0.3, extensibility=500.0)
+    monkeypatch.setattr(two_point, "solve_viscous", lambda *_, **__: SimpleNamespace(reached=0.4))
+    jet = blown.straight_blown_jet(solution, blown.AirJet(MM, 100.0), 10 * MM, law="fene-p")
+    assert jet.verdict == "slack"
+    assert "beyond 0.4" in jet.message
+    assert "the solver gave up, which does not show that there is no jet" in jet.message
 
 
 def test_the_table_of_laws_times_and_speeds():

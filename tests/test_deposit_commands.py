@@ -110,6 +110,8 @@ def test_a_jetspin_run_on_a_drum(spinline, tmp_path):
         "deposit", "run", "-o", "g.h5", "--collector", "drum", "--radius", "10 cm", "--speed", "2 m/s", "--csv", "g.csv"
     )
     assert drum.code == 0, drum.err
+    belt = spinline("deposit", "run", "-o", "b.h5", "--collector", "belt", "--speed", "400 m/s", "--plan")
+    assert (belt.code, "faster than the fibre is fed" in belt.err, "faster" in made.err) == (0, True, False)
     assert len((tmp_path / "g.csv").read_text().splitlines()) == made.json["segments"] + 1
     with xr.open_dataset(tmp_path / "g.h5", engine="h5netcdf") as ds:
         assert np.isfinite(ds["x"].values).all()

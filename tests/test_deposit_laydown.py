@@ -2,6 +2,7 @@
 
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from scipy.integrate import quad
 import spinline.deposit as dep
 from spinline.base.errors import InputError
 from spinline.deposit.fibres import CHUNK
+from spinline.deposit.landing import feed_remark
 
 # -- collectors, Eqs. (46) and (47) --------------------------------------------------------------
 
@@ -423,3 +425,13 @@ def test_footprint_of_a_tilted_ellipse_and_of_too_little():
     assert np.isnan(dep.footprint_of(s.take(slice(0, 5))).centre_std).all()
     with pytest.raises(InputError, match="nothing has landed"):
         dep.footprint_of(s.take(slice(0, 0)))
+
+
+def test_a_surface_faster_than_the_feed_is_said():
+    """Two jets laid at 2 and 4 m/s: 3 m/s on the mean."""
+    time = np.tile(np.linspace(0, 1, 11), 2)
+    laid = SimpleNamespace(jet=np.repeat([0, 1], 11), touch_time=time, length=np.repeat([2 / 11, 4 / 11], 11))
+    assert feed_remark(laid, 2.9) == feed_remark(laid, 0.0) == ""
+    told = feed_remark(laid, -3.1)
+    assert "3.1 m/s" in told
+    assert "fed (3 m/s)" in told

@@ -1,6 +1,7 @@
 """Drying, air, noise and several jets of a spun jet as a scene asks for them; JETSPIN's own set-ups; extremes from the command line."""
 
 import math
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -158,6 +159,17 @@ def test_noise_of_a_scene_is_a_piece_of_jet():
     assert fine.air == s.air
     scene = load_scene("pvp-spun", ["jet.noise=40 m2/s3"])
     assert any("noise" in words for words in spun_remarks(scene.jet, build_solution(scene), scene))
+
+
+@pytest.mark.parametrize(("amplitude", "said"), [("20 um", False), ("100 um", True)])
+def test_a_circle_off_the_needles_axis_is_said(amplitude, said):
+    """The field of a conducting jet's needle does not follow its nozzle."""
+    scene = load_scene("peo5-spun", [f"jet.nozzle_amplitude={amplitude}", "jet.nozzle_frequency=100 1/s"])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        spun_settings(scene.jet, build_solution(scene), scene=scene)
+    told = [str(one.message) for one in caught if "nozzle_amplitude" in str(one.message)]
+    assert [f"{float(amplitude[:3]) / 125:.2g} needle radii" in words for words in told] == [True] * said
 
 
 def test_nozzles():

@@ -25,6 +25,9 @@ __all__ = ["TwoPoint"]
 
 _POINTS = 400
 _MOST_STEPS, _MOST_NODES = 80, 60_000
+_UNFOUND = (
+    "the solver gave up, which does not show that there is no jet: try a little less air speed or relaxation time"
+)
 _MOST_CALLS = 12_000  # of one march
 _BUDGET, _CALL = 1e8, 200  # places evaluated in all, and what a call counts beside them
 _SHOOT = 8e-4  # s: relaxation times from which shooting is tried first
@@ -155,7 +158,7 @@ class TwoPoint:
                 share = min(reached * factor if reached else share * 0.1, 1.0)
         self.share = 1.0
         if last is None or reached < 1.0:
-            return self.nothing("slack", f"no straight jet is found beyond {reached:.3g} of the drag")
+            return self.unfound(f"no straight jet is found beyond {reached:.3g} of the drag")
         return self.finished(last, pull)
 
     def finished(self, run: Any, pull: float) -> StraightBlownJet:
@@ -196,7 +199,7 @@ class TwoPoint:
         problem = self.viscous(pull, self.s.solvent_viscosity, drawn=False)
         found = solve_viscous(problem, max(10 * self.rtol, 1e-10))
         if found.reached < 1:
-            return self.nothing("slack", f"no straight jet is found beyond {found.reached:.3g} of the way to it")
+            return self.unfound(f"no straight jet is found beyond {found.reached:.3g} of the way to it")
         curve = found.curve(problem)
         return self.profile(lambda z: curve(z).T, found.z, 0.0)
 
@@ -211,7 +214,7 @@ class TwoPoint:
                 break
             found = nearer
         if found is None:
-            return self.nothing("slack", "no straight jet is found, with or without solvent")
+            return self.unfound("no straight jet is found, with or without solvent")
         y = found.y.T[[0, 2, 3]]
         fast = np.flatnonzero(self.bracket(y) < 0)
         if fast.size:
@@ -226,7 +229,7 @@ class TwoPoint:
             return self.nothing("critical", f"from {found.z[k] * 1e3:.4g} mm on {why}, {remedy}")
         run = self._collocate(found.z, y, pull, 1e-3, 20_000)
         if run is None:
-            return self.nothing("slack", "jets with ever less solvent have no limit that is found")
+            return self.unfound("jets with ever less solvent have no limit that is found")
         return self.finished(run, pull)
 
     def _collocate(self, mesh: FloatArray, y: FloatArray, pull: float, tolerance: float, nodes: int) -> Any:
@@ -333,6 +336,10 @@ class TwoPoint:
                 return pieces, "critical" if run.t_events and len(run.t_events[0]) else "slack"
         return pieces, ""
 
+    def unfound(self, message: str) -> StraightBlownJet:
+        """No profile because the solver has none, in words that do not blame the jet."""
+        return self.nothing("slack", f"{message}; {_UNFOUND}")
+
     def nothing(self, verdict: Verdict, message: str) -> StraightBlownJet:
         """A verdict without a profile."""
         e = np.empty(0)
@@ -360,7 +367,7 @@ class TwoPoint:
         largest = float(np.abs(tension).max())
         balance = max(self.balance(at, np.unique(steps)), miss / max(largest, 1e-300))
         if not balance <= 1e-6:
-            return self.nothing("slack", f"the force balance closes to {balance:.2g} only: no profile is given")
+            return self.unfound(f"the force balance closes to {balance:.2g} only: no profile is given")
         verdict: Verdict = "converged"
         message = ""
         negative = np.flatnonzero(stress < -1e-6 * np.abs(stress).max())

@@ -1,11 +1,12 @@
 """The commands for what lies on the collector: deposit, mat."""
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from spinline.base.errors import InputError
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.cli.options import ForceOption, JsonOption, SetOption
 from spinline.cli.speech import say
 
@@ -84,7 +85,7 @@ def deposit(
     else:
         if set_ and run is None:
             raise InputError("--set", "changes keys of a scene, and this is a jet", value=set_[0])
-        from spinline.deposit.landing import lay
+        from spinline.deposit.landing import feed_remark, lay
 
         segments = laid_file(run or source)
         if segments is not None and (distance, speed, radius) != (None, None, None):
@@ -100,6 +101,8 @@ def deposit(
             if surface.kind == "drum":
                 attributes["circumference"] = 2 * 3.141592653589793 * surface.radius  # type: ignore[union-attr]
             numbers = {f"imbalance_{key}": value for key, value in record.imbalance().items()}
+        if remark := feed_remark(segments, float(getattr(surface, "surface_speed", 0.0))):
+            warnings.warn(remark, SpinlineWarning, stacklevel=1)
         if plan:
             say(f"{len(segments)} segments")
             return

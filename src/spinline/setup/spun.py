@@ -1,10 +1,11 @@
 """Settings of a spun jet from a scene: ``[jet]`` with ``profile = "spun"`` and the solution."""
 
 import math
+import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from spinline.base.errors import InputError
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile.spun.laws import JetLaw
 from spinline.jetprofile.spun.settings import Collector, Grid, Inlet, Loads, SpunSettings
 from spinline.setup.values import given
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from spinline.scene.spun import SpunJet
 
 __all__ = ["build_spun", "spun_nozzles", "spun_remarks", "spun_settings"]
+
+_SMALL_CIRCLE = 0.2  # needle radii: what was tried against a straight jet (20 of 125 um), and a little more
 
 
 def spun_settings(
@@ -41,6 +44,14 @@ def spun_settings(
     loads = _loads(section, gap, radius)
     step = given(section.element_length) or radius / (15 if section.charge == "conducting" else 5)
     amplitude = given(section.nozzle_amplitude) or 0.0
+    if section.charge == "conducting" and amplitude > _SMALL_CIRCLE * radius:
+        warnings.warn(
+            f"jet.nozzle_amplitude: a circle of {amplitude / radius:.2g} needle radii takes the nozzle off the needle's axis, "
+            "where its field is lower: at 0.8 radii the line charge is 8 to 11 % low, at 0.16 it is within 1 %; take a "
+            "smaller circle",
+            SpinlineWarning,
+            stacklevel=2,
+        )
     frequency = 2 * math.pi * (given(section.nozzle_frequency) or 0.0)
     given_stress = law.solvent_viscosity > 0.0 or section.inlet_stress == "given"
     inlet = Inlet(
