@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
+from spinline.base.words import label
 from spinline.cli.options import ForceOption, JsonOption, SetOption, load
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
@@ -163,7 +164,11 @@ def _settings(
         given = None if flow_rate is None else parse(flow_rate, "flow rate", "--flow-rate").value
         text = readable(source).read_text(encoding="utf-8", errors="replace")
         found = translate(text, flow_rate=given, law=law)
-        settings, end, title = found.settings, found.time, f"JETSPIN set-up of {Path(source).parent.resolve().name}"
+        settings, end, title = (
+            found.settings,
+            found.time,
+            f"JETSPIN set-up of {label(Path(source).parent.resolve().name)}",
+        )
         notes = tuple(f"differs: {words}" for words in found.differs)
         if found.ignored:
             notes += (f"not needed: {', '.join(found.ignored)}",)
