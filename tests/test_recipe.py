@@ -13,6 +13,7 @@ from spinline.base.errors import InputError
 from spinline.recipe import Measurement, Recipe, load_recipe, predict_table, read_experiments, recipes_of
 from spinline.recipe.believe import evaporation_rate
 from spinline.recipe.predict import predict
+from spinline.rheology.solvents import mixture_density
 
 DATA = Path(__file__).parent / "data" / "spindb" / "experiments-sample.csv"
 PAN = Recipe(
@@ -212,6 +213,28 @@ def test_rows_that_cannot_be_say_why():
         assert str(found["regime"]).startswith("not predicted")
 
 
+def test_rows_say_what_recipes_say():
+    row = read_experiments(DATA)[0]
+    rows = [
+        row,
+        {**row, "distance_cm": "2", "voltage_kV": "90"},
+        {**row, "needle_gauge": "7"},
+        {**row, "remark": "spun on a Monday", "flow_rate_mL_per_h": "900"},
+        {**row, "temperature_degC": "900"},
+    ]
+    found = predict_table(rows)
+    for one, recipe in zip(found[:4], recipes_of(rows), strict=False):
+        for remark in predict(recipe, shares=False).remarks:
+            assert remark in one["remark"]
+    assert "breaks down" in found[1]["remark"]
+    assert "breaks down" not in found[0]["remark"]
+    assert found[2]["remark"].startswith("needle_gauge = 7 is of no needle")
+    assert found[3]["remark"].startswith("spun on a Monday; a flow of 900 mL/hour")
+    assert found[4]["remark"] == ""
+    assert predict_table(found[1:3])[1]["remark"] == found[2]["remark"]  # a table of its own is not said twice
+    assert list(found[0])[-3:] == ["regime", "rung", "remark"]
+
+
 def test_a_table_that_is_none(tmp_path):
     (tmp_path / "t.csv").write_text("a,b\n1,2\n")
     with pytest.raises(InputError, match="no column polymer"):
@@ -328,3 +351,43 @@ def test_a_recipe_from_python():
     sheet = load_recipe("pcl-dcm-dmf", ["jet.voltage=20 kV"])
     assert sheet.recipe().voltage == 20e3
     assert sl.fibre(sheet, shares=False).fibre_diameter > 1e-7
+
+
+def _notes(tmp_path, **changes):
+    """A lab notebook's recipe, with keys of it changed."""
+    lines = {
+        "solution": {"polymer": "PS", "solvent": "chloroform", "concentration": "12 wt%"},
+        "jet": {"voltage": "15 kV", "gap": "15 cm", "flow_rate": "3 mL/h"},
+    }
+    for place, value in changes.items():
+        section, key = place.split("__")
+        lines[section][key] = value
+    file = tmp_path / "notes.toml"
+    body = "".join(f"[{s}]\n" + "".join(f"{k} = {json.dumps(v)}\n" for k, v in v.items()) for s, v in lines.items())
+    file.write_text(body.replace('{"chloroform": 3, "DMF": 1}', "{ chloroform = 3, DMF = 1 }"))
+    return file
+
+
+def test_mass_in_a_volume_is_made_a_fraction(tmp_path):
+    for text in ("12 % w/v", "120 mg/mL", "12 % (w/v)", "120 g/L"):
+        w = load_recipe(_notes(tmp_path, solution__concentration=text)).recipe().mass_fraction
+        # volumes add up: 0.12 g of polystyrene (1.05 g/mL) in 1 mL, the rest chloroform at 23 degC
+        rest = (1 - 0.12 / 1.05) * mixture_density({"chloroform": 1.0}, 296.15) / 1e3
+        assert w == pytest.approx(0.12 / (0.12 + rest), rel=1e-9)
+    assert load_recipe(_notes(tmp_path, solution__concentration="12 % w/w")).recipe().mass_fraction == 0.12
+    with pytest.raises(InputError, match="more than the polymer's density"):
+        load_recipe(_notes(tmp_path, solution__concentration="2 g/mL")).recipe()
+    with pytest.raises(InputError, match="is out of range"):
+        load_recipe(_notes(tmp_path, solution__concentration=12))
+
+
+def test_keys_as_people_call_them(tmp_path):
+    for key, meant in (("distance", "gap"), ("needle_gauge", "gauge"), ("flow", "flow_rate")):
+        with pytest.raises(InputError, match=f"did you mean '{meant}'"):
+            load_recipe(_notes(tmp_path, **{f"jet__{key}": "15 cm"}))
+    with pytest.raises(InputError, match="did you mean 'molar_mass'"):
+        load_recipe(_notes(tmp_path, solution__Mw="280 kg/mol"))
+    with pytest.raises(InputError, match="take it out"):  # not: see another kind of scene
+        load_recipe(_notes(tmp_path, jet__permittivity=30))
+    with pytest.raises(InputError, match=r"chloroform = 0.75, DMF = 0.25"):
+        load_recipe(_notes(tmp_path, solution__solvent={"chloroform": 3, "DMF": 1})).recipe()

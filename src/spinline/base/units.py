@@ -265,14 +265,29 @@ def _said_once(text: str) -> str:
     return f"{match['value']} +/- {match['std']} {match['unit']}"
 
 
+# how else people write them, without blanks, brackets and points
+_ALSO_PERCENT = {
+    **dict.fromkeys(("%w/w", "w/w%", "%wt", "%m/m", "m/m%", "wt/wt%", "%wt/wt"), "wt%"),
+    **dict.fromkeys(("%v/v", "v/v%", "%vol"), "vol%"),
+}
+
+
 def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
     own = _FRACTIONS[kind]
     unit = re.sub(r"^(wt|vol)\.\s*%$", r"\1%", unit)
+    unit = _ALSO_PERCENT.get(re.sub(r"[\s().]", "", unit), unit)
     if not unit:
         return 1.0
     if own and unit in ("%", own, own.replace("%", " %")):
         return 0.01
     other = next((name for name, symbol in _FRACTIONS.items() if symbol == unit), None)
+    if kind == "mass fraction" and re.search(r"[gwt]\s*/\s*(100\s*)?(v|m?l|d?l|cm|m\^?3)", unit.lower()):
+        raise InputError(
+            field,
+            "is mass in a volume of solution, not a mass fraction",
+            value=text,
+            remedy='divide it by the density of the solution: of 0.95 g/mL, 12 % w/v (0.12 g/mL) are "12.6 wt%"',
+        )
     problem = f"is {QUANTITIES[other].article} {other}, not a {kind}" if other else f"has a unit, but a {kind} has none"
     raise InputError(field, problem, value=text, remedy=_example(QUANTITIES[kind]))
 

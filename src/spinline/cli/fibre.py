@@ -74,14 +74,16 @@ def _table(table: Path, out: Path | None, rung: str, json: bool, force: bool) ->
         found = predict_table(rows, rung=rung, progress=progress)
     write_text(target, written(found), force=force)
     missed = sum(row["predicted_nm"] == "" for row in found)
+    remarked = sum(row["remark"] != "" for row in found)
     if json:
         import json as json_
 
-        say(json_.dumps({"rows": len(found), "not_predicted": missed, "out": str(target)}))
+        say(json_.dumps({"rows": len(found), "not_predicted": missed, "with_remark": remarked, "out": str(target)}))
         return
     say(
         f"{len(found)} experiments"
         + (f", {missed} not predicted (the reason stands in their regime)" if missed else "")
+        + (f", {remarked} with something to say (in their remark)" if remarked else "")
     )
     say(f"wrote {target}")
 

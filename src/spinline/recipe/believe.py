@@ -24,7 +24,7 @@ from spinline.rheology.thermal import saturation_pressure
 from spinline.rheology.vapour import molar_mass, vapour_diffusivity
 from spinline.rheology.wet_bulb import wet_bulb
 
-__all__ = ["DAMPEST", "Recipe", "believe", "evaporation_rate"]
+__all__ = ["DAMPEST", "USUAL_TEMPERATURE", "Recipe", "believe", "evaporation_rate"]
 
 _GAS = 8.31446261815324
 _OVERLAPS = 10.0  # c_e [eta], semidilute entangled; 5 to 20
@@ -32,6 +32,7 @@ _ANY_DENSITY = 1250.0  # kg/m3
 _USUAL = {"voltage": 15e3, "flow_rate": 1e-6 / 3600, "gap": 0.15}
 #: Relative humidity above which water dries as there: at 1 nothing would ever be solid. `outside_remarks` says so.
 DAMPEST = 0.97
+USUAL_TEMPERATURE = 296.15  # K
 _ENTANGLED_SD = 0.6  # of ln c_e at a known molar mass
 
 
@@ -94,7 +95,7 @@ def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed
         "surface_tension": 0.1,
         "relaxation_time": 1.2,
     }
-    kelvin = recipe.temperature if recipe.temperature == recipe.temperature else 296.15
+    kelvin = recipe.temperature if recipe.temperature == recipe.temperature else USUAL_TEMPERATURE
     wet = recipe.relative_humidity if recipe.relative_humidity == recipe.relative_humidity else 0.45
     if recipe.relative_humidity != recipe.relative_humidity:
         borrowed["ambient.relative_humidity"] = "45 %, usual"
@@ -189,7 +190,7 @@ def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
         return float(np.log(0.06)), 0.8
     main = max(recipe.solvent, key=lambda name: recipe.solvent[name])
     found = intrinsic_viscosity(polymer(recipe.polymer), main, chain)
-    density = mixture_density(recipe.solvent, 296.15)
+    density = mixture_density(recipe.solvent, USUAL_TEMPERATURE)
     return float(np.log(_OVERLAPS / found.value / density)), float(np.hypot(_ENTANGLED_SD, 0.5 * np.log(found.factor)))
 
 

@@ -1,20 +1,22 @@
 """The recipe file: what a lab notebook holds, in TOML. What is missing gets what is usual; unknown keys are refused."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
+from pydantic_core import PydanticCustomError
 
 from spinline.base.errors import InputError
-from spinline.base.units import Measured
-from spinline.recipe.believe import Recipe
+from spinline.base.units import Measured, parse
+from spinline.recipe.believe import USUAL_TEMPERATURE, Recipe
 from spinline.recipe.predict import Fibre, Measurement, predict
 from spinline.recipe.table import GAUGES
-from spinline.rheology.materials import POLYMERS
+from spinline.rheology.materials import POLYMERS, polymer
 from spinline.rheology.names import known_as
-from spinline.rheology.solvents import SOLVENTS
+from spinline.rheology.solvents import SOLVENTS, mixture_density
 from spinline.scene.file import checked, read_toml
 from spinline.scene.quantities import (
     Conductivity,
@@ -22,7 +24,6 @@ from spinline.scene.quantities import (
     Fraction,
     Label,
     Length,
-    MassFraction,
     MolarMass,
     Read,
     Section,
@@ -38,12 +39,35 @@ Tension = Annotated[Measured, Read("surface tension", 1e-4, 1.0)]
 Current = Annotated[Measured, Read("current", 1e-15, 1.0)]
 
 
+class PerVolume(Measured):
+    """Mass of polymer in a volume of solution, kg/m3."""
+
+
+class _ReadConcentration(Read):
+    """A mass fraction, or a mass in a volume of solution ("12 % w/v", "120 mg/mL")."""
+
+    def __call__(self, text: Any) -> Measured:
+        try:
+            return super().__call__(text)
+        except PydanticCustomError as wrong:
+            try:
+                found = parse(text, "concentration", "")
+            except InputError:
+                raise wrong from None
+            if not found.value > 0:
+                raise wrong from None
+            return PerVolume(found.value, found.std, found.text)
+
+
+Concentration = Annotated[Measured, _ReadConcentration("mass fraction", 0.0, 1.0)]
+
+
 class SolutionOfRecipe(Section):
     """``[solution]`` of a recipe."""
 
     polymer: str
     solvent: str | dict[str, float]
-    concentration: MassFraction | None = None
+    concentration: Concentration | None = None
     molar_mass: MolarMass | None = None
     viscosity: Viscosity | None = None
     conductivity: Conductivity | None = None
@@ -83,7 +107,7 @@ class MeasuredOfRecipe(Section):
     voltage: Potential | None = None
     gap: Length | None = None
     flow_rate: FlowRate | None = None
-    concentration: MassFraction | None = None
+    concentration: Concentration | None = None
     relative_humidity: Fraction | None = None
 
 
@@ -108,26 +132,34 @@ class RecipeSheet(Sheet):
                 raise InputError("jet.gauge", "is not known", value=j.gauge, allowed=", ".join(map(str, GAUGES)))
             radius = GAUGES[j.gauge]
         kelvin = _value(air.temperature)
+        kelvin = kelvin if kelvin == kelvin else _value(s.temperature)
         given = {
             "viscosity": s.viscosity,
             "conductivity": s.conductivity,
             "surface_tension": s.surface_tension,
             "current": j.current,
         }
+        chain = _named(
+            s.polymer,
+            POLYMERS,
+            "solution.polymer",
+            "a row of `spinline fibre --table` takes any name, as a usual chain",
+        )
+        solvent = _solvent(s.solvent)
         return Recipe(
-            polymer=_named(s.polymer, POLYMERS, "solution.polymer"),
-            solvent=_solvent(s.solvent),
+            polymer=chain,
+            solvent=solvent,
             voltage=j.voltage.value,
             gap=j.gap.value,
             flow_rate=j.flow_rate.value,
-            mass_fraction=_value(s.concentration),
+            mass_fraction=_mass_fraction(s.concentration, chain, solvent, kelvin, "solution"),
             needle_radius=radius,
             molar_mass=_value(s.molar_mass),
             viscosity=_value(s.viscosity),
             conductivity=_value(s.conductivity),
             surface_tension=_value(s.surface_tension),
             current=_value(j.current),
-            temperature=kelvin if kelvin == kelvin else _value(s.temperature),
+            temperature=kelvin,
             relative_humidity=_value(air.relative_humidity),
             spread={name: _log_sd(m) for name, m in given.items() if m is not None and m.std > 0 and m.value > 0},
         )
@@ -142,13 +174,34 @@ class RecipeSheet(Sheet):
                 "voltage": one.voltage,
                 "gap": one.gap,
                 "flow_rate": one.flow_rate,
-                "mass_fraction": one.concentration,
                 "relative_humidity": one.relative_humidity,
             }
             changes: dict[str, Any] = {name: value.value for name, value in names.items() if value is not None}
+            if one.concentration is not None:
+                changes["mass_fraction"] = _mass_fraction(
+                    one.concentration, recipe.polymer, recipe.solvent, recipe.temperature, "measured"
+                )
             size = one.fibre_diameter
             found.append(Measurement(replace(recipe, **changes), size.value, max(_log_sd(size), 0.02)))
         return found
+
+
+def _mass_fraction(
+    given: Measured | None, chain: str, solvent: Mapping[str, float], kelvin: float, section: str
+) -> float:
+    """Mass fraction of what is given as one, or by volume of solution: volumes add up."""
+    if not isinstance(given, PerVolume):
+        return _value(given)
+    solid = polymer(chain).density
+    if given.value >= solid:
+        raise InputError(
+            f"{section}.concentration",
+            "is more than the polymer's density",
+            value=given.text,
+            allowed=f"below {solid:.4g} kg/m3",
+        )
+    rest = (1 - given.value / solid) * mixture_density(solvent, kelvin if kelvin == kelvin else USUAL_TEMPERATURE)
+    return given.value / (given.value + rest)
 
 
 def _value(measured: Measured | None) -> float:
@@ -160,10 +213,10 @@ def _log_sd(measured: Measured) -> float:
     return math.sqrt(math.log1p((measured.std / measured.value) ** 2))
 
 
-def _named(name: str, table: Any, field: str) -> str:
+def _named(name: str, table: Any, field: str, remedy: str = "") -> str:
     known = known_as(name, table)
     if known is None:
-        raise InputError(field, "is not in the library", value=name, allowed=", ".join(sorted(table)))
+        raise InputError(field, "is not in the library", value=name, allowed=", ".join(sorted(table)), remedy=remedy)
     return known
 
 
@@ -177,9 +230,9 @@ def _solvent(given: str | dict[str, float]) -> dict[str, float]:
         found[known] = found.get(known, 0.0) + float(share)
     total = sum(found.values())
     if not found or (abs(total - 1) > 0.02 and abs(total - 100) > 2):
-        raise InputError(
-            "solution.solvent", "has shares that do not add up to 1", value=shares, remedy="mass fractions"
-        )
+        meant = ", ".join(f"{name} = {share / total:.3g}" for name, share in shares.items())
+        remedy = f"mass fractions: parts by mass are {{ {meant} }}" if found else "mass fractions"
+        raise InputError("solution.solvent", "has shares that do not add up to 1", value=shares, remedy=remedy)
     return {name: share / total for name, share in found.items()}
 
 

@@ -13,6 +13,7 @@ from spinline.base.errors import InputError
 from spinline.base.text import csv_rows, read_text
 from spinline.base.words import cell
 from spinline.recipe.believe import Recipe, known_solvents
+from spinline.recipe.outside import outside_remarks
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
@@ -202,9 +203,10 @@ def written(rows: Iterable[Mapping[str, Any]]) -> str:
 def predict_table(
     rows: Sequence[Mapping[str, str]], *, rung: str = "race", progress: Any = None
 ) -> list[dict[str, str | float]]:
-    """Every row with ``predicted_nm, low68_nm, high68_nm, low95_nm, high95_nm, regime, rung`` added.
+    """Every row with ``predicted_nm, low68_nm, high68_nm, low95_nm, high95_nm, regime, rung, remark`` added.
 
-    A row that cannot be predicted has them empty, and the reason as its regime.
+    A row that cannot be predicted has them empty, and the reason as its regime. The remarks are those of a recipe, one after
+    the other; a column of that name that the table brings keeps its words before them.
     """
     from spinline.recipe.predict import predict
 
@@ -214,18 +216,31 @@ def predict_table(
         answer: dict[str, str | float] = dict.fromkeys(
             ("predicted_nm", "low68_nm", "high68_nm", "low95_nm", "high95_nm"), ""
         )
+        said = [] if "predicted_nm" in row else [row.get("remark", "")]
         if isinstance(recipe, str):
             answer |= {"regime": f"not predicted: {recipe}", "rung": rung}
         else:
+            said += _taken(row)
             try:
                 found = predict(recipe, rung=rung, shares=False)
             except InputError as error:
                 answer |= {"regime": f"not predicted: {error}", "rung": rung}
+                said += outside_remarks(recipe)
             else:
                 sizes = (found.fibre_diameter, *found.fibre_diameter_68, *found.fibre_diameter_95)
                 answer = dict(zip(answer, (float(f"{1e9 * size:.5g}") for size in sizes), strict=True))
                 answer |= {"regime": found.regime, "rung": found.rung}
-        out.append({**row, **answer})
+                said += found.remarks
+        out.append({**row, **answer, "remark": "; ".join(filter(None, said))})
         if progress is not None:
             progress(i + 1, len(rows))
     return out
+
+
+def _taken(row: Mapping[str, str]) -> list[str]:
+    """What of a row was not taken as it stands there."""
+    gauge = _number(row, "needle_gauge")
+    if gauge == gauge and round(gauge) not in GAUGES:
+        between = f"{min(GAUGES)} to {max(GAUGES)}"
+        return [f"needle_gauge = {gauge:g} is of no needle in the list of gauges ({between}): taken as not given"]
+    return []

@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogFormatter
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
@@ -119,7 +120,10 @@ def _map(
         norm=LogNorm() if wide else None,
         rasterized=True,
     )
-    sheet.colorbar(picture, ax=axis)
+    bar = sheet.colorbar(picture, ax=axis)
+    if wide and 1 <= values[good].min() <= values[good].max() < 1e5:  # nanometres: 200, not 2 x 10^2
+        bar.ax.yaxis.set_major_formatter("{x:g}")
+        bar.ax.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.5)))
 
 
 def _regimes(axis: Any, cut: xr.Dataset, shown: list[str]) -> None:

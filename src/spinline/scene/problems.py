@@ -101,8 +101,9 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
         return InputError(key, "is missing", remedy=_USUAL.get(key, where))
     if kind == "extra_forbidden":
         known = _known_keys(key, data, root)
-        near = difflib.get_close_matches(key.rpartition(".")[2], known, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else _OF_A_NEEDLE.get(key, "take it out")
+        near = _nearest(key.rpartition(".")[2], known)
+        elsewhere = _OF_A_NEEDLE.get(key, "take it out") if root is Scene else "take it out"
+        hint = f"did you mean {near!r}?" if near else elsewhere
         return InputError(key, "is not a known key", value=value, allowed=", ".join(known), remedy=hint)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         section = value if isinstance(value, Mapping) else {}
@@ -121,6 +122,24 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
         allowed = ", ".join(f"{words[k]} {v}" for k, v in context.items() if k in words)
     message = "is not known" if kind == "literal_error" else detail["msg"].replace("Input should be", "should be")
     return InputError(key, message, value=value, allowed=allowed, remedy=_change(key, root))
+
+
+# what people call a key that no spelling would find
+_ALSO_CALLED = {
+    **dict.fromkeys(("distance", "collector_distance", "working_distance", "tcd"), "gap"),
+    **dict.fromkeys(("mw", "molecular_weight", "molecular_mass"), "molar_mass"),
+    **dict.fromkeys(("rh", "humidity"), "relative_humidity"),
+    **dict.fromkeys(("needle", "needle_gauge"), "gauge"),
+    **dict.fromkeys(("feed_rate", "flow"), "flow_rate"),
+}
+
+
+def _nearest(name: str, known: list[str]) -> str:
+    """The known key that was meant, or nothing."""
+    called = _ALSO_CALLED.get(name.lower(), "")
+    if called in known:
+        return called
+    return next(iter(difflib.get_close_matches(name, known, n=1)), "")
 
 
 def _change(key: str, root: type[BaseModel]) -> str:
