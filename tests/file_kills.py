@@ -98,21 +98,24 @@ def main_in(folder: Path, arguments: list[str], delay: float | None, number: int
     """The command line in a child of this process, which gets a signal after `delay`."""
     start = time.monotonic()
     reading, writing = os.pipe()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STATUS)  # until the child no longer stands in this program
     child = os.fork()
     if child == 0:
-        os.close(reading)
-        os.chdir(folder)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        os.dup2(writing, 2)
-        os.close(writing)
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # as before the command has looked at it
         status = 70
         try:
+            os.close(reading)
+            os.chdir(folder)
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+            os.dup2(writing, 2)
+            os.close(writing)
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # as before the command has looked at it
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
             status = job(arguments)
         except SystemExit as end:
             status = int(end.code or 0)
         finally:
             os._exit(status)
+    signal.pthread_sigmask(signal.SIG_SETMASK, before)
     os.close(writing)
     killed = delay is not None
     while delay is not None and time.monotonic() - start < delay:
@@ -234,7 +237,7 @@ def campaign(name: str, arguments: list[str], source: Path, moments: list[float]
         folder = source.parent / f"{name}-{i}"
         shutil.copytree(source, folder)
         ended = main_in(folder, arguments, moment * undisturbed.seconds, number)
-        found = _judged(folder, ended, number, expected)
+        found = judged(folder, ended, number, expected)
         tally["stopped" if ended.stopped and ended.code else "ended before"] += 1
         tally["left beside"] += sum(path.name.startswith(".spinline-") for path in folder.iterdir())
         again = main_in(folder, arguments, None)
@@ -249,7 +252,7 @@ def campaign(name: str, arguments: list[str], source: Path, moments: list[float]
     return {"seconds": round(undisturbed.seconds, 3), **dict(sorted(tally.items())), "bad": bad}
 
 
-def _judged(folder: Path, ended: Ended, number: int, expected: dict[str, Any]) -> list[str]:
+def judged(folder: Path, ended: Ended, number: int, expected: dict[str, Any]) -> list[str]:
     """What is wrong with a folder after a command was stopped in it, in words."""
     bad = []
     if "Traceback" in ended.said or "fault of this program" in ended.said:
