@@ -4,16 +4,20 @@ Every header names its quantity and its unit: ``z [mm]``, ``z (mm)``, ``z/mm``, 
 people use for the same thing are known (`ALIASES`). A column without a unit is refused: a bare number is not a length.
 """
 
+import difflib
+import re
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
 from spinline.base.checks import FloatArray
-from spinline.base.errors import InputError
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.units import parse_unit
-from spinline.jetprofile.table_text import Header, TextTable, read_table_text
+from spinline.jetprofile.table_text import Header, read_table_text
 
 __all__ = ["ALIASES", "read_columns"]
 
+_SPREAD = re.compile(r"std|sd|err|sigma|unc|dev")
 # other name: (column, factor)
 ALIASES = {
     "r": ("radius", 1.0),
@@ -28,6 +32,7 @@ ALIASES = {
     "distance": ("z", 1.0),
     "position": ("z", 1.0),
     "axial_position": ("z", 1.0),
+    "arc_length": ("z", 1.0),
     "v": ("velocity", 1.0),
     "speed": ("velocity", 1.0),
     "t": ("time", 1.0),
@@ -36,7 +41,7 @@ ALIASES = {
 
 
 def read_columns(
-    path: str | Path, kinds: Mapping[str, str], *, required: tuple[str, ...] = ()
+    path: str | Path, kinds: Mapping[str, str], *, required: tuple[str, ...] = (), others: bool = False
 ) -> dict[str, FloatArray]:
     """Read the named columns of a table in SI units.
 
@@ -49,6 +54,9 @@ def read_columns(
         Column name to the kind of quantity (a key of `spinline.base.units.QUANTITIES`).
     required : tuple of str
         Columns that must be there.
+    others : bool
+        Leave out columns of other names, with a warning that names them (a table of results holds many); not those that look
+        like a wanted one misspelt, nor a time.
 
     Returns
     -------
@@ -60,6 +68,11 @@ def read_columns(
     InputError
         For an unreadable file, an unknown or repeated column, a missing unit or text among the numbers; the format that was
         seen is named.
+
+    Warns
+    -----
+    SpinlineWarning
+        Of `others`.
     """
     file = str(path)
     allowed = ", ".join(
@@ -67,30 +80,65 @@ def read_columns(
     )
     table = read_table_text(path, allowed=allowed)
     columns: dict[str, FloatArray] = {}
+    told: dict[str, str] = {}
+    unused = []
     for header, values in zip(table.headers, table.columns, strict=True):
-        name, unit, factor = _meaning(header, kinds, file, table, allowed)
+        found = _meaning(header, kinds)
+        if found is None:
+            remedy = _mistaken(header.name, kinds)
+            if not others or remedy:
+                problem = f"has a column that is not known ({table.seen})"
+                raise InputError(file, problem, value=header.name, allowed=allowed, remedy=remedy)
+            unused.append(header.name)
+            continue
+        name, unit, factor = found
         if name in columns:
-            raise InputError(file, f"has a column twice ({table.seen})", value=header.name)
+            problem = f"has two columns that mean {name} ({table.seen})"
+            raise InputError(file, problem, value=f"{told[name]}, {header.name}", remedy="leave one of them out")
+        told[name] = header.name
         columns[name] = factor * _scaled(values, kinds[name], unit, f"{file}: {header.name}", table.seen)
     for name in required:
         if name not in columns:
-            found = [header.name for header in table.headers]
-            raise InputError(file, f"has no column {name} ({table.seen})", value=found, allowed=allowed)
+            names = ", ".join(header.name for header in table.headers)
+            raise InputError(file, f"has no column {name} ({table.seen})", value=names, allowed=allowed)
+    if unused:
+        shown = ", ".join(unused[:4]) + (f" and {len(unused) - 4} more" if len(unused) > 4 else "")
+        warnings.warn(f"{file}: columns left out: {shown}", SpinlineWarning, stacklevel=3)
     return columns
 
 
-def _meaning(
-    header: Header, kinds: Mapping[str, str], file: str, table: TextTable, allowed: str
-) -> tuple[str, str, float]:
-    """Column, unit and factor of a header."""
+def _meaning(header: Header, kinds: Mapping[str, str]) -> tuple[str, str, float] | None:
+    """Column, unit and factor of a header, None where it is none of these."""
     for text, unit in ((header.name, header.unit), _split(header)):
         for name in (text, text.lower()):
-            if name in kinds:
-                return name, unit, 1.0
-            column, factor = ALIASES.get(name, ("", 1.0))
-            if column in kinds:
+            column, factor = (name, 1.0) if name in kinds else ALIASES.get(name, ("", 1.0))
+            if column == "z" != name and "x" in kinds:
+                continue  # of beads in space, z is across the axis and no distance
+            if column in kinds and (text == header.name or _is_unit(unit, kinds[column])):
                 return column, unit, factor
-    raise InputError(file, f"has a column that is not known ({table.seen})", value=header.name, allowed=allowed)
+    return None
+
+
+def _is_unit(text: str, kind: str) -> bool:
+    """Whether what stands behind a name is a unit of it: velocity_ratio is no velocity in "ratio"."""
+    if not _unit_example(kind):
+        return text in ("1", "-", "%")
+    try:
+        parse_unit(text, kind, text)
+    except InputError:
+        return False
+    return True
+
+
+def _mistaken(name: str, kinds: Mapping[str, str]) -> str:
+    """What to do about a name that cannot be left out: one that is nearly a wanted one, or a time; else nothing."""
+    if ALIASES.get(name.lower(), (name.lower(), 1.0))[0] == "time":
+        return "give the rows of one time, without this column"
+    known = [*kinds, *(alias for alias, (column, _) in ALIASES.items() if column in kinds)]
+    near = difflib.get_close_matches(name.lower(), known, 1, 0.82)
+    if not near and _SPREAD.search(name.lower()):
+        near = [f"{one}_std" for one in kinds if name.lower().startswith(f"{one}_") and f"{one}_std" in kinds]
+    return f"call it {near[0]} if that is meant, else leave it out" if near else ""
 
 
 def _split(header: Header) -> tuple[str, str]:

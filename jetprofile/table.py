@@ -81,10 +81,17 @@ class Table(StraightJet):
 
     @classmethod
     def from_csv(cls, path: str | Path, *, flow_rate: float, initial_radius: float | None = None) -> Self:
-        """Read columns ``z [unit]`` and ``radius [unit]`` or ``velocity [unit]`` from a table, z rising or falling."""
-        columns = read_columns(path, {"z": "length", "radius": "length", "velocity": "velocity"}, required=("z",))
+        """Read columns ``z [unit]`` and ``radius [unit]`` or ``velocity [unit]`` from a table, z rising or falling.
+
+        Of a table that has both, as those that are written here, the radius is taken; the velocity has to agree with it and the
+        flow rate. Other columns are left out, with a warning.
+        """
+        kinds = {"z": "length", "radius": "length", "velocity": "velocity"}
+        columns = read_columns(path, kinds, required=("z",), others=True)
         if columns["z"].size > 1 and (np.diff(columns["z"]) < 0).all():  # written from the far end to the nozzle
             columns = {name: values[::-1] for name, values in columns.items()}
+        if "radius" in columns and "velocity" in columns:
+            _agree(str(path), columns["radius"], columns.pop("velocity"), positive("flow_rate", flow_rate, "m3/s"))
         return cls(
             z=columns["z"],
             radius=columns.get("radius"),
@@ -150,6 +157,24 @@ class Table(StraightJet):
         points = np.asarray(low)[..., np.newaxis] + half * (1 + nodes)
         value: FloatArray = np.sum(half * weights / self._ratio(points), axis=-1)
         return value
+
+
+_AGREEMENT = 0.02  # of pi r^2 v with the flow rate, in a table of both; r and v of four digits round to less
+
+
+def _agree(file: str, radius: FloatArray, velocity: FloatArray, flow_rate: float) -> None:
+    """Refuse radii and velocities that are not those of one liquid at this flow rate."""
+    carried = np.pi * radius**2 * velocity
+    off = np.flatnonzero(~(np.abs(carried - flow_rate) <= _AGREEMENT * flow_rate))
+    if off.size:
+        row = int(off[0])
+        raise InputError(
+            file,
+            f"has radii and velocities that do not carry the flow rate (pi r^2 v of row {row + 1})",
+            value=f"{carried[row]:.4g} m3/s",
+            allowed=f"within {100 * _AGREEMENT:g} % of {flow_rate:.4g} m3/s",
+            remedy="set flow_rate to that of the table, or leave one of the two columns out",
+        )
 
 
 def _sampled(field: str, values: ArrayLike | None, z: FloatArray, unit: str) -> FloatArray:

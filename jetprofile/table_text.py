@@ -120,7 +120,7 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
     if start is None:
         raise InputError(
             name,
-            f"is not a CSV table ({kind}: no line but comments)",
+            f"is not a CSV table ({f'{kind}: no line but comments' if any(map(str.strip, lines)) else 'it is empty'})",
             allowed=allowed,
             remedy="give columns with units in the header",
         )

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from typing import Literal, get_args
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
@@ -200,6 +199,8 @@ class Balance:
     def _solve(
         self, slope: Callable[[float, FloatArray], FloatArray], begin: float, at: FloatArray, longest: float
     ) -> FloatArray:
+        from scipy.integrate import solve_ivp  # slow to import, and of no use to a jet with heat
+
         y = np.zeros((self.start.size, at.size))
         if at[-1] <= begin:
             return y

@@ -2,8 +2,10 @@
 
 import base64
 import json
+import shutil
 import subprocess
 import sys
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +100,45 @@ def test_fit_jet(spinline, tmp_path) -> None:
     assert spinline("fit-jet", "p.csv", "--from", "1 m").code == 2
 
 
+@pytest.mark.parametrize("scene", ["peo5-water", "pvp-jetspin", "peo5-needle", "pan12-blown"])
+def test_a_table_of_one_command_is_read_by_the_others(spinline, tmp_path, scene) -> None:
+    maker = ["jet", scene] if scene in ("peo5-needle", "pan12-blown") else ["run", scene, "--no-figure"]
+    assert spinline(*maker, "--csv", "made.csv").code == 0
+    ran = spinline("fit-jet", "made.csv", "--json")
+    assert ran.code == 0
+    assert "made.csv: columns left out: " in ran.err
+    assert ran.json["samples_given"] > 50
+    if scene == "pvp-jetspin":
+        again = spinline("fit-jet", "pvp-jetspin.nc", "--json").json  # the result beside the table
+        assert again["beta"] == pytest.approx(ran.json["beta"], rel=1e-9)
+    if scene in ("pvp-jetspin", "pan12-blown"):
+        return  # beads in space are no straight jet; a blown jet thickens again before its end
+    (tmp_path / "again.toml").write_text(
+        '[solution]\npolymer = "PEO"\nmolar_mass = "600 kg/mol"\nsolvent = "water"\nmass_fraction = 0.05\n'
+        'kuhn_length = "1 nm"\ntemperature = "293.15 K"\nviscosity = "2 Pa s"\n'
+        '[jet]\nprofile = "table"\npath = "made.csv"\nflow_rate = "3.2 mL/hour"\n'
+    )
+    assert spinline("run", "again.toml", "--no-figure", "--csv", "again.csv").code == 0
+    ours, theirs = (
+        np.genfromtxt(tmp_path / name, delimiter=",", skip_header=1)[-1] for name in ("again.csv", "made.csv")
+    )
+    assert ours[1] == pytest.approx(theirs[1], rel=1e-9)  # the last radius
+    wrong = spinline("run", "again.toml", "--no-figure", "--set", "jet.flow_rate=9 mL/hour", "--force")
+    assert wrong.code == 2
+    assert all(word in wrong.err for word in ("made.csv", "do not carry the flow rate", "set flow_rate"))
+
+
+def test_columns_that_are_left_out_and_those_that_are_not(spinline, tmp_path) -> None:
+    rows = "\n".join(f"{z},{100 * z**-0.3},1" for z in range(1, 20))
+    for third, word in (("radius_err [um]", "radius_std"), ("t [s]", "rows of one time"), ("zz [mm]", "")):
+        (tmp_path / "p.csv").write_text(f"z [mm],radius [um],{third}\n{rows}")
+        ran = spinline("fit-jet", "p.csv")
+        assert (ran.code, word in ran.err) == (2 if word else 0, True)
+    (tmp_path / "p.csv").write_text(f"x_mm,z_mm,radius_um\n{rows}")
+    ran = spinline("fit-jet", "p.csv")
+    assert (ran.code, "two columns that mean z" in ran.err) == (2, True)
+
+
 BAD = [
     (["run", "none"], ["none", "cannot be read", "spinline scenes"]),
     (["run", "peo5-watr"], ["did you mean the bundled 'peo5-water'"]),
@@ -115,14 +156,14 @@ BAD = [
     (["run", "peo5-water", "--figure", "a.bmp"], ["a.bmp", ".png"]),
     (["run", "peo5-water", "-o", "a.png", "--figure", "a.png"], ["two outputs"]),
     (["run", "binary.toml"], ["binary.toml", "not text"]),
-    (["run", "a.csv"], ["a.csv", "not a TOML scene"]),
+    (["run", "a.csv"], ["a.csv", "not a TOML scene", 'profile = "table"']),
     (["run", "missing.toml"], ["jet", "is missing"]),
     (["run"], ["SCENE"]),
     (["run", "peo5-water", "--colour"], ["--colour"]),
     (["swim"], ["swim"]),
     (["fit-jet", "binary.toml"], ["binary.toml"]),
     (["import-jet", "none"], ["none"]),
-    (["import-jet", "a.csv"], ["a.csv"]),
+    (["import-jet", "a.csv"], ["a.csv", 'profile = "table"']),
 ]
 
 
@@ -148,6 +189,58 @@ def test_as_a_process() -> None:
     code = "import sys, spinline; print(sorted({'numpy','scipy','pandas','xarray','pint','matplotlib'} & set(sys.modules)))"
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "[]"
+
+
+LAY = """
+[laydown]
+speed = "5 m/s"
+spread = "60 um"
+turning_length = "100 um"
+diameter = "600 nm"
+[collector]
+distance = "20 cm"
+time = "20 ms"
+[mat]
+realisations = 1
+window = "12 um"
+"""
+
+
+def test_commands_without_a_figure_load_nothing_that_draws(tmp_path) -> None:
+    (tmp_path / "lay.toml").write_text(LAY)
+    lines = [  # in one process, which costs one start
+        "run peo5-water --no-figure --csv r.csv",
+        "jet peo5-needle --csv j.csv",
+        "deposit lay.toml -o f.h5",
+        "mat f.h5 --no-figure --csv m.csv",
+        "window pan-dmf --voltage 15kV --gap 15cm --flow-rate 1mL/h --steps 2 --no-figure",
+        "import-jet pvp3d -o b.nc",
+    ]
+    shutil.copytree(Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d", tmp_path / "pvp3d")
+    code = (
+        "import sys\nfrom spinline.cli.commands import app\n"
+        f"for line in {lines}:\n app(line.split(), standalone_mode=False)\n"
+        " print('\\nLOADED', line, 'matplotlib' in sys.modules)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    told = [line for line in ran.stdout.splitlines() if line.startswith("LOADED")]
+    assert told == [f"LOADED {line} False" for line in lines]
+
+
+def test_another_file_under_the_name_of_the_result_is_named(spinline, tmp_path) -> None:
+    assert spinline("run", "peo5-water", "--no-figure").code == 0
+    result = tmp_path / "peo5-water.nc"
+    shutil.copy(result, tmp_path / "p.h5")
+    before = result.read_bytes()
+    for words, wanted in (
+        (("mat", "peo5-water.nc"), "is not a file of fibres"),
+        (("deposit", "p.h5"), "has no landings"),
+        (("import-jet", "peo5-water.nc"), "not a file of a JETSPIN run"),
+    ):
+        ran = spinline(*words, "--force")
+        assert (ran.code, wanted in ran.err, "this very command" in ran.err) == (2, True, False), ran.err
+    assert result.read_bytes() == before
 
 
 @pytest.mark.parametrize(

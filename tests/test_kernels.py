@@ -3,8 +3,11 @@
 import os
 import subprocess
 import sys
+import time
 
 import pytest
+
+from spinline.base.taking_turns import one_at_a_time
 
 CODE = """
 import types, warnings
@@ -55,6 +58,11 @@ CHANGES = {
     ),
     "a library that takes other arguments": (
         "other(codegen, JITCodeLibrary=type('L', (codegen.JITCodeLibrary,), {{'__init__': changed}}))",
+        False,
+        True,
+    ),
+    "a library that cannot be kept": (
+        "other(codegen, JITCodeLibrary=type('L', (codegen.JITCodeLibrary,), {{'enable_object_caching': changed}}))",
         False,
         True,
     ),
@@ -155,7 +163,9 @@ def test_what_is_kept_is_compiled_again_when_a_part_or_a_number_from_elsewhere_c
 
     def start(weight: float = 1.0, factor: float = 10.0) -> list[str]:
         for name, text in files.items():
-            (tmp_path / f"kept_{name}").write_text(text.format(weight=weight, factor=factor), encoding="utf-8")
+            file, now = tmp_path / f"kept_{name}", text.format(weight=weight, factor=factor)
+            if not file.exists() or file.read_text(encoding="utf-8") != now:  # numba 0.60 looks at its date
+                file.write_text(now, encoding="utf-8")
         code = "import sys; sys.path.insert(0, sys.argv[1]); sys.dont_write_bytecode = True\n"
         code += "from kept_outer import outer; print(outer(1.0), sum(outer.stats.cache_hits.values()))"
         return python(code, tmp_path, kept=tmp_path / "kept").split()
@@ -165,3 +175,42 @@ def test_what_is_kept_is_compiled_again_when_a_part_or_a_number_from_elsewhere_c
     assert start(factor=20.0) == ["22.0", "0"]
     assert start(factor=20.0, weight=2.0) == ["42.0", "0"]
     assert start(factor=20.0, weight=2.0) == ["42.0", "1"]
+
+
+TWO = """
+import os, sys
+sys.path.insert(0, sys.argv[1])
+from kept_slow import slow
+children = []
+for _ in range(2):
+    child = os.fork()
+    if not child:
+        slow(1.0)
+        os.write(1, f"{sum(slow.stats.cache_hits.values())} ".encode())
+        os._exit(0)
+    children.append(child)
+for child in children:
+    os.waitpid(child, 0)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no locks of files, and no forks")
+def test_of_processes_that_start_together_one_compiles(tmp_path) -> None:
+    steps = "".join(f"    x = math.sin(x * {k}.5) + x\n" for k in range(40))
+    text = (
+        f"import math\nfrom spinline.base.kernels import njit\n@njit(cache=True)\ndef slow(x):\n{steps}    return x\n"
+    )
+    (tmp_path / "kept_slow.py").write_text(text, encoding="utf-8")
+    assert sorted(python(TWO, tmp_path, kept=tmp_path / "kept").split()) == ["0", "1"]
+
+
+def test_whoever_waits_for_long_goes_on_and_nothing_is_left(tmp_path) -> None:
+    file = tmp_path / "a.py"
+    file.write_text("", encoding="utf-8")
+    with one_at_a_time(file, 60.0):
+        begin = time.monotonic()
+        with one_at_a_time(file, 0.2):
+            assert time.monotonic() - begin < 30.0
+        with one_at_a_time(tmp_path / "none.py", 60.0):
+            assert time.monotonic() - begin < 30.0
+    assert [path.name for path in tmp_path.iterdir()] == ["a.py"]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from spinline.base.named_arrays import NamedArrays
 from spinline.base.netcdf import open_dataset, save_dataset, sizes_in
 from spinline.base.netcdf_file import NetcdfFile
 from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE, parse_rows
@@ -109,6 +110,32 @@ def spelt_out(text: bytes, count: int) -> "tuple[list[list[float]], list[int], t
     return values, flags, (0, len(values), met, tail)
 
 
+def test_named_arrays_are_the_dataset_that_xarray_makes() -> None:
+    rng = np.random.default_rng(0)
+    data = {
+        "x": (("time", "bead"), rng.normal(size=(3, 4)), {"units": "m"}),
+        "n": ("time", np.arange(3, dtype=np.int32)),
+    }
+    data |= {"flag": (("time",), np.array([True, False, True]), {}), "number": ((), 2.5, {"units": "1"})}
+    coordinates = {
+        "time": ("time", np.array([0.0, 0.5, 0.7]), {"units": "s"}),
+        "age": ("time", np.zeros(3, np.float32)),
+    }
+    for more in ({}, {"word": ("time", ["a", "zwei", "drei"])}):
+        ours = NamedArrays({**data, **more}, coordinates, {"title": "t"}).dataset()
+        theirs = xr.Dataset({**data, **more}, coordinates, {"title": "t"})
+        xr.testing.assert_identical(ours, theirs)
+        assert list(ours.data_vars) == list(theirs.data_vars)
+        assert ours.indexes["time"].equals(theirs.indexes["time"])
+        assert list(ours.xindexes) == list(theirs.xindexes)
+        assert {name: one.dtype for name, one in ours.variables.items()} == {
+            k: v.dtype for k, v in theirs.variables.items()
+        }
+        xr.testing.assert_identical(ours.sel(time=0.5), theirs.sel(time=0.5))
+    with pytest.raises(ValueError, match="conflicting sizes"):
+        NamedArrays({"x": ("p", np.zeros(3)), "y": ("p", np.zeros(4))}).dataset()
+
+
 @pytest.mark.parametrize("damage", ["none", "flip", "letter", "gone", "more", "stars", "cut"])
 def test_rows_are_read_as_if_spelt_out(damage) -> None:
     rng = np.random.default_rng(list(damage.encode()))
@@ -143,3 +170,11 @@ def test_rows_are_read_as_if_spelt_out(damage) -> None:
         values, flags, chain = spelt_out(bytes(text), count)
         np.testing.assert_array_equal(out[:, :used].T, np.array(values).reshape(-1, 3))
         assert (status[:used].tolist(), tuple(chains[0])) == (flags, chain)
+        if text[38::39] == b"\n" * count:  # as lines of one length: two frames, read as one block of characters
+            both = np.frombuffer(bytes(text + b"between" + text + b"."), np.uint8)
+            where, two = np.array([0, len(text) + 7]), np.array([count, count])
+            out, status, chains = np.empty((3, 2 * count)), np.empty(2 * count, np.uint8), np.empty((2, 4), np.int64)
+            used = parse_rows(both, where, two, np.array([39, 39]), out, status, chains)
+            np.testing.assert_array_equal(out[:, :used].T, np.array(2 * values).reshape(-1, 3))
+            assert status[:used].tolist() == 2 * flags
+            assert [tuple(one[1:]) for one in chains] == 2 * [tuple(chain[1:])]

@@ -160,7 +160,7 @@ def test_a_workbook_without_its_library_is_named(tmp_path, monkeypatch):
         (b"z [mm],radius [um]\n1,*****\n", "text among its numbers"),
         (b"z [mm],radius\n1,2\n", "needs a unit"),
         (b"z [mm],radius [um],colour\n1,2,3\n", "not known.*commas between 3 columns"),
-        (b"z [mm],radius [um],r [um]\n1,2,3\n", "twice"),
+        (b"z [mm],radius [um],r [um]\n1,2,3\n", "two columns that mean radius"),
         (b"z [mm],width [um]\n1,2\n", "not known"),
         (b"z [mm],radius [s]\n1,2\n", "radius"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0d", "is a PNG picture, and no text.*give a text file"),

@@ -48,7 +48,7 @@ def check_positions(
     lost = (np.abs(x) > limit) | (np.abs(y) > limit) | (np.abs(z) > limit)
     if lost.any():
         shown = f"{limit:.4g} m" if collector is None else f"{FAR:.0f} collector distances"
-        notes.add(f"{{n}} beads farther than {shown} from the nozzle have NaN positions", int(lost.sum()))
+        notes.add(f"{{n}} beads farther than {shown} from the nozzle have NaN positions", np.count_nonzero(lost))
         for values in (x, y, z):
             values[lost] = np.nan
         odd |= lost
@@ -56,17 +56,17 @@ def check_positions(
         deposited = x >= collector - error - 1e-6 * collector
         if parameters.removing is not False:
             beyond = x > collector + 2 * error + 1e-6 * collector
-            notes.add("{n} beads beyond the collector, taken as deposited", int(beyond.sum()))
+            notes.add("{n} beads beyond the collector, taken as deposited", np.count_nonzero(beyond))
     behind = x < -error - 1e-9
     inner = there.copy()
     inner[:, 0] = False
     behind &= inner
-    notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", int(behind.sum()))
+    notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", np.count_nonzero(behind))
     odd |= behind
     stray = _strays(bead, deposited, around)
     notes.add(
         "{n} beads far off the line of their neighbours; the elements beside them are not valid",
-        int(stray.sum()),
+        np.count_nonzero(stray),
     )
     odd |= stray
     return deposited, odd
@@ -80,15 +80,17 @@ def kinks(bead: dict[str, Floats]) -> Floats:
     points = [bead[axis] for axis in "xyz"]
     one, two = _distance(points, 1), _distance(points, 2)
     path = one[:, 1:] + one[:, :-1]
-    inner = np.divide(path, two, out=np.ones_like(path), where=two > 1e-4 * path)
-    found = np.pad(inner, ((0, 0), (1, 1)), constant_values=1.0)
-    return np.asarray(np.nan_to_num(found, copy=False, nan=1.0, posinf=1.0))
+    found = np.ones(shape)
+    inner = found[:, 1:-1]
+    np.divide(path, two, out=inner, where=two > 1e-4 * path)
+    inner[~np.isfinite(inner)] = 1.0
+    return found
 
 
 def _distance(points: list[Floats], apart: int) -> Floats:
     """Distance between beads so many numbers apart."""
-    squared = [(p[:, apart:] - p[:, :-apart]) ** 2 for p in points]
-    return np.asarray(np.sqrt(squared[0] + squared[1] + squared[2]))
+    x, y, z = (p[:, apart:] - p[:, :-apart] for p in points)
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def peak_kink(block: Block) -> float:
@@ -121,7 +123,7 @@ def check_motion(pad: Padder, notes: Notes) -> Flags:
             wrong = np.abs(pad(name)) > limit
             notes.add(
                 f"{{n}} {text} are beyond all bounds; the elements beside them are not valid",
-                int(wrong.sum()),
+                np.count_nonzero(wrong),
             )
             odd |= wrong
     return odd
@@ -131,7 +133,7 @@ def check_content(pad: Padder, parameters: RunParameters, notes: Notes) -> Flags
     """Beads whose volume cannot be; it is judged by mass and charge, and they by it."""
     volume = pad("volume")
     odd: Flags = np.isfinite(volume) & ~(volume > 0)
-    notes.add("{n} volumes are not positive; their elements have no radius", int(odd.sum()))
+    notes.add("{n} volumes are not positive; their elements have no radius", np.count_nonzero(odd))
     nominal, mass, charge = parameters.element_volume, parameters.mass_unit, parameters.charge_unit
     if nominal is None or mass is None or charge is None:
         return odd
@@ -144,10 +146,10 @@ def check_content(pad: Padder, parameters: RunParameters, notes: Notes) -> Flags
     notes.add(
         "{n} beads have more mass and charge than their volume can hold (JETSPIN 1.21 gives wrong ones to "
         "beads inserted after a restart)",
-        int((heavy & differs).sum()),
+        np.count_nonzero(heavy & differs),
     )
     wrong = (large | (differs & differs_too & ~heavy)) & ~odd
-    notes.add("{n} volumes contradict mass and charge; their elements are not valid", int(wrong.sum()))
+    notes.add("{n} volumes contradict mass and charge; their elements are not valid", np.count_nonzero(wrong))
     single = (differs ^ differs_too) & ~wrong
-    notes.add("{n} beads have a mass or charge that contradicts their volume", int(single.sum()))
+    notes.add("{n} beads have a mass or charge that contradicts their volume", np.count_nonzero(single))
     return odd | wrong

@@ -82,16 +82,16 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     deposited, odd = check_positions(bead, there, meaning.position_error, around, p, notes)
     bad |= odd
     whole = there[:, 1:]
-    step = [np.diff(bead[axis], axis=1) for axis in "xyz"]
-    length = np.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
+    step = [bead[axis][:, 1:] - bead[axis][:, :-1] for axis in "xyz"]
+    length = np.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
     coincident = whole & (length <= 0)
     notes.add(
         "{n} elements of no length (coincident beads) have no radius",
-        int(coincident.sum()),
+        np.count_nonzero(coincident),
         warn=False,
         dropped=True,
     )
-    notes.add("{n} elements of no length away from the collector", int((coincident & ~deposited[:, 1:]).sum()))
+    notes.add("{n} elements of no length away from the collector", np.count_nonzero(coincident & ~deposited[:, 1:]))
     safe = np.where(coincident, np.nan, length)
     volume = pad("volume")[:, 1:] if "volume" in pad else None
     if volume is not None:

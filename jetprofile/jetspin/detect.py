@@ -1,5 +1,6 @@
 """What a file of a JETSPIN run is: by its content, by its name where the content is damaged."""
 
+import os
 import re
 from pathlib import Path
 
@@ -61,7 +62,8 @@ def file_kind(path: Path) -> str:
             str(path),
             "not a file of a JETSPIN run",
             remedy="give traj.xyz, frame*.xyz, traj.dat, save.dat, statout.dat, statdat.dat, bead.dat, "
-            "log.txt, input.dat or the directory of the run",
+            "log.txt, input.dat or the directory of the run; a table, a jet file or beads of another program need no "
+            'import, a scene names them: [jet] profile = "table" or "lagrangian", path',
         )
     return kind
 
@@ -94,8 +96,8 @@ def _by_content(head: bytes) -> str | None:
 def frame_files(folder: Path) -> list[Path]:
     """The ``frame*.xyz`` of a directory in order of their number."""
     numbered = []
-    for path in folder.iterdir():
-        match = _FRAME.fullmatch(path.name)
+    for name in os.listdir(folder):
+        match = _FRAME.fullmatch(name)
         if match is not None:
-            numbered.append((int(match[1]), path))
+            numbered.append((int(match[1]), folder / name))
     return [path for _, path in sorted(numbered)]

@@ -40,8 +40,8 @@ class Padder:
     def __init__(self, block: Block) -> None:
         number = np.arange(int(block.length.max(initial=1)))
         self.there: NDArray[np.bool_] = number < block.length[:, None]
-        self._absent = ~self.there
-        self._row = np.where(self.there, (block.first + block.length - 1)[:, None] - number, 0)
+        # a row beyond the last stands for no bead
+        self._row = np.where(self.there, (block.first + block.length - 1)[:, None] - number, len(block.bad))
         self._block = block
         self._made: dict[str, Floats] = {}
 
@@ -53,14 +53,13 @@ class Padder:
         values = self._made.get(name)
         if values is None:
             flat = self._block.values.get(name)
-            values = np.zeros(self.there.shape) if flat is None else np.take(flat, self._row)
-            values[self._absent] = np.nan
-            self._made[name] = values
+            flat = np.zeros(len(self._block.bad)) if flat is None else flat
+            self._made[name] = values = np.append(flat, np.nan).take(self._row)
         return values
 
     def bad(self) -> NDArray[np.bool_]:
         """Padded marks of rows that could not be read."""
-        return np.asarray(np.take(self._block.bad, self._row) & self.there)
+        return np.append(self._block.bad, False).take(self._row)
 
 
 class FrameSource(Protocol):
@@ -99,14 +98,17 @@ def order_frames(time: Floats, notes: Notes) -> Integers:
     time stands out of the order of its neighbours has a damaged header and is left out.
     """
     count = len(time)
-    good = np.isfinite(time) & (time >= 0) & (time < 1e9)
-    notes.add("{n} frames with an impossible time left out", int(count - good.sum()), dropped=True)
+    steps = time[1:] - time[:-1]
+    if count and time[0] >= 0 and time[-1] < 1e9 and (steps > 0).all():  # as it should be, and NaN is in no order
+        _note_late(steps, notes)
+        return np.arange(count)
+    good = (time >= 0) & (time < 1e9)  # NaN is neither
+    notes.add("{n} frames with an impossible time left out", int(count - np.count_nonzero(good)), dropped=True)
     numbers = np.flatnonzero(good)
-    steps = np.diff(time[numbers])
-    late = len(steps) > 3 and steps[-1] > 20 * np.abs(steps).min()  # a median takes its time: only where it may be
-    if late and steps[-1] > 20 * np.median(np.abs(steps)):
-        notes.add("the last frame is far later than those before; its time may be damaged")
-    if np.all(steps > 0):
+    known = time[numbers]
+    steps = known[1:] - known[:-1]
+    _note_late(steps, notes)
+    if (steps > 0).all():
         return numbers
     spacing = float(np.median(np.abs(steps)))
     tol = 1e-6 * spacing
@@ -132,6 +134,12 @@ def order_frames(time: Floats, notes: Notes) -> Integers:
         dropped=True,
     )
     return np.array(kept, dtype=np.int64)
+
+
+def _note_late(steps: Floats, notes: Notes) -> None:
+    """Say that the last step in time is far longer than the others."""
+    if len(steps) > 3 and steps[-1] > 20 * np.abs(steps).min() and steps[-1] > 20 * np.median(np.abs(steps)):
+        notes.add("the last frame is far later than those before; its time may be damaged")
 
 
 def _stray(now: float, before: float, after: float | None, spacing: float, start: float) -> bool:

@@ -3,9 +3,11 @@
 The XYZ files do not say which length unit they are in, nor the nozzle radius: both come from here.
 """
 
+import os
 import re
 from collections.abc import Callable
 from dataclasses import fields, replace
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 
@@ -58,6 +60,7 @@ _INTERNAL = {
     "Charge unit": ("charge_unit", "statC"),
 }
 _NAMES = [re.compile("|".join(f"(?P<{field}>{re.escape(rule[k])})" for field, rule in _VALUES.items())) for k in (0, 1)]
+_MARKS = ("*", "Start ", "Finish ", "The 'resolution'")
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
 _POSITIVE = frozenset(
     [
@@ -95,25 +98,28 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
     inside = ended = False
     run = text.find("\nStart simulation")
     for line in (text if run < 0 else text[:run]).splitlines():
-        if line.startswith("*"):  # of the banner
-            continue
-        if line.startswith("Start simulation"):
-            break
-        if line.startswith("Start printing input"):
-            inside = True
-        elif line.startswith("Finish printing input"):
-            inside, ended = False, True
-        elif line.startswith("The 'resolution' value is equal to"):
-            value = line[34:].split()
-            if value and line[34].isspace():
-                _store(found, "resolution", value[0], "cm", notes)
-        name, _, rest = line.partition("=")
-        words = rest.split()
-        internal = _INTERNAL.get(name.strip()) if words else None
-        if internal is not None:
-            _store(found, internal[0], words[0], internal[1], notes)
-        elif inside and words:
-            _lookup(found, name.strip(), words[0], 0, notes)
+        if line.startswith(_MARKS):
+            if line.startswith("*"):  # of the banner
+                continue
+            if line.startswith("Start simulation"):
+                break
+            if line.startswith("Start printing input"):
+                inside = True
+            elif line.startswith("Finish printing input"):
+                inside, ended = False, True
+            elif line.startswith("The 'resolution' value is equal to"):
+                value = line[34:].split()
+                if value and line[34].isspace():
+                    _store(found, "resolution", value[0], "cm", notes)
+        name, equals, rest = line.partition("=")
+        words = rest.split(None, 1) if equals else []
+        if words:
+            name = name.strip()
+            internal = _INTERNAL.get(name)
+            if internal is not None:
+                _store(found, internal[0], words[0], internal[1], notes)
+            elif inside:
+                _lookup(found, name, words[0], 0, notes)
         elif inside:
             _switch(found, line)
     return _finish(found, source, ended, notes)
@@ -137,9 +143,16 @@ def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
 
 
 def _lookup(found: _Values, name: str, value: str, column: int, notes: Notes) -> None:
+    field = _named(name, column)
+    if field is not None:
+        _store(found, field, value, _VALUES[field][2], notes)
+
+
+@lru_cache(maxsize=512)
+def _named(name: str, column: int) -> str | None:
+    """Field of a name in ``log.txt`` (column 0) or ``input.dat`` (1); runs of one program repeat them."""
     known = _NAMES[column].match(name)
-    if known is not None and known.lastgroup is not None:
-        _store(found, known.lastgroup, value, _VALUES[known.lastgroup][2], notes)
+    return None if known is None else known.lastgroup
 
 
 def _switch(found: _Values, line: str) -> None:
@@ -162,14 +175,10 @@ def _store(found: _Values, field: str, value: str, unit: str, notes: Notes) -> N
 
 
 def _finish(found: _Values, source: str, ended: bool, notes: Notes) -> RunParameters:
-    params = RunParameters(source=source, complete=ended, **{k: v for k, v in found.items() if k in _FIELDS})  # type: ignore[arg-type]
-    if ended:
-        params = replace(
-            params,
-            refinement=bool(params.refinement),
-            inserting=bool(params.inserting),
-            removing=bool(params.removing),
-        )
+    told = {name: value for name, value in found.items() if name in _FIELDS}
+    if ended:  # the whole was seen: a switch not met is off
+        told = {**dict.fromkeys(_SWITCHES.values(), False), **told}
+    params = RunParameters(source=source, complete=ended, **told)  # type: ignore[arg-type]
     if params.resolution is None and params.initial_length is not None and params.points is not None:
         params = replace(params, resolution=params.initial_length / params.points)
     return with_internal_units(params, notes)
@@ -217,7 +226,8 @@ def read_text(path: Path, limit: int = 2_000_000) -> str:
     """Read the beginning of a text file, which holds the set-up, whatever its bytes."""
     try:
         with readable(path).open("rb") as file:
-            return file.read(limit).decode("utf-8", errors="replace")
+            size = os.fstat(file.fileno()).st_size  # asked for more, it would first make room for all of that
+            return file.read(min(limit, size)).decode("utf-8", errors="replace")
     except OSError as error:
         raise InputError(
             str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
@@ -226,5 +236,6 @@ def read_text(path: Path, limit: int = 2_000_000) -> str:
 
 def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
     """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
-    sets = [parse_file(folder / name, notes) for name in ("log.txt", "input.dat") if (folder / name).is_file()]
+    there = (os.path.join(folder, name) for name in ("log.txt", "input.dat"))
+    sets = [parse_file(Path(path), notes) for path in there if os.path.isfile(path)]
     return merge_parameters([params for params in sets if tells_anything(params)], notes)

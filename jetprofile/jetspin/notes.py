@@ -2,6 +2,8 @@
 
 import warnings
 from dataclasses import dataclass
+from operator import index
+from typing import SupportsIndex
 
 from spinline.base.errors import SpinlineWarning
 
@@ -29,15 +31,16 @@ class Notes:
         self.where = where
         self._entries: dict[str, _Entry] = {}
 
-    def add(self, text: str, count: int = 1, *, warn: bool = True, dropped: bool = False) -> None:
+    def add(self, text: str, count: SupportsIndex = 1, *, warn: bool = True, dropped: bool = False) -> None:
         """Count `count` more oddities of the kind `text`, in which ``{n}`` stands for their number.
 
         `warn` makes it a warning; `dropped` lists it among what was left out of the result.
         """
-        if count <= 0:
+        number = index(count)
+        if number <= 0:
             return
         entry = self._entries.setdefault(text, _Entry(0, warn, dropped))
-        entry.count += int(count)
+        entry.count += number
 
     def _texts(self, *, warn: bool, dropped: bool) -> list[str]:
         return [

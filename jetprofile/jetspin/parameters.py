@@ -85,18 +85,19 @@ def with_internal_units(params: RunParameters, notes: Notes) -> RunParameters:
             statc = expected["charge_unit"] / si_unit("statC")[0]
             r0, modulus = params.nozzle_radius / CM, params.elastic_modulus / si_unit("g cm^-1 s^-2")[0]
             expected["length_unit"] = abs(statc) / math.sqrt(math.pi * r0**2 * modulus) * CM
+    missing: dict[str, float] = {}
     for name, value in expected.items():
         printed = getattr(params, name)
         if not 0 < value < 1e30:
             continue
         if printed is None:
-            params = replace(params, **{name: value})  # type: ignore[arg-type]
+            missing[name] = value
         elif abs(printed - value) > 1e-6 * value:
             label = name.replace("_", " ")
             notes.add(
                 f"internal {label} in {params.source} ({printed:.9g}) contradicts the set-up there ({value:.9g}, SI)"
             )
-    return params
+    return replace(params, **missing) if missing else params  # type: ignore[arg-type]
 
 
 def merge_parameters(sets: Iterable[RunParameters], notes: Notes) -> RunParameters | None:

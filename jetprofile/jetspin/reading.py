@@ -38,8 +38,10 @@ class Reading:
 
     def _around(self, frames: Integers) -> tuple[float, float]:
         """Sharpest kink of the frame before these and of the one after, NaN where there is none."""
-        at = [int(np.flatnonzero(self._kept == number)[0]) for number in (frames[0], frames[-1])]
         peaks = [np.nan, np.nan]
+        if len(frames) == len(self._kept):
+            return peaks[0], peaks[1]
+        at = [int(np.flatnonzero(self._kept == number)[0]) for number in (frames[0], frames[-1])]
         for side, beside in enumerate((at[0] - 1, at[1] + 1)):
             if 0 <= beside < len(self._kept):
                 peaks[side] = peak_kink(self.source.load(self._kept[beside : beside + 1], Notes("")))
@@ -62,7 +64,7 @@ class Reading:
     def arrays(self, frames: Integers) -> NamedArrays:
         """Variables of some frames, with the warnings met so far in its attributes."""
         block = self.source.load(frames, self.notes)
-        missing = int((~block.reaches_nozzle).sum())
+        missing = len(frames) - np.count_nonzero(block.reaches_nozzle)
         self.notes.add(
             "{n} frames end before the nozzle (chain longer than maxnumber); their beads are numbered from "
             "the nearest one stored and have no arc length",

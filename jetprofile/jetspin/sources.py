@@ -1,5 +1,6 @@
 """The files of a run: which hold the beads, and what stands beside them."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,8 +35,9 @@ def choose_files(folder: Path, source: str | None, *, refined: bool = False) -> 
         order = ("traj.dat", "save.dat", "frame*.xyz", "traj.xyz")
         if not refined:
             order = ("traj.dat", "frame*.xyz", "traj.xyz", "save.dat")
-        files = [frame_files(folder) if name == "frame*.xyz" else [folder / name] for name in order]
-        return [found for found in files if found and found[0].is_file()]
+        there = [name for name in order if name == "frame*.xyz" or os.path.isfile(os.path.join(folder, name))]
+        files = [frame_files(folder) if name == "frame*.xyz" else [folder / name] for name in there]
+        return [found for found in files if found and os.path.isfile(found[0])]
     if source in ("frame*.xyz", "frame.xyz", "frames"):
         frames = frame_files(folder)
         if not frames:
@@ -54,8 +56,10 @@ def _there(folder: Path) -> str:
 
 def statistics_track(folder: Path) -> Track | None:
     """Position of the first bead in time from ``statout.dat``, where it was printed."""
+    if not os.path.isfile(os.path.join(folder, "statout.dat")):
+        return None
     path = folder / "statout.dat"
-    if not path.is_file() or path.stat().st_size == 0:
+    if path.stat().st_size == 0:
         return None
     try:
         table = read_table(path, Notes(path.name))
@@ -102,7 +106,7 @@ def open_xyz(
     told = scale.source
     if "column x" not in told:
         told += check_scale(scale.metres, pair, (time, x), notes)
-    _check_collector(float(np.nanmax(x, initial=0.0)) * scale.metres, parameters, notes)
+    _check_collector(float(np.fmax.reduce(x, initial=0.0)) * scale.metres, parameters, notes)
     source.scale = scale.metres
     return source, told
 

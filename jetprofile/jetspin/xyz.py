@@ -23,8 +23,7 @@ from spinline.jetprofile.jetspin.units import to_float
 
 __all__ = ["XyzSource", "map_file", "scan_frames"]
 
-_HEADER = re.compile(rb"frame at time([ 0-9.+\-EeDd*]{20})([ 0-9*]{10})\r?\n")
-_COUNT = re.compile(rb" *[0-9]{1,10}\Z")
+_HEADER = re.compile(rb" {0,20}([0-9]{1,10})\r?\nframe at time([ 0-9.+\-EeDd*]{20})[ 0-9*]{10}\r?\n")
 _Rows = tuple[Floats, NDArray[np.uint8], Integers]
 _SMALL = 2 << 20
 _KEEP = 64 << 20  # bytes of small files kept after the first pass
@@ -56,16 +55,16 @@ def scan_frames(content: mmap.mmap | bytes, notes: Notes) -> FrameList:
     at = _next_header(content, 0, notes)
     released = 0
     while at < size:
-        end = content.find(b"\n", at, at + 32) + 1
-        head = _HEADER.match(content[end : end + 64]) if end else None
-        count = _count(content[at:end]) if end else -1
+        head = _HEADER.match(content, at)
+        count = int(head[1]) if head is not None else 0
         if head is None or count < 1:
+            end = content.find(b"\n", at, at + 32) + 1
             if not content[at : at + 4096].strip():
                 break
             notes.add("{n} frames with a damaged header left out", dropped=True)
             at = _next_header(content, max(at, end) + 1, notes, quiet=True)
             continue
-        first = end + head.end()
+        first = head.end()
         stride = 40 if content[first + 38 : first + 40] == b"\r\n" else 39
         after = first + count * stride
         whole = after <= size or (after - size <= stride - 38 and content[size - 1 :] not in (b"\n",))
@@ -79,7 +78,7 @@ def scan_frames(content: mmap.mmap | bytes, notes: Notes) -> FrameList:
                 at = _next_header(content, stop, notes, quiet=True)
                 continue
             stride = 0
-        found.add(to_float(head[1].decode()), first, count, stride)
+        found.add(_time(head[2]), first, count, stride)
         at = stop
         if at - released > _KEEP:
             forget_pages(content)
@@ -87,16 +86,18 @@ def scan_frames(content: mmap.mmap | bytes, notes: Notes) -> FrameList:
     return found
 
 
+def _time(text: bytes) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return to_float(text.decode())
+
+
 def _lost(notes: Notes, *, cut: bool) -> None:
     if cut:
         notes.add("the last frame is cut off and left out", dropped=True)
     else:
         notes.add("{n} frames whose number of rows is not the one in their header left out", dropped=True)
-
-
-def _count(line: bytes) -> int:
-    match = _COUNT.match(line.rstrip(b"\r\n"))
-    return int(match[0]) if match is not None else -1
 
 
 def _ends_here(content: mmap.mmap | bytes, at: int) -> bool:
@@ -167,7 +168,7 @@ class XyzSource:
         frames = FrameList()
         owner: list[int] = []
         kept = 0
-        for number, path in enumerate(self.paths):
+        for number in range(len(self.paths)):
             content = self._open(number)
             found = scan_frames(content, notes)
             owner += [number] * len(found.time)
@@ -175,7 +176,7 @@ class XyzSource:
             frames.offset += found.offset
             frames.rows += found.rows
             frames.extra += found.extra
-            kept += path.stat().st_size
+            kept += len(content)
             if len(self.paths) > 1 and kept > _KEEP:
                 self._content.pop(number, None)
         self.time: Floats = np.array(frames.time, dtype=np.float64)
@@ -232,13 +233,15 @@ class XyzSource:
         out, status, chains = rows
         out *= self.scale
         add = notes.add
-        add("{n} rows hold asterisks (numbers too wide for their field) and are NaN", _bits(status, OVERFLOW))
-        bad = int(((status & (UNREADABLE | OVERFLOW)) != 0).sum())
-        add("{n} rows cannot be read and are NaN", bad - _bits(status, OVERFLOW))
-        add("{n} rows are damaged outside their numbers", int((status == DAMAGED).sum()))
+        if status.any():
+            wide = np.count_nonzero(status & OVERFLOW)
+            add("{n} rows hold asterisks (numbers too wide for their field) and are NaN", wide)
+            bad = np.count_nonzero(status & (UNREADABLE | OVERFLOW))
+            add("{n} rows cannot be read and are NaN", bad - wide)
+            add("{n} rows are damaged outside their numbers", np.count_nonzero(status == DAMAGED))
         add(
             "{n} rows behind the nozzle are not the padding they should be and are left out",
-            chains[:, 3].sum(),
+            int(chains[:, 3].sum()),
         )
         return self._block(frames, rows)
 
@@ -268,10 +271,6 @@ class XyzSource:
             bad=(status & (UNREADABLE | OVERFLOW)) != 0,
             reaches_nozzle=chains[:, 2] == 1,
         )
-
-
-def _bits(status: NDArray[np.uint8], flag: int) -> int:
-    return int(((status & flag) != 0).sum())
 
 
 def _read(path: Path) -> bytes:

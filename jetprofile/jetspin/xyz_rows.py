@@ -43,11 +43,37 @@ def parse_rows(
     while begin < len(rows):
         before = count[begin - 1] if begin else 0
         stop = max(begin + 1, int(np.searchsorted(count, before + _BLOCK, side="right")))
-        start, end = _lines(buffer, offsets[begin:stop], rows[begin:stop], strides[begin:stop])
-        values, flags = _numbers(buffer, start, end)
+        frames = offsets[begin:stop], rows[begin:stop], strides[begin:stop]
+        characters = _grid(buffer, *frames)
+        if characters is None:
+            values, flags = _numbers(buffer, *_lines(buffer, *frames))
+        else:
+            values, flags = _even_numbers(characters)
         used += _keep(values, flags, rows[begin:stop], used, (out, status, chains[begin:stop]))
         begin = stop
     return used
+
+
+def _grid(
+    buffer: Bytes, offsets: NDArray[np.int64], rows: NDArray[np.int64], strides: NDArray[np.int64]
+) -> Bytes | None:
+    """Characters (line, n) of whole frames of one shape at even distances, as the program writes them; else None."""
+    count, stride, first = int(rows[0]), int(strides[0]), int(offsets[0])
+    apart = int(offsets[1]) - first if len(offsets) > 1 else 0
+    even = stride > 0 and int(offsets[-1]) + count * stride <= len(buffer)
+    if not even or (rows != count).any() or (strides != stride).any() or (np.diff(offsets) != apart).any():
+        return None
+    shape, steps = (stride, len(rows), count), (1, apart, stride)
+    view = np.lib.stride_tricks.as_strided(buffer[first:], shape, steps, writeable=False)
+    return np.ascontiguousarray(view).reshape(stride, -1)
+
+
+def _even_numbers(characters: Bytes) -> tuple[NDArray[np.float64], Bytes]:
+    """`_numbers` of lines that are all as long."""
+    bad = (characters[: len(_HEAD)] != _HEAD[:, None]).any(axis=0) | (characters[-1] != ord("\n"))
+    if len(characters) > _ROW + 1:
+        bad |= characters[_ROW] != ord("\r")
+    return _valued(characters, np.where(bad, DAMAGED, 0).astype(np.uint8))
 
 
 def _lines(
@@ -87,10 +113,10 @@ def _numbers(buffer: Bytes, start: NDArray[np.int64], end: NDArray[np.int64]) ->
     bad |= (width > _ROW + 1) & ~((width == _ROW + 2) & returned)
     unfinished = (end == len(buffer)) & (width == _ROW)  # the last line of the text, whole but for its end
     flags = np.where(bad | ~(last | unfinished), DAMAGED, 0).astype(np.uint8)
-    values, faults = _fields(columns[8:].reshape(3, _WIDTH, len(start)).swapaxes(0, 1))
-    flags |= faults[0] | faults[1] | faults[2]
-    flags[short] = UNREADABLE | DAMAGED
-    values[:, (flags & (UNREADABLE | OVERFLOW)) != 0] = np.nan
+    values, flags = _valued(columns, flags)
+    if short.any():
+        flags[short] = UNREADABLE | DAMAGED
+        values[:, short] = np.nan
     return values, flags
 
 
@@ -100,29 +126,38 @@ def _columns(buffer: Bytes, start: NDArray[np.int64]) -> Bytes:
     return np.ascontiguousarray(windows[start].T)
 
 
-def _fields(columns: Bytes) -> tuple[NDArray[np.float64], Bytes]:
-    """Values (3, n) of fields (10, 3, n) and their faults."""
-    digits = columns - np.uint8(ord("0"))  # 10 and more for what is no digit
+def _valued(columns: Bytes, flags: Bytes) -> tuple[NDArray[np.float64], Bytes]:
+    """Values (3, n) of rows by their characters, NaN where they have none, and their flags with those of the fields."""
+    fields = columns[len(_HEAD) : _ROW].reshape(3, _WIDTH, -1).swapaxes(0, 1)
+    digits = fields - np.uint8(ord("0"))  # 10 and more for what is no digit
     number = digits <= 9
-    begun: Flags = np.zeros(columns.shape[1:], np.bool_)
-    wrong: Flags = columns[_LEADING] != ord(".")
-    negative = begun.copy()
-    value = np.zeros(columns.shape[1:], np.int32)
-    for place in range(_LEADING):
-        minus = columns[place] == ord("-")
-        wrong |= ~number[place] & (begun | ~(minus | (columns[place] == ord(" "))))
-        negative |= minus
-        begun |= minus | number[place]
-        value *= 10
-        value += np.where(number[place], digits[place], np.uint8(0))
-    for place in range(_LEADING + 1, _WIDTH):
-        wrong |= ~number[place]
-        value *= 10
-        value += digits[place]
-    faults = wrong.astype(np.uint8)
-    if wrong.any():
-        faults[(columns == ord("*")).all(axis=0)] = OVERFLOW
-    return np.where(negative, -value, value) / _UNIT, faults
+    minus = fields[:_LEADING] == ord("-")
+    faults = _faults(fields, number, minus)
+    digits[:_LEADING] *= number[:_LEADING]
+    # two digits, then four, in the narrowest integers that hold them
+    pairs = [10 * digits[place] + digits[place + 1] for place in (0, 2, 5, 7)]
+    whole, part = (100 * pairs[k].astype(np.uint16) + pairs[k + 1] for k in (0, 2))
+    value = whole.astype(np.int32) * np.int32(100_000)
+    value += part * np.int32(10)
+    value += digits[-1]
+    values = np.where(minus.any(axis=0), -value, value) / _UNIT
+    if faults is not None:
+        flags |= faults[0] | faults[1] | faults[2]
+        values[:, (flags & (UNREADABLE | OVERFLOW)) != 0] = np.nan
+    return values, flags
+
+
+def _faults(fields: Bytes, number: Flags, minus: Flags) -> Bytes | None:
+    """Faults (3, n) of fields (10, 3, n) in which `number` marks digits and `minus` signs, None where all are sound."""
+    blank, other = fields[:_LEADING] == ord(" "), ~number[:_LEADING]
+    strange = other & ~(blank | minus)
+    strange[1:] |= other[1:] & ~blank[:-1]  # a sign or a blank stands behind blanks alone
+    point, decimals = fields[_LEADING] == ord("."), number[_LEADING + 1 :]
+    if point.all() and decimals.all() and not strange.any():
+        return None
+    faults: Bytes = (strange.any(axis=0) | ~point | ~decimals.all(axis=0)).astype(np.uint8)
+    faults[(fields == ord("*")).all(axis=0)] = OVERFLOW
+    return faults
 
 
 def _keep(
@@ -136,7 +171,7 @@ def _keep(
     out, status, chains = results
     after = np.cumsum(rows)
     first = after - rows
-    zero = (values == 0.0).all(axis=0)
+    zero = (values[0] == 0.0) & (values[1] == 0.0) & (values[2] == 0.0)
     nozzles = np.flatnonzero(zero)
     where = np.searchsorted(nozzles, first)
     nozzle = np.append(nozzles, len(zero))[where]
@@ -144,12 +179,16 @@ def _keep(
     stop = np.where(met, nozzle + 1, after)
     length = stop - first
     kept = np.arange(len(zero)) < np.repeat(stop, rows)
-    odd = np.concatenate([[0], np.cumsum(~kept & (~zero | (flags != 0)))])
+    odd = ~kept & (~zero | (flags != 0))
     total = int(length.sum())
-    out[:, used : used + total] = values[:, kept]
+    for axis in range(3):
+        out[axis, used : used + total] = values[axis][kept]
     status[used : used + total] = flags[kept]
     chains[:, 0] = used + np.cumsum(length) - length
     chains[:, 1] = length
     chains[:, 2] = met
-    chains[:, 3] = odd[after] - odd[first]
+    chains[:, 3] = 0
+    if odd.any():
+        before = np.concatenate([[0], np.cumsum(odd)])
+        chains[:, 3] = before[after] - before[first]
     return total

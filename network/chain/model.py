@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -100,14 +101,14 @@ class Chain:
         """``f_0 = 3 / V_S``; 3 where the contour is not given."""
         return 3.0 if self.contour is None else 3.0 / self.contour
 
-    @property
+    @cached_property
     def rest_tension(self) -> float:
         """T(1): the tension of a strand at rest, which a free end carries."""
         if self.contour is None or self.law == "linear":
             return 1.0
         return float(force(1 / self.contour, self.law, self.rest_force)) / self.rest_force
 
-    @property
+    @cached_property
     def rest_stiffness(self) -> float:
         """T'(1)."""
         if self.contour is None or self.law == "linear":

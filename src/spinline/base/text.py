@@ -176,7 +176,10 @@ def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
         reason = "nested too deeply"
     except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
         reason = str(error)
-    raise InputError(name, f"is not a TOML {noun} ({reason})", remedy="see `spinline scenes --copy`")
+    remedy = "see `spinline scenes --copy`"
+    if noun.startswith("scene") and name.lower().endswith((".csv", ".tsv", ".txt", ".dat")):
+        remedy = f'a table is named in a scene, [jet] profile = "table", path = "{name}"; {remedy}'
+    raise InputError(name, f"is not a TOML {noun} ({reason})", remedy=remedy)
 
 
 def _depth(data: Any) -> int:

@@ -277,6 +277,9 @@ def fit_jet(
     from spinline.jetprofile.fit import fit_power_law
 
     z, r, std, r0 = _profile(profile, along, unit)
+    if (empty := r != r).any() and not empty.all():  # of the last bead, which has no element
+        warnings.warn(f"{profile}: rows without a radius left out: {int(empty.sum())}", SpinlineWarning, stacklevel=1)
+        z, r, std = z[~empty], r[~empty], None if std is None else std[~empty]
     if radius is not None:
         r0 = parse(radius, "length", "--radius").value
     nearest = parse(z_from, "length", "--from").value if z_from is not None else 0.0
@@ -309,8 +312,11 @@ def import_jet(
     from spinline.base.files import writable
     from spinline.base.netcdf import sizes_in
     from spinline.jetprofile.jetspin import write_jet
+    from spinline.jetprofile.jetspin.detect import file_kind
 
     target = out or Path(run_dir.resolve().stem + ".nc")
+    if run_dir.is_file():
+        file_kind(run_dir)  # before anything is said of the output, which may be the input
     writable(target, force=force)
     write_jet(run_dir, target, source=source, unit=unit, force=force)
     sizes = sizes_in(target)
@@ -466,7 +472,7 @@ def _profile(
         from spinline.jetprofile.columns import read_columns
 
         kinds = {"z": "length", "radius": "length", "radius_std": "length"}
-        columns = read_columns(path, kinds, required=("z", "radius"))
+        columns = read_columns(path, kinds, required=("z", "radius"), others=True)
         return columns["z"], columns["radius"], columns.get("radius_std"), None
     from spinline.base.netcdf import open_dataset
     from spinline.jetprofile.lagrangian import LagrangianJet
@@ -477,8 +483,16 @@ def _profile(
         jet = read_beads(path, unit=unit).at()
     else:
         dataset = open_dataset(path)
-        if "radius" in dataset and dataset["radius"].dims == ("z",):  # a result of a straight jet
-            return dataset["z"].values, dataset["radius"].values, None, float(dataset.attrs["initial_radius"])
-        jet = LagrangianJet.from_dataset(dataset).at()
+        if (
+            "radius" in dataset and "initial_radius" in dataset.attrs
+        ):  # a result, of a straight jet or of one moment of beads
+            place = {"z": "z", "element": "arc_length"}.get(" ".join(map(str, dataset["radius"].dims)), "")
+            if place in dataset:
+                return dataset[place].values, dataset["radius"].values, None, float(dataset.attrs["initial_radius"])
+        try:
+            jet = LagrangianJet.from_dataset(dataset).at()
+        except InputError as error:
+            remedy = "give a table of z and radius, a result of `spinline run` or `spin`, or a file of `import-jet`"
+            raise InputError(str(path), f"holds no radius along a jet: {error.problem}", remedy=remedy) from None
     distance = jet.arc_length if along is Along.arc else 0.5 * (jet.x[1:] + jet.x[:-1])
     return distance[jet.usable], jet.element_radius[jet.usable], None, jet.initial_radius

@@ -52,8 +52,11 @@ def deposit(
     file = given_file(source, bundled_scenes())
     source = str(file)
     target = out or Path(file.name if file.suffix == "" else file.stem).with_suffix(".h5")
-    outputs(target, csv, force=force)
     from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of, scene_jet
+
+    if out is None and target == file and laid_file(source) is None:
+        landings_of(source)  # what holds no landings is told so, not that it is in the way of its own fibres
+    outputs(target, csv, force=force)
 
     attributes: dict[str, Any] = {"source": file.name}
     numbers: dict[str, Any] = {}
@@ -148,10 +151,18 @@ def mat(
     target = out or fibres.with_suffix(".nc")
     sheet = None if no_figure else figure or target.with_suffix(".png")
     raw = [path.with_suffix(".json") for path in export or [] if path.suffix.lower() == ".raw"]  # it says their shape
+    from spinline.deposit.fibres import FibreFile
+
+    if out is None and target == fibres:
+        FibreFile(fibres).close()  # what is no file of fibres is told so, not that it is in the way of its own result
     outputs(target, sheet, picture, report, csv, *(export or []), *raw, force=force)
     for path in export or []:
         _check_export(path)
-    from spinline.deposit.fibres import FibreFile
+    if sheet is not None or picture is not None:
+        from spinline.report.style import check_format
+
+        for path in filter(None, (sheet, picture)):
+            check_format(path)
     from spinline.deposit.mat import analyse_mat, first_stack
     from spinline.deposit.whole import Rolled
     from spinline.setup.mat import options_from_text
@@ -347,7 +358,7 @@ def _say(result: "xr.Dataset", json: bool, files: list[Path]) -> None:
         laws = {str(k): float(v) for k, v in zip(result["law"].values, result["permeability"].values, strict=True)}
         say(js.dumps({**scalars, "permeability": laws}, indent=1).replace("NaN", "null"))
         return
-    from spinline.report.mat_figure import sentences
+    from spinline.report.mat_words import sentences
 
     say(str(result.attrs["title"]))
     for line in sentences(result):

@@ -58,7 +58,6 @@ def window(
 
     from spinline.base.files import outputs
     from spinline.base.units import parse
-    from spinline.report.style import check_format
     from spinline.report.window_page import save_window_page
     from spinline.solve.results import save
 
@@ -66,6 +65,8 @@ def window(
     picture = None if no_figure else figure or target.with_suffix(".png")
     outputs(target, picture, html, force=force)
     if picture is not None:
+        from spinline.report.style import check_format
+
         check_format(picture)
     recipe = _is_recipe(scene)
     count = (15 if recipe else 41) if steps is None else steps

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.files import readable
 from spinline.deposit.collectors import Belt, Drum, Plate
 from spinline.deposit.frames import landings_from_table
 from spinline.deposit.landing import LandingRecord, laid_by
@@ -175,7 +176,7 @@ def laid_file(source: str | Path | LandingRecord) -> Segments | None:
     if isinstance(source, LandingRecord):
         return None
     path = Path(source)
-    if path.suffix != ".nc" or not path.exists():
+    if not path.exists() or not _netcdf(path):
         return None
     from spinline.base.netcdf import open_dataset
 
@@ -200,13 +201,21 @@ def landings_of(source: str | Path | LandingRecord) -> LandingRecord:
             raise InputError(
                 str(source), "has no table of landed beads (bead.dat)", remedy="run JETSPIN with `print binary removed`"
             )
-    if path.suffix == ".nc":
+    if path.suffix == ".nc" or _netcdf(path):
         return LandingRecord.from_dataset(_with_landings(path))
     if not path.exists():
         raise InputError(str(source), "does not exist", remedy="give a run directory, a file of landings, or a scene")
     from spinline.jetprofile.jetspin import read_jetspin
 
     return landings_from_table(read_jetspin(path))
+
+
+def _netcdf(path: Path) -> bool:
+    """Whether a file is netCDF, by its first bytes, under whatever name."""
+    if not path.is_file():
+        return False
+    with readable(path).open("rb") as file:
+        return file.read(8) == b"\x89HDF\r\n\x1a\n"
 
 
 def _with_landings(path: Path) -> "xr.Dataset":
