@@ -209,10 +209,10 @@ class SpindbText(Generated):
             + ", ".join(f"{name.replace('_', ' ')} {100 * share:.0f} %" for name, share in shares)
             + f". With one fibre of the paper known the factor is {one['chain']:.3f}; other papers of the same kind would give "
             f"{known[0]:.2f} to {known[1]:.2f} (68 %) or {known[2]:.2f} to {known[3]:.2f} (95 %). Were the laws and the "
-            f"spreads exactly right and nothing wrong in the arithmetic, it would be {ideal['as calibrated']['50']:.2f} "
-            f"({ideal['as calibrated']['16']:.2f} to {ideal['as calibrated']['84']:.2f}, papers drawn from the model itself); "
-            f"if besides every laboratory answered its settings by the laws, {perfect['50']:.2f} ({perfect['16']:.2f} to "
-            f"{perfect['84']:.2f}); each paper fitted afterwards with exponents of its own leaves {own['factor']:.2f} "
+            f"spreads exactly right and nothing wrong in the arithmetic, it would be {ideal['as calibrated']['50']:.3f} "
+            f"({ideal['as calibrated']['16']:.3f} to {ideal['as calibrated']['84']:.3f}, papers drawn from the model itself); "
+            f"if besides every laboratory answered its settings by the laws, {perfect['50']:.3f} ({perfect['16']:.3f} to "
+            f"{perfect['84']:.3f}); each paper fitted afterwards with exponents of its own leaves {own['factor']:.2f} "
             "(`spindb_floor.py`). The envelope's "
             f"fibres are {ratio[0]:.2f} to {ratio[4]:.2f} of the race's (5 to 95 % of the settings)."
         )
