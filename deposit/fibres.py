@@ -22,6 +22,7 @@ from spinline.base.files import readable, streaming
 from spinline.base.netcdf import examine_hdf5
 from spinline.base.netcdf_file import NetcdfFile
 from spinline.base.seals import verified
+from spinline.base.words import clean
 from spinline.deposit.segments import Segments, sound
 
 __all__ = ["CHUNK", "FibreFile", "FibreWriter"]
@@ -149,7 +150,11 @@ class FibreFile:
             self._file.close()
             raise
         self.attributes = {
-            key: value.item() if isinstance(value, np.generic | np.ndarray) and value.size == 1 else value
+            key: clean(value)
+            if isinstance(value, str)
+            else value.item()
+            if isinstance(value, np.generic | np.ndarray) and value.size == 1
+            else value
             for key, value in self._file.attrs.items()
             if not key.startswith("_NC")
         }

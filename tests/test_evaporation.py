@@ -348,9 +348,9 @@ def test_refusals(call, words: str) -> None:
 def test_it_is_cheap() -> None:
     path = straight_path(JET, np.linspace(1e-4, 0.01, 100))
     evaporate(path, PHI, [WATER], air_viscosity=NU)
-    began = time.perf_counter()
+    began = time.process_time()
     evaporate(path, PHI, [WATER], air_viscosity=NU)
-    assert time.perf_counter() - began < 1.0
+    assert time.process_time() - began < 1.0
 
 
 @pytest.mark.parametrize("humidity", [0.999999, 1 - 1e-9, 1 - 2**-40])

@@ -10,6 +10,8 @@ import io
 import os
 import re
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +20,10 @@ from numpy.typing import NDArray
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import discard, make_folder, stamp, write_bytes
-from spinline.base.naming import lock_folder, unlock_folder
+from spinline.base.naming import lock_folder, release_folder, unlock_folder
 from spinline.base.seals import sealed, unsealed
 
-__all__ = ["Checkpoint", "fingerprint", "pack", "unpack"]
+__all__ = ["Checkpoint", "claimed", "fingerprint", "pack", "unpack"]
 
 _MARK = "spinline-job"
 _OWN = re.compile(rf"{_MARK}|[^/]+\.npz|\.[^/]+\.part")
@@ -36,6 +38,8 @@ class Checkpoint:
         Made if need be.
     job : str
         From `fingerprint`; None in a process that only adds pieces to a folder another one looks after.
+    afresh : bool
+        Throw away what is there of the same job too.
 
     Raises
     ------
@@ -43,29 +47,29 @@ class Checkpoint:
         If something that is no checkpoint is in the way, or another process has it.
     """
 
-    def __init__(self, folder: Path, job: str | None) -> None:
+    def __init__(self, folder: Path, job: str | None, *, afresh: bool = False) -> None:
         self.folder = folder
         if job is None:
             return
         if os.path.lexists(folder):
-            self._take(job)
+            self._take(job, afresh)
         if not os.path.lexists(folder):
             make_folder(folder)
             write_bytes(folder / _MARK, sealed(job.encode()))
         lock_folder(folder)
 
-    def _take(self, job: str) -> None:
+    def _take(self, job: str, afresh: bool) -> None:
         """Go on with the folder, or throw away what is another job's, or damaged."""
-        if not self.folder.is_dir() or self.folder.is_symlink():
-            raise InputError(
-                str(self.folder), "is in the way: it is no checkpoint", remedy="move it, or choose another OUT"
-            )
+        _folder_of_ours(self.folder)
         lock_folder(self.folder)
+        if not os.listdir(self.folder):  # claimed
+            write_bytes(self.folder / _MARK, sealed(job.encode()))
+            return
         try:
             content = unsealed((self.folder / _MARK).read_bytes())
         except OSError:
             content = None
-        if content == job.encode():
+        if content == job.encode() and not afresh:
             return
         unlock_folder(self.folder)
         try:
@@ -110,6 +114,30 @@ class Checkpoint:
             discard(self.folder, lambda name: _OWN.fullmatch(name) is not None)
         except InputError as error:
             warnings.warn(str(error), SpinlineWarning, stacklevel=2)
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """Within it a checkpoint's folder is this process's, before the job is known; one in which nothing is kept is removed.
+
+    Raises
+    ------
+    InputError
+        As `Checkpoint`.
+    """
+    if os.path.lexists(folder):
+        _folder_of_ours(folder)
+    make_folder(folder)
+    lock_folder(folder)
+    try:
+        yield
+    finally:
+        release_folder(folder)
+
+
+def _folder_of_ours(folder: Path) -> None:
+    if not folder.is_dir() or folder.is_symlink():
+        raise InputError(str(folder), "is in the way: it is no checkpoint", remedy="move it, or choose another OUT")
 
 
 def pack(arrays: dict[str, Any]) -> bytes:

@@ -6,7 +6,7 @@ that what is odd but possible can be filtered or collected.
 
 from typing import Any
 
-from spinline.base.words import clean
+from spinline.base.words import clean, one_line
 
 __all__ = ["InputError", "SpinlineWarning"]
 
@@ -32,7 +32,7 @@ class InputError(ValueError):
         self.field, self.problem, self.value = field, problem, value
         self.allowed, self.remedy = allowed, remedy
         shown = "" if value is None else f" = {_short(value)}"
-        parts = [f"{field}{shown}: {problem}"]
+        parts = [f"{one_line(field)}{shown}: {problem}"]
         if allowed:
             parts.append(f"allowed: {allowed}")
         if remedy:

@@ -23,6 +23,7 @@ __all__ = [
     "named",
     "nameless",
     "reason_of",
+    "release_folder",
     "scratch_folder",
     "scratch_name",
     "sync_folder",
@@ -141,7 +142,11 @@ def lock_folder(folder: Path) -> None:
     """
     if os.name == "nt":  # folders are not opened there; the exclusive making of files still holds
         return
-    handle = os.open(folder, os.O_RDONLY)
+    taken = InputError(str(folder), "is being written by another process", remedy="wait for it, or choose another OUT")
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except FileNotFoundError:  # it has just let go of it
+        raise taken from None
     state = os.fstat(handle)
     if (state.st_dev, state.st_ino) in _locks:
         os.close(handle)
@@ -152,9 +157,7 @@ def lock_folder(folder: Path) -> None:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
-        raise InputError(
-            str(folder), "is being written by another process", remedy="wait for it, or choose another OUT"
-        ) from None
+        raise taken from None
     except (ImportError, OSError):  # a system, or a file system, without locks
         pass
     _locks[state.st_dev, state.st_ino] = handle
@@ -166,6 +169,20 @@ def unlock_folder(folder: Path) -> None:
         state = os.stat(folder)
         handle = _locks.pop((state.st_dev, state.st_ino), None)
         if handle is not None:
+            os.close(handle)
+
+
+def release_folder(folder: Path) -> None:
+    """Let go of a folder that this process has; an empty one is removed while it is still this one's."""
+    with suppress(OSError):
+        state = os.stat(folder)
+        handle = _locks.get((state.st_dev, state.st_ino))
+        if handle is None and os.name != "nt":
+            return
+        with suppress(OSError):
+            folder.rmdir()
+        if handle is not None:
+            del _locks[state.st_dev, state.st_ino]
             os.close(handle)
 
 

@@ -127,6 +127,7 @@ class NetcdfFile:
         h5 = self._h5
         plist = h5.h5p.create(h5.h5p.DATASET_CREATE)
         plist.set_attr_creation_order(_IN_ORDER)
+        plist.set_obj_track_times(False)  # the same numbers are the same bytes, whenever they are written
         shape = tuple(self.sizes[dim] for dim in dims)
         growing = any(dim in self._grows for dim in dims)
         number = isinstance(kind, np.dtype)

@@ -2,6 +2,7 @@
 
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from spinline.base.errors import InputError
 from spinline.base.files import note_input, readable
 from spinline.base.naming import kind_of, reason_of
 
-__all__ = ["LONGEST_TEXT", "decoded", "parsed_toml", "read_text", "read_toml_text"]
+__all__ = ["LONGEST_TEXT", "csv_rows", "decoded", "parsed_toml", "read_text", "read_toml_text"]
 
 _DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
@@ -92,6 +93,36 @@ def _as(data: bytes, codec: str, name: str) -> str:
     ):  # a table has digits or line ends
         raise InputError(name, "is not text, in UTF-16", remedy="save it as UTF-8")
     return text
+
+
+def csv_rows(lines: Iterable[str], mark: str, name: str, **options: Any) -> list[list[str]]:
+    """Cells of a table's lines, row by row, those without a cell left out.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        With their ends: a cell in quotes may hold some.
+    mark : str
+        Between cells.
+    name : str
+        Of the file, for the error.
+    **options
+        Of `csv.reader`.
+
+    Raises
+    ------
+    InputError
+        For a quote that is not closed, or a cell that never ends.
+    """
+    import csv
+
+    reader = csv.reader(lines, delimiter=mark, strict=True, **options)
+    try:
+        return [row for row in reader if row]
+    except csv.Error as error:
+        raise InputError(
+            name, f"is no table from row {reader.line_num} on ({error})", remedy="close every quote, shorten that cell"
+        ) from None
 
 
 def read_text(path: str | Path, *, most: int = LONGEST_TEXT) -> tuple[str, str]:

@@ -2,7 +2,7 @@
 
 import re
 
-__all__ = ["clean", "label"]
+__all__ = ["cell", "clean", "label", "one_line", "page"]
 
 # C0 and C1 controls but tab and newline, DEL, line and paragraph separators, marks of direction, lone surrogates
 _BAD = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff]")
@@ -21,7 +21,34 @@ def clean(text: str) -> str:
     return _BAD.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
+def one_line(text: str) -> str:
+    """A name with its line ends and tabs shown as escapes: what follows them is no line of ours."""
+    return text.replace("\n", "\\n").replace("\t", "\\t")
+
+
 def label(text: str, longest: int = 1000) -> str:
     """One line of harmless text, for titles and names: blanks joined, controls left out, cut at `longest`."""
     line = " ".join(_BAD.sub(" ", text).split())
     return line if len(line) <= longest else line[: longest - 3] + "..."
+
+
+def page(text: str) -> str:
+    """Text of an HTML page: lines end alike, and nothing in it is a control character or turns the direction of reading."""
+    return clean(text.replace("\r\n", "\n").replace("\r", "\n"))
+
+
+def cell(text: str) -> str:
+    """A cell of a table, which no spreadsheet takes for a formula: one that begins as such gets an apostrophe before it.
+
+    Examples
+    --------
+    >>> cell("=1+1"), cell("-2.5"), cell("PEO")
+    ("'=1+1", '-2.5', 'PEO')
+    """
+    if not text.startswith(("=", "+", "-", "@", "\t", "\r", "\n")):
+        return clean(text)
+    try:
+        float(text)
+    except ValueError:
+        return "'" + clean(text)
+    return text

@@ -27,7 +27,7 @@ from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
 from spinline.cli.signals import stopping
 from spinline.cli.simulate import register as register_simulate
-from spinline.cli.speech import say, unheard
+from spinline.cli.speech import say, streams, unheard
 from spinline.cli.spin import register as register_spin
 from spinline.cli.sweep import register as register_sweep
 from spinline.cli.trade import plan
@@ -364,6 +364,7 @@ def main() -> None:
     warnings.filterwarnings("always", category=SpinlineWarning)
     warnings.showwarning = _show_warning
     gc.set_threshold(50_000, 20, 20)  # imports make objects that stay: looking through them took a seventh of a run
+    streams()
     code = 0
     stopped: list[int] = []
     try:

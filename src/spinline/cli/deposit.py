@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
+from spinline.base.words import label
 from spinline.cli.options import ForceOption, JsonOption, SetOption
 from spinline.cli.speech import say
 
@@ -189,7 +190,7 @@ def mat(
             return
         result = analyse_mat(mat_of, options)
         stack = first_stack(mat_of, options) if export else None
-    result.attrs |= {"title": str(file.attributes.get("title", "")) or fibres.stem, "source": fibres.name}
+    result.attrs |= {"title": label(str(file.attributes.get("title", "")) or fibres.stem), "source": fibres.name}
     if measured is not None:
         _compare(result, measured, measured_unit, pixel_size)
     _save(result, target, sheet, picture, report, csv, force=force)

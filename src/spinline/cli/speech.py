@@ -8,7 +8,7 @@ import typer
 
 from spinline.base.words import clean
 
-__all__ = ["say", "unheard"]
+__all__ = ["say", "streams", "unheard"]
 
 
 def say(text: object, *, err: bool = False) -> None:
@@ -18,8 +18,18 @@ def say(text: object, *, err: bool = False) -> None:
     except BrokenPipeError:  # the reader has heard enough: no error, and what is still to be written is written
         unheard(err=err)
     except OSError as error:
-        error.filename = "standard error" if err else "standard output"
+        if err:  # remarks that nobody can be told are no reason to lose the work; the result has them
+            unheard(err=True)
+            return
+        error.filename = "standard output"
         raise
+
+
+def streams() -> None:
+    """Standard streams that are closed (``>&-``) lead nowhere: what is said needs a place, no file may get their numbers."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
 
 
 def unheard(*, err: bool = False) -> None:

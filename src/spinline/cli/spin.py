@@ -1,13 +1,12 @@
 """The command that spins a jet: bead by bead, from the nozzle to the collector."""
 
-import contextlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from spinline.base.errors import InputError
+from spinline.base.words import label
 from spinline.cli.options import ForceOption, JsonOption, SetOption, load
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from spinline.jetprofile.spun.run import SpunRun
     from spinline.jetprofile.spun.settings import SpunSettings
     from spinline.jetprofile.spun.several import SpunJets
+    from spinline.scene.file import Scene
 
 __all__ = ["register", "spin"]
 
@@ -61,22 +61,23 @@ def spin(
     force: ForceOption = False,
 ) -> None:
     """Spin a jet with its flow rate given, and write what flies and what has landed."""
-    import json as json_
-
+    from spinline.base.checkpoint import claimed
     from spinline.base.files import outputs
+    from spinline.scene.blown import BlownJetSection
 
     if seeds < 1:
         raise InputError("--seeds", "must be 1 or more", value=seeds)
-    blown = _blown_scene(source, set_, flow_rate, time, quick)
-    if blown is not None:
+    scene = None if _is_input(source) else load(source, None, None, set_)
+    if scene is not None and isinstance(scene.jet, BlownJetSection):
         from spinline.cli.blown import spin_blown
 
         files = {"figure": figure, "movie": movie, "vtk": vtk, "xyz": xyz}
+        blown = _blown_scene(source, set_, flow_rate, time, quick)
         spin_blown(blown, out, seeds, frames, files, json=json, force=force, resume=resume)
         return
-    settings, end, notes, title, nozzles = _settings(source, set_, flow_rate, law, quick, time)
     stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
     target = out or Path(f"{stem or 'jet'}.nc")
+    nozzles = _nozzles(scene, flow_rate)
     if len(nozzles) > 1 and seeds > 1:
         raise InputError("--seeds", "is for one jet", value=seeds, remedy="run several jets once for each jet.seed")
     count = max(seeds, len(nozzles))
@@ -92,77 +93,93 @@ def spin(
         from spinline.report.spun_figure import check_animation
 
         check_animation(movie)
-    for note in notes:
-        say(note, err=True)
-    answers = []
-    together = _together(settings, nozzles, end, frames, target, resume, title, notes) if len(nozzles) > 1 else []
-    for index, name in enumerate(names):
-        seed = settings.seed + index
-        if done[index]:
-            jet = _finished(settings, seed, end, frames, name)
-        else:
-            jet = together[index] if together else _one(settings, seed, end, frames, name, resume, title, notes)
-            _store(jet, name, force)
-        answers.append(_answer(jet, name))
-        say(json_.dumps(answers[-1]) if json else _words(answers[-1]))
+    first = next((name for name, there in zip(names, done, strict=True) if not there), names[0]) if alone else target
+    with claimed(_kept_in(first)):  # at once: a straight jet may be solved before the first step
+        settings, end, notes, title = _settings(source, scene, flow_rate, law, quick, time)
+        for note in notes:
+            say(note, err=True)
+        together = [] if alone else _together(settings, nozzles, end, frames, target, resume, title, notes)
+        for index, name in enumerate(names):
+            if done[index]:
+                jet = _finished(settings, settings.seed + index, end, frames, name)
+            else:
+                seed = settings.seed + index
+                jet = together[index] if together else _one(settings, seed, end, frames, name, resume, title, notes)
+                _store(jet, name, force)
+            _tell(jet, name, json)
     _extras(jet, figure, movie, vtk, xyz, force)
 
 
-def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time: Text, quick: bool) -> Any:
-    """The scene, where its jet is a blown one; else None."""
-    if Path(source).name == "input.dat" or Path(source).suffix == ".dat":
-        return None
-    from spinline.scene.blown import BlownJetSection
+def _is_input(source: str) -> bool:
+    """Whether it is JETSPIN's input, and no scene."""
+    return Path(source).name == "input.dat" or Path(source).suffix == ".dat"
 
-    changes = [*(overrides or []), *([f"jet.time={time}"] if time is not None else [])]
-    scene = load(source, None, None, overrides)
-    if not isinstance(scene.jet, BlownJetSection):
-        return None
+
+def _nozzles(scene: "Scene | None", flow_rate: Text) -> "FloatArray":
+    """Places of the nozzles (jet, 2), m.
+
+    Raises
+    ------
+    InputError
+        For a scene of another jet.
+    """
+    import numpy as np
+
+    from spinline.scene.spun import SpunJet
+
+    if scene is None:
+        return np.zeros((1, 2))
+    from spinline.setup.spun import spun_nozzles
+
+    if flow_rate is not None:
+        raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
+    if not isinstance(scene.jet, SpunJet):
+        raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"')
+    return spun_nozzles(scene.jet)
+
+
+def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time: Text, quick: bool) -> "Scene":
+    """The scene of a blown jet, with what the options change."""
     if flow_rate is not None:
         raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
     if quick:
         raise InputError("--quick", "is for spun jets", remedy='--set "jet.element_length=..." takes longer elements')
-    return load(source, None, None, changes)
+    return load(source, None, None, [*(overrides or []), *([f"jet.time={time}"] if time is not None else [])])
 
 
 def _settings(
-    source: str, overrides: list[str] | None, flow_rate: Text, law: str, quick: bool, time: Text
-) -> tuple["SpunSettings", float, tuple[str, ...], str, "FloatArray"]:
-    """Settings, the end in s, what is to be said, a title, and the nozzles' places (jet, 2), m."""
+    source: str, scene: "Scene | None", flow_rate: Text, law: str, quick: bool, time: Text
+) -> tuple["SpunSettings", float, tuple[str, ...], str]:
+    """Settings, the end in s, what is to be said, a title."""
     from dataclasses import replace
-
-    import numpy as np
 
     from spinline.base.units import parse
 
+    until = None if time is None else parse(time, "time", "--time").value
     notes: tuple[str, ...] = ()
-    nozzles = np.zeros((1, 2))
-    if Path(source).name == "input.dat" or Path(source).suffix == ".dat":
+    if scene is None:
         from spinline.base.files import readable
         from spinline.jetprofile.spun.jetspin_input import translate
 
         given = None if flow_rate is None else parse(flow_rate, "flow rate", "--flow-rate").value
         text = readable(source).read_text(encoding="utf-8", errors="replace")
         found = translate(text, flow_rate=given, law=law)
-        settings, end, title = found.settings, found.time, f"JETSPIN set-up of {Path(source).parent.resolve().name}"
+        settings, end, title = (
+            found.settings,
+            found.time,
+            f"JETSPIN set-up of {label(Path(source).parent.resolve().name)}",
+        )
         notes = tuple(f"differs: {words}" for words in found.differs)
         if found.ignored:
             notes += (f"not needed: {', '.join(found.ignored)}",)
     else:
-        from spinline.scene.spun import SpunJet
         from spinline.setup.build import build_solution
-        from spinline.setup.spun import spun_nozzles, spun_settings
+        from spinline.setup.spun import spun_settings
 
-        if flow_rate is not None:
-            raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
-        scene = load(source, None, None, overrides)
-        if not isinstance(scene.jet, SpunJet):
-            raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"')
-        settings = spun_settings(scene.jet, build_solution(scene), scene=scene)
-        end, title = scene.jet.time.value, scene.title
-        nozzles = spun_nozzles(scene.jet)
-    if time is not None:
-        end = parse(time, "time", "--time").value
+        section: Any = scene.jet
+        settings = spun_settings(section, build_solution(scene), scene=scene)
+        end, title = section.time.value, scene.title
+    end = end if until is None else until
     if not end > 0:
         raise InputError("--time", "must be more than 0", value=end)
     length, inlet = settings.grid.element_length, settings.inlet
@@ -178,7 +195,7 @@ def _settings(
         wider = min(10 * grid.tolerance, 1e-2)
         settings = replace(settings, grid=replace(grid, element_length=2 * grid.element_length, tolerance=wider))
         notes += ("quick: elements twice as long; compare with the full run before you trust a number",)
-    return settings, end, notes, title, nozzles
+    return settings, end, notes, title
 
 
 def _one(
@@ -233,32 +250,33 @@ def _together(
     ]
 
 
-def _checkpoint(target: Path, what: str, resume: bool) -> "Checkpoint":
+def _kept_in(target: Path) -> Path:
     """Where a run is kept while it is under way, beside its result."""
+    return target.with_name(f".{target.name}.spin")
+
+
+def _checkpoint(target: Path, what: str, resume: bool) -> "Checkpoint":
     from spinline.base.checkpoint import Checkpoint, fingerprint
     from spinline.base.version import __version__
 
-    folder = target.with_name(f".{target.name}.spin")
-    if not resume and folder.exists():
-        Checkpoint(folder, "").clear()
-    return Checkpoint(folder, fingerprint(f"{what} {__version__}", []))
+    return Checkpoint(_kept_in(target), fingerprint(f"{what} {__version__}", []), afresh=not resume)
 
 
 def _follow(run: "SpunRun | SpunJets", times: "FloatArray", kept: "Checkpoint") -> None:
     """March through the moments, kept on the way."""
     frames, reached = len(times), 0
-    with progress_of("moments") as progress, _stoppable():
+    with progress_of("moments") as progress:
         try:
             for index in run.to(times):
                 reached = index + 1
                 progress(reached, frames)
                 if reached % max(frames // 20, 1) == 0 or reached == frames:
                     kept.save("run", **run.pack())
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemExit) as ended:  # Ctrl-C, or a request to end (SIGTERM)
             chain = (run.runs[0] if hasattr(run, "runs") else run).chain
             at = f"stopped at {1e3 * chain.time:.4g} ms of {1e3 * times[-1]:.4g} ms"
             say(f"{at}; the same command with --resume goes on from the last moment kept", err=True)
-            raise typer.Exit(130) from None
+            raise typer.Exit(130 if isinstance(ended, KeyboardInterrupt) else int(ended.code or 0)) from None
     kept.clear()
 
 
@@ -293,25 +311,6 @@ def _finished(settings: "SpunSettings", seed: int, end: float, frames: int, targ
             remedy="choose another name, or --force to overwrite",
         )
     return jet
-
-
-@contextlib.contextmanager
-def _stoppable() -> Iterator[None]:
-    """A request to end (SIGTERM) is taken like an interrupt from the keyboard; not where another thread has the signals."""
-    import signal
-
-    def stop(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    try:
-        before = signal.signal(signal.SIGTERM, stop)
-    except ValueError:
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _model(s: "SpunSettings") -> str:
@@ -353,6 +352,13 @@ def _answer(jet: "xr.Dataset", target: Path) -> dict[str, Any]:
             "deposit_radius": float(np.mean(jet["deposit_radius"].values[late])) if late.any() else None,
         }
     return answer
+
+
+def _tell(jet: "xr.Dataset", target: Path, json: bool) -> None:
+    import json as js
+
+    answer = _answer(jet, target)
+    say(js.dumps(answer) if json else _words(answer))
 
 
 def _words(a: dict[str, Any]) -> str:

@@ -1,14 +1,17 @@
 """Recipes from a table of experiments, one row an experiment, as the published collections have them."""
 
 import csv
+import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from spinline.base.errors import InputError
-from spinline.base.text import read_text
+from spinline.base.text import csv_rows, read_text
+from spinline.base.words import cell
 from spinline.recipe.believe import Recipe, known_solvents
 from spinline.recipe.outside import outside_remarks
 from spinline.rheology.materials import POLYMERS
@@ -57,11 +60,10 @@ def read_experiments(path: str | Path) -> list[dict[str, str]]:
         If it is no such table, or a column that every prediction needs is missing.
     """
     text, _ = read_text(path)
-    lines = [line for line in text.splitlines() if line.strip()]
+    lines = [line for line in io.StringIO(text, newline=None) if line.strip()]  # a line of a cell in quotes stays in it
     mark = max(",;\t", key=lines[0].count) if lines else ","
-    reader = csv.DictReader(lines, delimiter=mark)
-    names = [(name or "").strip() for name in reader.fieldnames or ()]
-    reader.fieldnames = names
+    head, *cells = csv_rows(lines, mark, str(path)) or [[]]
+    names = [name.strip() for name in head]
     missing = [name for name in _NEEDED if name not in names]
     if missing:
         raise InputError(
@@ -73,7 +75,9 @@ def read_experiments(path: str | Path) -> list[dict[str, str]]:
         )
     if len(set(names)) < len(names):
         raise InputError(str(path), "names a column twice", value=next(n for n in names if names.count(n) > 1))
-    rows = [{key: _cell(value, key, mark) for key, value in row.items() if key} for row in reader]
+    rows = [
+        {key: _cell(value, key, mark) for key, value in zip_longest(names, row[: len(names)]) if key} for row in cells
+    ]
     if not rows:
         raise InputError(str(path), "has no rows under its header", remedy="one row an experiment")
     return rows
@@ -188,9 +192,7 @@ def _polymer(name: str) -> str:
 
 def written(rows: Iterable[Mapping[str, Any]]) -> str:
     """CSV text of rows."""
-    import io
-
-    rows = list(rows)
+    rows = [{cell(key): cell(value) if isinstance(value, str) else value for key, value in row.items()} for row in rows]
     stream = io.StringIO()
     writer = csv.DictWriter(stream, fieldnames=list(rows[0]) if rows else [], lineterminator="\n")
     writer.writeheader()

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 from spinline.base.version import __version__
+from spinline.base.words import label
 from spinline.recipe.outside import outside_remarks, size_remarks
 from spinline.recipe.predict import Fibre, predict
 from spinline.recipe.recipe_file import RecipeSheet
@@ -124,7 +125,7 @@ def fibre_window(
     )
     coordinates = {name: (name, values, {"units": _AXES[name][0]}) for name, values in axes.items()}
     attributes = {
-        "title": sheet.title or sheet.name,
+        "title": sheet.title or label(sheet.name),
         "scene": sheet.text,
         "spinline_version": __version__,
         "rung": rung,

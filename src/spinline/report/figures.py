@@ -3,7 +3,6 @@
 Readable in grey: every curve has its own line style. Colours are those of Okabe and Ito, told apart by the colour-blind.
 """
 
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +24,7 @@ from spinline.report.style import (
     RED,
     SheetAxes,
     check_format,
+    drawn,
     grid,
     save_sheet,
     shade,
@@ -104,9 +104,7 @@ def _near_the_nozzle(result: "xr.Dataset | NamedArrays", place: Any) -> bool:
 
 def png(result: "xr.Dataset | NamedArrays", dpi: int = DPI) -> bytes:
     """The figure as PNG bytes."""
-    buffer = io.BytesIO()
-    figure(result).savefig(buffer, format="png", dpi=dpi, pil_kwargs=QUICK)
-    return buffer.getvalue()
+    return drawn(figure(result), dpi=dpi, pil_kwargs=QUICK)
 
 
 def save_figure(result: "xr.Dataset | NamedArrays", path: str | Path, *, force: bool = False) -> Path:

@@ -69,7 +69,7 @@ def fit_figure(result: xr.Dataset, axes: SheetAxes = None) -> Figure:
     for axis in (radius, fraction, strands):
         _crossover(axis, result)
     count = int(result.attrs["values"])
-    fitted = f"$\\chi^2$ = {result.attrs['chi_squared']:.4g} for {count} values; data drawn with the best calibration"
+    fitted = f"χ² = {result.attrs['chi_squared']:.4g} for {count} values; data drawn with the best calibration"
     said = "bands: 68, 95 % of the posterior, at the residuals with the noise of a new measurement"
     titled(sheet, own, f"{result.attrs['title']}\n{fitted}; {said}", fontsize=10.5, y=0.985)
     return sheet

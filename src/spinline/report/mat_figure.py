@@ -1,7 +1,6 @@
 """Pictures and report of a mat: top view, thickness, diameters, orientation, pores, permeability."""
 
 import base64
-import io
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,10 +10,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from spinline.base.files import write_text
+from spinline.base.words import page
 from spinline.deposit.diameters import lognormal
 from spinline.deposit.picture import grey_levels, scale_bar
 from spinline.report.mat_words import sentences
-from spinline.report.style import BLUE, GREY, LEGEND, ORANGE, grid
+from spinline.report.style import BLUE, GREY, LEGEND, ORANGE, drawn, grid, plain_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +35,7 @@ def mat_sheet(result: "xr.Dataset") -> Figure:
     """Six panels of a mat."""
     sheet = Figure(figsize=(13.0, 8.2), layout="constrained")
     FigureCanvasAgg(sheet)
-    sheet.suptitle(str(result.attrs.get("title", "")).replace("$", r"\$"))
+    sheet.suptitle(plain_text(str(result.attrs.get("title", ""))))
     parts = [sheet.add_subplot(2, 3, k + 1, projection="polar" if k == 3 else None) for k in range(6)]
     top_view(parts[0], result)
     thickness_map(parts[1], sheet, result)
@@ -114,7 +114,7 @@ def diameters(axis: "Axes", result: "xr.Dataset") -> None:
             histtype="step",
             color=ORANGE,
             linewidth=2,
-            label=str(result.attrs.get("measured", "measured")),
+            label=plain_text(str(result.attrs.get("measured", "measured"))),
         )
         every = result["measured_diameter"].values * 1e9
         axis.set_xlim(min(axis.get_xlim()[0], every.min()), max(axis.get_xlim()[1], every.max()))
@@ -179,9 +179,7 @@ def permeabilities(axis: "Axes", result: "xr.Dataset") -> None:
 
 def save_mat_report(result: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
     """One HTML file: the answer, pictures, numbers."""
-    buffer = io.BytesIO()
-    mat_sheet(result).savefig(buffer, dpi=110, format="png")
-    picture = base64.b64encode(buffer.getvalue()).decode("ascii")
+    picture = base64.b64encode(drawn(mat_sheet(result), dpi=110)).decode("ascii")
     answer = "".join(f"<p>{escape(line)}</p>" for line in sentences(result))
     scalars = [
         (str(name), float(v), str(v.attrs.get("units", ""))) for name, v in result.data_vars.items() if not v.dims
@@ -203,4 +201,4 @@ def save_mat_report(result: "xr.Dataset", path: str | Path, *, force: bool = Fal
 <h2>How it was made</h2><table>{settings}</table>
 </body></html>
 """
-    return write_text(path, text, force=force)
+    return write_text(path, page(text), force=force)

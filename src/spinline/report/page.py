@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spinline.base.files import write_text
+from spinline.base.words import page
 from spinline.report.figures import png
 from spinline.report.page_parts import planned, traded
 from spinline.report.sentences import words
@@ -115,7 +116,7 @@ def save_report(
     InputError
         If the file cannot be written.
     """
-    return write_text(path, html(result, picture), force=force)
+    return write_text(path, page(html(result, picture)), force=force)
 
 
 _MODELS = (

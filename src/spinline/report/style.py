@@ -11,9 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from spinline.base.errors import InputError
 from spinline.base.files import write_bytes
+from spinline.base.words import clean
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +30,9 @@ __all__ = [
     "QUICK",
     "SheetAxes",
     "check_format",
+    "drawn",
     "grid",
+    "plain_text",
     "save_sheet",
     "shade",
     "shade_between",
@@ -92,7 +96,24 @@ def sheet_of(
 def titled(sheet: Figure, own: bool, text: str, **style: Any) -> None:
     """Title of a sheet of ours; a sheet that the caller made keeps its own."""
     if own:
-        sheet.suptitle(text.replace("$", r"\$"), **style)  # a dollar is a dollar: titles come from files
+        sheet.suptitle(plain_text(text), **style)
+
+
+def plain_text(text: str) -> str:
+    """Text from a file or a file's name, to be drawn as it is: a dollar is a dollar, and no legend drops an underscore."""
+    drawn_as = clean(text).replace("$", r"\$")
+    return f" {drawn_as}" if drawn_as.startswith("_") else drawn_as
+
+
+def drawn(sheet: Figure, kind: str = "png", **options: Any) -> bytes:
+    """A sheet as the bytes of a picture: png, pdf or svg. No text in it holds what no letter can be, wherever it came from."""
+    for text in sheet.findobj(Text):
+        words = str(text.get_text())
+        if words != clean(words):
+            text.set_text(clean(words))
+    buffer = io.BytesIO()
+    sheet.savefig(buffer, format=kind, **options)
+    return buffer.getvalue()
 
 
 def grid(axis: Axes) -> None:
@@ -145,9 +166,6 @@ def save_sheet(sheet: Figure, path: str | Path, *, force: bool = False, dpi: int
         For another ending, or a file that cannot be written.
     """
     file = check_format(path)
-    buffer = io.BytesIO()
-    if file.suffix.lower() == ".png":
-        sheet.savefig(buffer, dpi=dpi, format="png", pil_kwargs=QUICK)
-    else:
-        sheet.savefig(buffer, format=file.suffix[1:].lower())
-    return write_bytes(file, buffer.getbuffer(), force=force)
+    kind = file.suffix[1:].lower()
+    options: dict[str, Any] = {"dpi": dpi, "pil_kwargs": QUICK} if kind == "png" else {}
+    return write_bytes(file, drawn(sheet, kind, **options), force=force)

@@ -1,6 +1,5 @@
 """Error against cost of every rung on one scene: the figure of `spinline trade`."""
 
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +17,7 @@ from spinline.report.style import (
     RED,
     SheetAxes,
     check_format,
+    drawn,
     grid,
     save_sheet,
     sheet_of,
@@ -112,6 +112,4 @@ def save_trade_figure(measured: Trade, path: str | Path, *, force: bool = False)
 
 def trade_png(measured: Trade, dpi: int = DPI) -> bytes:
     """The figure as PNG bytes."""
-    buffer = io.BytesIO()
-    trade_figure(measured).savefig(buffer, format="png", dpi=dpi)
-    return buffer.getvalue()
+    return drawn(trade_figure(measured), dpi=dpi)

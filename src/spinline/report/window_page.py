@@ -6,6 +6,7 @@ policy forbids it), works by keyboard, and prints what it shows.
 
 import base64
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -18,6 +19,7 @@ import xarray as xr
 
 from spinline.base.errors import InputError
 from spinline.base.files import write_text
+from spinline.base.words import page
 from spinline.study.rows import INCOMPLETE
 
 __all__ = ["AXES", "VARIABLES", "Point", "save_window_page", "window_page"]
@@ -118,9 +120,13 @@ def window_page(window: xr.Dataset, measured: Sequence[Point] = ()) -> str:
     made = f"<p>Made by spinline {escape(str(window.attrs['spinline_version']))}.</p>"
     scene = f"<details><summary>Inputs</summary><pre>{escape(str(window.attrs['scene']))}</pre></details>"
     text = resources.files("spinline").joinpath("data", "pages", "window.html").read_text("utf-8")
-    for key, value in {"title": escape(str(window.attrs["title"])), "rests": rests + scene + made}.items():
-        text = text.replace(f"@{key}@", value)
-    return text.replace("@data@", json.dumps(data, allow_nan=False, ensure_ascii=True).replace("<", "\\u003c"))
+    parts = {
+        "title": escape(str(window.attrs["title"])),
+        "rests": rests + scene + made,
+        "data": json.dumps(data, allow_nan=False, ensure_ascii=True).replace("<", "\\u003c"),
+    }
+    # at once: what stands in the parts is nobody's place
+    return page(re.sub("@(title|rests|data)@", lambda place: parts[place[1]], text))
 
 
 def save_window_page(

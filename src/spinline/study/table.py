@@ -1,6 +1,5 @@
 """Rows of a sweep from a CSV file: one column a key, its unit in the header (``jet.radius [um]``) or in every cell."""
 
-import csv
 import io
 import re
 from collections.abc import Mapping
@@ -8,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from spinline.base.errors import InputError
-from spinline.base.text import read_text
+from spinline.base.text import csv_rows, read_text
 from spinline.base.units import QUANTITIES, parse_unit
 from spinline.scene.keys import full_key, read_value, reader
 from spinline.scene.quantities import Read
@@ -46,7 +45,7 @@ def read_table(path: Path) -> Mapping[str, list[Any]]:
     if len(lines) < 2:
         raise InputError("design.path", "holds no rows", value=name, remedy="give a header of scene keys, then rows")
     mark = next((mark for mark in (",", ";", "\t") if mark in lines[0]), ",")
-    header, *rows = list(csv.reader(lines, delimiter=mark, skipinitialspace=True))
+    header, *rows = csv_rows(lines, mark, name, skipinitialspace=True)
     columns: dict[str, list[Any]] = {}
     for j, title in enumerate(header):
         match = _HEADER.fullmatch(title)
