@@ -285,6 +285,35 @@ def test_the_judgement_on_published_fibres_holds():
     assert 0.90 <= known["coverage_95"] <= 0.99
 
 
+def test_one_known_is_as_good_as_the_model_lets_expect():
+    """`benchmarks/spindb_floor.py`: the same measure of papers drawn from the model, where all is right by construction."""
+    floor = json.loads((Path(__file__).parents[1] / "benchmarks" / "spindb_floor.json").read_text(encoding="utf-8"))
+    known, drawn = COMMITTED["one known"]["rows"], floor["drawn from the model"]
+    assert floor["papers"] == known["papers"]
+    assert drawn["as calibrated"]["2.5"] < known["chain"] < drawn["as calibrated"]["84"]
+    assert floor["measured"]["linear"]["factor"] == pytest.approx(known["chain"], rel=0.015)
+    assert floor["measured"]["a fit of its own"]["factor"] < drawn["no answers of a laboratory beyond the laws"]["50"]
+
+
+def test_the_floor_measures_what_is_left():
+    import sys
+
+    sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+    import spindb_floor as sf
+
+    # known: the others move with the gain c/v of the known one: of (0, 3) about 0, c/v = 1/2 and 1/8
+    covariance = np.array([[1.0, 0.5], [0.5, 4.0]])
+    assert sf.known(0.0, covariance, np.array([0.0, 3.0])) == pytest.approx(np.median([3.0, 3.0 / 8]))
+    # drawn: two experiments that share all but a scatter of 0.1 leave some 0.1 sqrt 2 of it, median 0.6745 times that
+    square = np.zeros(len(sf.SPREADS) - 1)
+    square[sf.SPREADS.index("laboratory")], square[sf.SPREADS.index("repeat")] = 1.0, 0.01
+    kinds = np.zeros((square.size, 2, 2))
+    kinds[sf.SPREADS.index("laboratory")], kinds[sf.SPREADS.index("repeat")] = 1.0, np.eye(2)
+    rows = (np.arange(2), np.arange(2))
+    one = {"fixed": np.zeros((2, 2)), "kinds": kinds, "square": square, "unevenness": 0.0, "rows": rows}
+    assert np.log(sf.drawn([one] * 200, {}, times=20)["50"]) == pytest.approx(0.6745 * 0.1 * 2**0.5, rel=0.05)
+
+
 def test_the_constants_of_the_chain_are_those_of_the_calibration():
     from dataclasses import asdict
 
@@ -389,5 +418,13 @@ def test_keys_as_people_call_them(tmp_path):
         load_recipe(_notes(tmp_path, solution__Mw="280 kg/mol"))
     with pytest.raises(InputError, match="take it out"):  # not: see another kind of scene
         load_recipe(_notes(tmp_path, jet__permittivity=30))
+    with pytest.raises(InputError, match=r"by mass, for example { DMF = 0.5, acetone = 0.5 }"):
+        load_recipe(_notes(tmp_path, solution__solvent="DMF:acetone 3:2")).recipe()
+    assert load_recipe(_notes(tmp_path, jet__gauge="21 G")).recipe().needle_radius == 0.26e-3
+    with pytest.raises(InputError, match=r"jet\.gauge"):
+        load_recipe(_notes(tmp_path, jet__gauge="12G"))
+    assert load_recipe(_notes(tmp_path, solution__viscosity="800 mPas")).recipe().viscosity == pytest.approx(0.8)
+    low = predict(load_recipe(_notes(tmp_path, jet__voltage="15 V")).recipe(), shares=False)
+    assert any("15 V is out of the 100 to 200000" in remark for remark in low.remarks)
     with pytest.raises(InputError, match=r"chloroform = 0.75, DMF = 0.25"):
         load_recipe(_notes(tmp_path, solution__solvent={"chloroform": 3, "DMF": 1})).recipe()

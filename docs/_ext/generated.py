@@ -195,6 +195,9 @@ class SpindbText(Generated):
         side = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
         one, ratio = side["one known"], side["envelope over race, 5 25 50 75 95 %"]
         known = one["over papers, 68 and 95 %"]
+        under = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb_floor.json").read_text(encoding="utf-8"))
+        own, ideal = under["measured"]["a fit of its own"], under["drawn from the model"]
+        perfect = ideal["no answers of a laboratory beyond the laws"]
         words = (
             f"Other papers of the same kind would give factors from {least:.2f} to {most:.2f} (68 %, papers drawn anew). "
             f"{low['pairs of papers']} pairs of papers with nearly equal recipes differ by a median factor of "
@@ -205,7 +208,12 @@ class SpindbText(Generated):
             f"{100 * bad['area within papers that have both']:.0f} %. The intervals are made of: "
             + ", ".join(f"{name.replace('_', ' ')} {100 * share:.0f} %" for name, share in shares)
             + f". With one fibre of the paper known the factor is {one['chain']:.3f}; other papers of the same kind would give "
-            f"{known[0]:.2f} to {known[1]:.2f} (68 %) or {known[2]:.2f} to {known[3]:.2f} (95 %). The envelope's "
+            f"{known[0]:.2f} to {known[1]:.2f} (68 %) or {known[2]:.2f} to {known[3]:.2f} (95 %). Were the laws and the "
+            f"spreads exactly right and nothing wrong in the arithmetic, it would be {ideal['as calibrated']['50']:.3f} "
+            f"({ideal['as calibrated']['16']:.3f} to {ideal['as calibrated']['84']:.3f}, papers drawn from the model itself); "
+            f"if besides every laboratory answered its settings by the laws, {perfect['50']:.3f} ({perfect['16']:.3f} to "
+            f"{perfect['84']:.3f}); each paper fitted afterwards with exponents of its own leaves {own['factor']:.2f} "
+            "(`spindb_floor.py`). The envelope's "
             f"fibres are {ratio[0]:.2f} to {ratio[4]:.2f} of the race's (5 to 95 % of the settings)."
         )
         return [*table, *self.parse([words])]

@@ -295,7 +295,7 @@ def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
 def _spell(unit: str) -> str:
     for old, new in _SPELLED.items():
         unit = unit.replace(old, new)
-    return unit
+    return re.sub(r"^([mkµu]?Pa)s$", r"\1*s", unit)  # mPas, as rheometers print it
 
 
 def _example(quantity: Quantity) -> str:

@@ -12,6 +12,7 @@ _GAPS = (5e-3, 2.0)  # m
 _MOST_POLYMER = 0.6
 # what solutions that spin have, by the recipe's fields: least, most, and the same in words
 _SPUN: dict[str, tuple[float, float, str]] = {
+    "voltage": (100.0, 2e5, "{:.3g} V is out of the 100 to 200000 at which jets are spun"),
     "viscosity": (2e-3, 1e3, "{:.3g} Pa s is out of the 0.002 to 1000 of solutions that spin"),
     "conductivity": (1e-10, 10.0, "{:.3g} S/m is out of the 1e-10 to 10 of solutions that spin"),
     "surface_tension": (0.01, 0.08, "{:.3g} N/m is out of the 0.01 to 0.08 of solutions that spin"),

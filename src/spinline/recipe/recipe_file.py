@@ -1,12 +1,13 @@
 """The recipe file: what a lab notebook holds, in TOML. What is missing gets what is usual; unknown keys are refused."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
 from spinline.base.errors import InputError
@@ -75,6 +76,12 @@ class SolutionOfRecipe(Section):
     temperature: Temperature | None = None
 
 
+def _bare_gauge(given: Any) -> Any:
+    """The number of "21G" or "21 G"."""
+    named = re.fullmatch(r"(\d\d)\s*G", given) if isinstance(given, str) else None
+    return int(named[1]) if named else given
+
+
 class JetOfRecipe(Section):
     """``[jet]`` of a recipe: the needle's settings."""
 
@@ -82,7 +89,7 @@ class JetOfRecipe(Section):
     gap: Length
     flow_rate: FlowRate
     radius: Length | None = None
-    gauge: Annotated[int, Field(ge=14, le=30)] | None = None
+    gauge: Annotated[int, BeforeValidator(_bare_gauge), Field(ge=14, le=30)] | None = None
     current: Current | None = None
 
 
@@ -226,7 +233,10 @@ def _solvent(given: str | dict[str, float]) -> dict[str, float]:
     for name, share in shares.items():
         if not (math.isfinite(share) and share > 0):
             raise InputError(f"solution.solvent.{name}", "is not a share", value=share, allowed="> 0, by mass")
-        known = _named(name, SOLVENTS, "solution.solvent")
+        parts = [part for part in (re.sub(r"[\d.%]+", "", p).strip() for p in re.split(r"[/:+]", name)) if part]
+        mixed = ", ".join(f"{part} = {1 / len(parts):.2g}" for part in parts)
+        remedy = f"a mixture is written by mass, for example {{ {mixed} }}" if len(parts) > 1 else ""
+        known = _named(name, SOLVENTS, "solution.solvent", remedy)
         found[known] = found.get(known, 0.0) + float(share)
     total = sum(found.values())
     if not found or (abs(total - 1) > 0.02 and abs(total - 100) > 2):
