@@ -41,7 +41,11 @@ ALIASES = {
 
 
 def read_columns(
-    path: str | Path, kinds: Mapping[str, str], *, required: tuple[str, ...] = (), others: bool = False
+    path: str | Path,
+    kinds: Mapping[str, str],
+    *,
+    required: tuple[str | tuple[str, ...], ...] = (),
+    others: bool = False,
 ) -> dict[str, FloatArray]:
     """Read the named columns of a table in SI units.
 
@@ -52,8 +56,8 @@ def read_columns(
         Excel workbook, with one header line.
     kinds : mapping
         Column name to the kind of quantity (a key of `spinline.base.units.QUANTITIES`).
-    required : tuple of str
-        Columns that must be there.
+    required : tuple
+        Columns that must be there; of some in a tuple, one.
     others : bool
         Leave out columns of other names, with a warning that names them (a table of results holds many); not those that look
         like a wanted one misspelt, nor a time.
@@ -97,10 +101,11 @@ def read_columns(
             raise InputError(file, problem, value=f"{told[name]}, {header.name}", remedy="leave one of them out")
         told[name] = header.name
         columns[name] = factor * _scaled(values, kinds[name], unit, f"{file}: {header.name}", table.seen)
-    for name in required:
-        if name not in columns:
+    for each in required:
+        either = (each,) if isinstance(each, str) else each
+        if not any(one in columns for one in either):
             names = ", ".join(header.name for header in table.headers)
-            raise InputError(file, f"has no column {name} ({table.seen})", value=names, allowed=allowed)
+            raise InputError(file, f"has no column {' or '.join(either)} ({table.seen})", value=names, allowed=allowed)
     if unused:
         shown = ", ".join(unused[:4]) + (f" and {len(unused) - 4} more" if len(unused) > 4 else "")
         warnings.warn(f"{file}: columns left out: {shown}", SpinlineWarning, stacklevel=3)

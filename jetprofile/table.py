@@ -87,7 +87,7 @@ class Table(StraightJet):
         flow rate. Other columns are left out, with a warning.
         """
         kinds = {"z": "length", "radius": "length", "velocity": "velocity"}
-        columns = read_columns(path, kinds, required=("z",), others=True)
+        columns = read_columns(path, kinds, required=("z", ("radius", "velocity")), others=True)
         if columns["z"].size > 1 and (np.diff(columns["z"]) < 0).all():  # written from the far end to the nozzle
             columns = {name: values[::-1] for name, values in columns.items()}
         if "radius" in columns and "velocity" in columns:

@@ -207,8 +207,8 @@ def test_table_from_csv_and_its_refusals(tmp_path) -> None:
         "z [mm], radius [um]\n0,50\n1,\n": "finite",
         "z [mm], radius [um]\n0,50\n1,-3\n": "range",
         "z [mm], velocity [m/s], radius [um]\n0,1,50\n1,2,40\n": "one of",
-        "z [mm]\n0\n1\n": "one of",
-        "z [mm], breadth [um]\n0,50\n1,40\n": "not known",
+        "z [mm]\n0\n1\n": "no column radius or velocity",
+        "z [mm], breadth [um]\n0,50\n1,40\n": "z, breadth.*no column radius or velocity",
         "": "CSV",
         "\x00\x01\x02": "not",
     }.items():

@@ -64,7 +64,7 @@ def test_rows_out_of_order_are_sorted_and_said(tmp_path):
         ("z [mm], radius [um], std [um]\n1,30,\n", "radius", ["std", "not finite"]),
         ("z [mm], radius [um]\n1, 30\n", "radius", ["no standard deviations", "std = "]),
         ("z [mm], radius\n1, 30\n", "radius", ["radius", "unit"]),
-        ("z [mm], speed [m/s]\n1, 30\n", "radius", ["speed", "not known"]),
+        ("z [mm], speed [m/s]\n1, 30\n", "radius", ["speed", "no column radius"]),
         ("z [mm], mean_fraction, std\n1, 5, 0.1\n2, 60, 1\n", "mean", ["60", "percent"]),
         ("z [mm], mean_fraction [um], std\n1, 5, 0.1\n", "mean", ["unit", "um"]),
         ("z [mm], mean_fraction, mean_fraction_std, std\n1, 0.05, 0.1, 0.1\n", "mean", ["two columns"]),

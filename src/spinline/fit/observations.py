@@ -208,13 +208,12 @@ def read_table(path: str | Path, kind: Kind, *, std: str | None = None) -> Obser
     unit = "length" if kind == "radius" else "number"
     names = _COLUMNS[kind]
     kinds = {"z": "length"} | dict.fromkeys(names, unit) | {f"{name}_std": unit for name in names} | {"std": unit}
-    columns = read_columns(path, kinds, required=("z",), others=True)
+    columns = read_columns(path, kinds, required=("z", names), others=True)
     found = [name for name in names if name in columns]
-    if len(found) != 1:
-        problem = f"has no column {names[0]}" if not found else "has two columns for one quantity"
+    if len(found) > 1:
         raise InputError(
             file,
-            problem,
+            "has two columns for one quantity",
             value=list(columns),
             allowed=f"one of {', '.join(names)}",
             remedy="name the column for what it holds",
