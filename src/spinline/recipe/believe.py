@@ -32,7 +32,8 @@ _ANY_DENSITY = 1250.0  # kg/m3
 _USUAL = {"voltage": 15e3, "flow_rate": 1e-6 / 3600, "gap": 0.15}
 #: Relative humidity above which water dries as there: at 1 nothing would ever be solid. `outside_remarks` says so.
 DAMPEST = 0.97
-USUAL_TEMPERATURE = 296.15  # K
+#: Of a laboratory that says none, K.
+USUAL_TEMPERATURE = 296.15
 _ENTANGLED_SD = 0.6  # of ln c_e at a known molar mass
 
 
