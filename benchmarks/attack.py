@@ -5,7 +5,7 @@
 ``kills`` ends commands by SIGKILL, ``stops`` by SIGTERM and SIGINT in turn.
 
 Each part writes its own entry of ``benchmarks/attack.json``; the scenes go on where their ``--log`` ends.
-Tests run a sample of the same (``tests/test_attack.py``).
+Tests run a sample of the same (``tests/test_attack*.py``).
 """
 
 import argparse

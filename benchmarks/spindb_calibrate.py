@@ -17,6 +17,7 @@ likelihood for the spreads. The form of the chain is not part of it: variants of
 """
 
 import argparse
+import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -248,6 +249,15 @@ def calibrate(data, turns=3, count=16, rung="race"):
                 break
     found = replace(constants(at), sd=dict(zip(SPREADS, np.exp(log_sd).tolist(), strict=True)))
     return found, dict(zip(names, np.sqrt(np.diag(np.linalg.inv(gram))).tolist(), strict=True))
+
+
+def command(judge, doc, script):
+    """The command line of a judgement: a table in, the answer printed, and kept beside the script."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("table", type=Path)
+    text = json.dumps(judge(parser.parse_args().table), indent=1)
+    Path(script).with_suffix(".json").write_text(text + "\n", encoding="utf-8")
+    print(text)
 
 
 if __name__ == "__main__":

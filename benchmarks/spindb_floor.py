@@ -13,12 +13,11 @@ The measure of `spindb.py` (per paper the median over the known ones of the medi
 Constants of a paper are those of `spindb.json` that have not seen it. A minute.
 """
 
-import argparse
 import json
 from pathlib import Path
 
 import numpy as np
-from spindb_calibrate import _PHYSICAL, SPREADS, _blocks, _draws, _mean, _sensitivities, load
+from spindb_calibrate import _PHYSICAL, SPREADS, _blocks, _draws, _mean, _sensitivities, command, load
 
 from spinline.recipe.constants import Calibrated
 from spinline.recipe.model import OF_MATERIALS, RESPONSES
@@ -146,9 +145,4 @@ def judge(path):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("table", type=Path)
-    answer = judge(parser.parse_args().table)
-    text = json.dumps(answer, indent=1)
-    Path(__file__).with_suffix(".json").write_text(text + "\n", encoding="utf-8")
-    print(text)
+    command(judge, __doc__, __file__)

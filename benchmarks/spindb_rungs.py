@@ -7,14 +7,13 @@ share the constants of `spindb.json`, which were calibrated with `race`. `offset
 median of the other papers' biases. And what other papers would give where one fibre of a paper is known. Two minutes.
 """
 
-import argparse
 import json
 import time
 from pathlib import Path
 
 import numpy as np
 from spindb import QUANTILES, one_known, over_papers, scored
-from spindb_calibrate import load
+from spindb_calibrate import command, load
 
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import Calibrated
@@ -94,9 +93,4 @@ def judge(path):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("table", type=Path)
-    answer = judge(parser.parse_args().table)
-    text = json.dumps(answer, indent=1)
-    Path(__file__).with_suffix(".json").write_text(text + "\n", encoding="utf-8")
-    print(text)
+    command(judge, __doc__, __file__)

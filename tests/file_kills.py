@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from file_damage import same
 from file_victims import read_netcdf, read_store
+from lay_text import lay_text
 
 STATUS = {signal.SIGTERM: 143, signal.SIGINT: 130}
 UNDER_WAY = (".partial", ".spin", ".zarr", "c.npz")  # what work goes on from
@@ -45,11 +46,7 @@ def prepared(folder: Path) -> dict[str, list[str]]:
         encoding="utf-8",
     )
     (folder / "needles.toml").write_text(EHD, encoding="utf-8")
-    (folder / "lay.toml").write_text(
-        'title = "One jet"\n[laydown]\nspeed = "5 m/s"\nspread = "60 um"\nturning_length = "100 um"\n'
-        'diameter = "600 nm"\n[collector]\ndistance = "20 cm"\ntime = "10 ms"\n[mat]\nwindow = "12 um"\n',
-        encoding="utf-8",
-    )
+    (folder / "lay.toml").write_text(lay_text("10 ms"), encoding="utf-8")
     sample = (data / "spindb" / "experiments-sample.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     (folder / "table.csv").write_text("".join(sample[:5]), encoding="utf-8")
     rng = np.random.default_rng(1)

@@ -12,6 +12,7 @@ import xml.dom.minidom
 from pathlib import Path
 
 import pytest
+from lay_text import lay_text
 
 from spinline.base.errors import InputError
 from spinline.base.text import csv_rows
@@ -23,19 +24,6 @@ from spinline.scene.file import bundled_scenes
 EVERYTHING = "=cmd|x!A1 \x1b[2J\x9b31m \u202eb\u2066 <script>alert(1)</script>\"'&]]>--> @data@ @rests@ $x_{$ l1\r\nl2 \u2028\ufeff %n%s"
 NAME = os.fsdecode(b"_a\xff\x1b[2J\xc2\x9b\n$x_{$ @data@ <script>alert(1)< \"' =1")
 BAD = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff]")
-LAY = """title = TITLE
-[laydown]
-speed = "5 m/s"
-spread = "60 um"
-turning_length = "100 um"
-diameter = "600 nm"
-[collector]
-distance = "20 cm"
-time = "1 ms"
-[mat]
-window = "12 um"
-realisations = 1
-"""
 RANGE = ("--voltage", "10 kV .. 20 kV", "--steps", "2")
 SHORT = ("--time", "0.2 ms", "--quick", "--frames", "2")
 
@@ -46,7 +34,7 @@ def prepare(stem: str, title: str | None) -> None:
     for source, end in (
         (bundled_recipes()["pan-dmf"].read_text(encoding="utf-8"), "r"),
         (bundled_scenes()["pvp-spun"].read_text(encoding="utf-8"), "s"),
-        (LAY, "l"),
+        (lay_text(), "l"),
     ):
         text = re.sub(r"(?m)^title = .*\n", lambda _: told, source, count=1)
         # as text from elsewhere has it: carriage returns, and controls that TOML lets stand in a comment
@@ -139,6 +127,7 @@ def test_no_cell_of_a_table_is_a_formula(tmp_path) -> None:
         assert not text.startswith("-") or float(text) < 0
     assert [cells[0][0], cells[5][0]] == ["'=1+1", "-2.5"]
     assert cell(cell("=1")) == cell("=1")
+    assert [cell("\r1"), cell("+1\n")] == ["'\\u000d1", "+1"]  # numbers to Python, not to a spreadsheet
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lay_text import lay_text
 
 from spinline.scene import bundled_scenes
 
@@ -191,23 +192,8 @@ def test_as_a_process() -> None:
     assert ran.stdout.strip() == "[]"
 
 
-LAY = """
-[laydown]
-speed = "5 m/s"
-spread = "60 um"
-turning_length = "100 um"
-diameter = "600 nm"
-[collector]
-distance = "20 cm"
-time = "20 ms"
-[mat]
-realisations = 1
-window = "12 um"
-"""
-
-
 def test_commands_without_a_figure_load_nothing_that_draws(tmp_path) -> None:
-    (tmp_path / "lay.toml").write_text(LAY)
+    (tmp_path / "lay.toml").write_text(lay_text("20 ms"), encoding="utf-8")
     lines = [  # in one process, which costs one start
         "run peo5-water --no-figure --csv r.csv",
         "jet peo5-needle --csv j.csv",

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from spinline.base.errors import InputError
+from spinline.base.file_format import HDF5_HEAD
 from spinline.base.netcdf import open_dataset
 from spinline.jetprofile.lagrangian import LagrangianJet
 
@@ -16,7 +17,7 @@ class JetFile:
 
     def claims(self, path: Path, head: bytes) -> bool:
         """By HDF5's signature."""
-        return head.startswith(b"\x89HDF\r\n\x1a\n")
+        return head.startswith(HDF5_HEAD)
 
     def read(self, path: Path, *, unit: str | None = None, initial_radius: float | None = None) -> LagrangianJet:
         """Its units are in it."""

@@ -9,10 +9,11 @@ import numpy as np
 
 from spinline.base.errors import InputError
 
-__all__ = ["FORMAT", "FORMAT_NAME", "require_format"]
+__all__ = ["FORMAT", "FORMAT_NAME", "HDF5_HEAD", "require_format"]
 
 FORMAT = 1
 FORMAT_NAME = "spinline_format"
+HDF5_HEAD = b"\x89HDF\r\n\x1a\n"  # the first bytes of a file, netCDF-4 too
 
 
 def require_format(name: str, found: Any) -> None:

@@ -1,9 +1,8 @@
 """One process at a time does what every one would do alike: the others wait, and find it done."""
 
-import os
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 __all__ = ["one_at_a_time"]
@@ -17,20 +16,16 @@ def one_at_a_time(file: str | Path, patience: float) -> Iterator[None]:
 
     A help and no need: after `patience` seconds, or on a system or for a file without locks, the body runs all the same.
     """
-    handle = -1
-    with suppress(ImportError, OSError):
-        import fcntl
+    with ExitStack() as held:
+        with suppress(ImportError, OSError):
+            import fcntl
 
-        handle = os.open(file, os.O_RDONLY | os.O_CLOEXEC)
-        end = time.monotonic() + patience
-        while time.monotonic() < end:
-            try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                time.sleep(_EVERY)
-    try:
+            opened = held.enter_context(open(file, "rb"))
+            end = time.monotonic() + patience
+            while time.monotonic() < end:
+                try:
+                    fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    break
+                except BlockingIOError:
+                    time.sleep(_EVERY)
         yield
-    finally:
-        if handle >= 0:
-            os.close(handle)

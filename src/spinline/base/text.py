@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from spinline.base.errors import InputError
+from spinline.base.file_format import HDF5_HEAD
 from spinline.base.files import note_input, readable
 from spinline.base.naming import kind_of, reason_of
 
@@ -16,7 +17,7 @@ _DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 _BINARY = (
-    (b"\x89HDF\r\n\x1a\n", "an HDF5 file, as netCDF files are"),
+    (HDF5_HEAD, "an HDF5 file, as netCDF files are"),
     (b"CDF\x01", "a netCDF 3 file"),
     (b"CDF\x02", "a netCDF 3 file"),
     (b"CDF\x05", "a netCDF 3 file"),

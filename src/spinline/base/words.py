@@ -1,6 +1,7 @@
 """Text from outside, made harmless: control characters, terminal escapes and marks that turn the direction of text."""
 
 import re
+from contextlib import suppress
 
 __all__ = ["cell", "clean", "label", "one_line", "page"]
 
@@ -47,8 +48,8 @@ def cell(text: str) -> str:
     """
     if not text.startswith(("=", "+", "-", "@", "\t", "\r", "\n")):
         return clean(text)
-    try:
-        float(text)
-    except ValueError:
-        return "'" + clean(text)
-    return text
+    if text[0] in "+-":
+        with suppress(ValueError):
+            float(text)
+            return text.strip()
+    return "'" + clean(text)

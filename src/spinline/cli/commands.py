@@ -22,6 +22,7 @@ from spinline.cli.cite import register as register_cite
 from spinline.cli.deposit import register as register_deposit
 from spinline.cli.fibre import register as register_fibre
 from spinline.cli.fit import register as register_fit
+from spinline.cli.group import Commands
 from spinline.cli.images import register as register_images
 from spinline.cli.jet import register as register_jet
 from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
@@ -41,7 +42,9 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "main"]
 
+
 app = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -356,9 +359,8 @@ def _asked(words: list[str]) -> typer.Typer:
 
 def main() -> None:
     """Run the command line; bad input ends with one message and exit code 2, a fault of the program with 70."""
-    os.environ.setdefault(
-        "PYDANTIC_DISABLE_PLUGINS", "__all__"
-    )  # looking for them reads what every package says of itself
+    # looking for them reads what every package says of itself
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     os.environ["MPLBACKEND"] = "agg"  # figures are files; another value may not even exist
     warnings.filterwarnings("ignore", category=DeprecationWarning)  # of the libraries: a user can do nothing about it
     warnings.filterwarnings("always", category=SpinlineWarning)
@@ -484,9 +486,8 @@ def _profile(
         jet = read_beads(path, unit=unit).at()
     else:
         dataset = open_dataset(path)
-        if (
-            "radius" in dataset and "initial_radius" in dataset.attrs
-        ):  # a result, of a straight jet or of one moment of beads
+        # a result, of a straight jet or of one moment of beads
+        if "radius" in dataset and "initial_radius" in dataset.attrs:
             place = {"z": "z", "element": "arc_length"}.get(" ".join(map(str, dataset["radius"].dims)), "")
             if place in dataset:
                 return dataset[place].values, dataset["radius"].values, None, float(dataset.attrs["initial_radius"])

@@ -72,7 +72,8 @@ def spin(
         from spinline.cli.blown import spin_blown
 
         files = {"figure": figure, "movie": movie, "vtk": vtk, "xyz": xyz}
-        blown = _blown_scene(source, set_, flow_rate, time, quick)
+        _of_spun_jets(flow_rate, quick)
+        blown = scene if time is None else load(source, None, None, [*(set_ or []), f"jet.time={time}"])
         spin_blown(blown, out, seeds, frames, files, json=json, force=force, resume=resume)
         return
     stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
@@ -138,13 +139,12 @@ def _nozzles(scene: "Scene | None", flow_rate: Text) -> "FloatArray":
     return spun_nozzles(scene.jet)
 
 
-def _blown_scene(source: str, overrides: list[str] | None, flow_rate: Text, time: Text, quick: bool) -> "Scene":
-    """The scene of a blown jet, with what the options change."""
+def _of_spun_jets(flow_rate: Text, quick: bool) -> None:
+    """Refuse what a blown jet does not take."""
     if flow_rate is not None:
         raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
     if quick:
         raise InputError("--quick", "is for spun jets", remedy='--set "jet.element_length=..." takes longer elements')
-    return load(source, None, None, [*(overrides or []), *([f"jet.time={time}"] if time is not None else [])])
 
 
 def _settings(

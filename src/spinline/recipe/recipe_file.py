@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -44,20 +45,21 @@ class PerVolume(Measured):
     """Mass of polymer in a volume of solution, kg/m3."""
 
 
+_BY_VOLUME = Read("concentration", 0.0, 3e4)
+
+
 class _ReadConcentration(Read):
     """A mass fraction, or a mass in a volume of solution ("12 % w/v", "120 mg/mL")."""
 
     def __call__(self, text: Any) -> Measured:
         try:
             return super().__call__(text)
-        except PydanticCustomError as wrong:
-            try:
-                found = parse(text, "concentration", "")
-            except InputError:
-                raise wrong from None
-            if not found.value > 0:
-                raise wrong from None
-            return PerVolume(found.value, found.std, found.text)
+        except PydanticCustomError:
+            with suppress(InputError):
+                parse(text, "concentration", "")
+                found = _BY_VOLUME(text)  # with its own range
+                return PerVolume(found.value, found.std, found.text)
+            raise
 
 
 Concentration = Annotated[Measured, _ReadConcentration("mass fraction", 0.0, 1.0)]

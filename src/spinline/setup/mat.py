@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.file_format import HDF5_HEAD
 from spinline.base.files import readable
 from spinline.deposit.collectors import Belt, Drum, Plate
 from spinline.deposit.frames import landings_from_table
@@ -215,7 +216,7 @@ def _netcdf(path: Path) -> bool:
     if not path.is_file():
         return False
     with readable(path).open("rb") as file:
-        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+        return file.read(len(HDF5_HEAD)) == HDF5_HEAD
 
 
 def _with_landings(path: Path) -> "xr.Dataset":

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.base.file_format import HDF5_HEAD
 from spinline.images.formats.base import Account, Array, FrameReader, frames_shape, needs
 from spinline.images.links import linked_file, stays_home
 from spinline.images.packing import packing_of
@@ -432,7 +433,7 @@ class _Hdf5:
 
     def owns(self, head: bytes) -> bool:
         """Whether a file begins as HDF5 does."""
-        return head.startswith(b"\x89HDF\r\n\x1a\n")
+        return head.startswith(HDF5_HEAD)
 
     def open(self, path: Path, inside: str | None, key: str) -> FrameReader:
         """Open the datasets that are meant, and see which of their frames were written."""
