@@ -404,7 +404,7 @@ def test_mass_in_a_volume_is_made_a_fraction(tmp_path):
         rest = (1 - 0.12 / 1.05) * mixture_density({"chloroform": 1.0}, 296.15) / 1e3
         assert w == pytest.approx(0.12 / (0.12 + rest), rel=1e-9)
     assert load_recipe(_notes(tmp_path, solution__concentration="12 % w/w")).recipe().mass_fraction == 0.12
-    with pytest.raises(InputError, match="0 mg/mL': is out of range.*kg/m"):
+    with pytest.raises(InputError, match=r"0 mg/mL': is out of range.*kg/m"):
         load_recipe(_notes(tmp_path, solution__concentration="0 mg/mL"))
     with pytest.raises(InputError, match="more than the polymer's density"):
         load_recipe(_notes(tmp_path, solution__concentration="2 g/mL")).recipe()
