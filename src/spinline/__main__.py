@@ -6,8 +6,8 @@ import os
 def main() -> None:
     """Run the command line; from here on Ctrl-C ends it with status 130 and without a traceback.
 
-    While modules are imported it ends at once: nothing is under way yet, and an exception would be lost or reworded by the module
-    that happens to be imported. `spinline.cli.signals` takes over.
+    While modules are imported it ends at once: nothing is under way yet, and an exception would be lost or reworded by the
+    module that happens to be imported. `spinline.cli.signals` takes over.
     """
     try:
         import signal  # takes a moment itself
