@@ -296,8 +296,14 @@ def log_raoult(
 def _beside(solvent_fractions: FloatArray, molar_volumes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Of the other solvents, for each: fractions, fractions by ``v_i/v_j``; molar volumes in the shape of fractions."""
     v = molar_volumes.reshape((-1,) + (1,) * (solvent_fractions.ndim - 1))
-    apart = 1.0 - np.eye(molar_volumes.size)
-    return np.tensordot(apart, solvent_fractions, 1), v * np.tensordot(apart, solvent_fractions / v, 1), v
+    return _of_others(solvent_fractions), v * _of_others(solvent_fractions / v), v
+
+
+def _of_others(values: FloatArray) -> FloatArray:
+    """Sums along the first axis without each value's own."""
+    count = len(values)
+    total: FloatArray = (1.0 - np.eye(count)) @ values.reshape(count, -1)
+    return total.reshape(values.shape)
 
 
 def _name(name: str, what: str) -> str:
