@@ -310,7 +310,7 @@ def _march(
         h, old = _first(x, stop, y, given, path, places) if h == 0 else min(h, stop - x), 0.0
         while x < stop:
             if path is not None:
-                step, _ = plain(stride)(x, h, stop)
+                step, _ = stride(x, h, stop)
                 places = _places(path, x + np.array([0.0, *NODES[:2], 1 - 1e-12]) * step, yarin)
             x, h, old = advance(
                 x, h, stop, path is not None, shortest, rtol, unbooked, count, old, stages, y, ledger,
