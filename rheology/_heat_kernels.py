@@ -390,6 +390,18 @@ def _guess(stages: FloatArray, ratio: float, out: FloatArray) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def _shares(x: float, step: float, reach: float, marks: FloatArray) -> FloatArray:
+    """Fractions of a step at which the next of the marks are passed, and its end."""
+    passed = 0
+    while passed < marks.size and marks[passed] <= reach:
+        passed += 1
+    value = np.ones(passed + 1)
+    for k in range(passed):
+        value[k] = min((marks[k] - x) / step, 1.0)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
 def advance(
     x: float,
     h: float,
@@ -433,12 +445,8 @@ def advance(
             _guess(stages, step / old, guess)
         else:
             guess[:] = 0.0
-        begin = beyond = count[1]
-        while beyond < marks.size and marks[beyond] <= (stop if last else x + step):
-            beyond += 1
-        share = np.ones(beyond - begin + 1)
-        for k in range(begin, beyond):
-            share[k - begin] = min((marks[k] - x) / step, 1.0)
+        share = _shares(x, step, stop if last else x + step, marks[count[1] :])
+        begin, beyond = count[1], count[1] + share.size - 1
         states, booked = np.empty((share.size, n)), np.empty((share.size, n))
         iterations, size, lost = _attempt(
             y, ledger, step, guess, scale, tolerance, sub, tables, pairs, air, places, trial, share, states, booked
