@@ -1,14 +1,17 @@
 """The whole attack: damaged files, kills at random moments, random scenes. Its numbers stand in ``attack.json``.
 
-    python benchmarks/attack.py damage 2000 | kills 200 | stops 100 | scenes 5000  [--seed S]
+    python benchmarks/attack.py damage 2000 | kills 200 | stops 100 | scenes 5000 | keys 1000  [--seed S]
 
-``kills`` ends commands by SIGKILL, ``stops`` by SIGTERM and SIGINT in turn.
+``kills`` ends commands by SIGKILL, ``stops`` by SIGTERM and SIGINT in turn. ``keys`` makes every number of the files that
+`deposit`, `window` and `spin` read wrong in eight ways; the count is at most of each command.
 
 Each part writes its own entry of ``benchmarks/attack.json``; the scenes go on where their ``--log`` ends.
 Tests run a sample of the same (``tests/test_attack*.py``).
 """
 
 import argparse
+import contextlib
+import io
 import json
 import os
 import random
@@ -25,6 +28,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 os.environ["SPINLINE_QUIET"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
+import hostile_keys  # noqa: E402
 from file_damage import GOOD, attack  # noqa: E402
 from file_kills import campaign, prepared, warm  # noqa: E402
 from file_victims import make_victims  # noqa: E402
@@ -89,6 +93,44 @@ def kills(count: int, seed: int, only: list[str] | None = None, number: int = si
             if only and name not in only:
                 continue
             report[name] = {"seed": seed, **campaign(name, arguments, source, moments, number)}
+            print(name, report[name], flush=True)
+    return report
+
+
+# --- keys --------------------------------------------------------------------------------------------------------------
+
+
+def keys(count: int) -> dict[str, Any]:
+    """Every key of every command made wrong, the command run as from a shell."""
+    from lay_text import lay_text
+
+    from spinline.cli import main as command_line
+
+    def run(*words: str) -> tuple[int, str]:
+        sys.argv, said = ["spinline", *words], io.StringIO()
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
+            try:
+                command_line()
+            except SystemExit as ended:
+                return int(ended.code or 0), said.getvalue()
+        return 0, said.getvalue()
+
+    report: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as scratch, contextlib.chdir(scratch):
+        Path("lay.toml").write_text(lay_text(), encoding="utf-8")
+        for name, command in hostile_keys.COMMANDS.items():
+            verdicts: Counter[str] = Counter()
+            bad = []
+            for case in list(hostile_keys.hostile(command.sheet(), command.profile))[:count]:
+                words = (*command.words, "--set", f"{case.key}={case.value}")
+                try:
+                    verdict = hostile_keys.judged(*hostile_keys.stopped_after(hostile_keys.PATIENCE, run, *words), case)
+                except hostile_keys.Hang:
+                    verdict = "hang"
+                known = verdict in hostile_keys.CODES.values()
+                verdicts[verdict if known else "bad"] += 1
+                bad += [] if known else [f"{case}: {verdict}"]
+            report[name] = {"cases": verdicts.total(), **verdicts, "bad": bad}
             print(name, report[name], flush=True)
     return report
 
@@ -215,7 +257,7 @@ def _late(*_: object) -> None:
 
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("part", choices=("damage", "kills", "stops", "scenes"))
+    arguments.add_argument("part", choices=("damage", "kills", "stops", "scenes", "keys"))
     arguments.add_argument("count", type=int)
     arguments.add_argument("--seed", type=int, default=0)
     arguments.add_argument("--log", type=Path, default=Path("attack-scenes.jsonl"), help="Verdicts, gone on with.")
@@ -230,6 +272,8 @@ def main() -> None:
         found = damage(asked.count, asked.seed, asked.victims)
     elif asked.part == "kills":
         found = kills(asked.count, asked.seed, asked.commands)
+    elif asked.part == "keys":
+        found = keys(asked.count)
     elif asked.part == "stops":
         found = {}
         for number in (signal.SIGTERM, signal.SIGINT):

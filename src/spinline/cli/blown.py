@@ -132,8 +132,6 @@ def spin_blown(
             raise InputError(f"--{kind}", "is for spun jets", remedy="--figure, or read the netCDF file")
     if resume:
         raise InputError("--resume", "is for spun jets: a blown one takes seconds", remedy="take it out")
-    if frames < 1:
-        raise InputError("--frames", "must be 1 or more", value=frames)
     section: Any = scene.jet
     target = out or Path(f"{scene.name or 'jet'}.nc")
     names = [target] if seeds == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(seeds)]

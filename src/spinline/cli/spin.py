@@ -65,8 +65,7 @@ def spin(
     from spinline.base.files import outputs
     from spinline.scene.blown import BlownJetSection
 
-    if seeds < 1:
-        raise InputError("--seeds", "must be 1 or more", value=seeds)
+    _check_counts(seeds, frames)
     scene = None if _is_input(source) else load(source, None, None, set_)
     if scene is not None and isinstance(scene.jet, BlownJetSection):
         from spinline.cli.blown import spin_blown
@@ -109,6 +108,12 @@ def spin(
                 _store(jet, name, force)
             _tell(jet, name, json)
     _extras(jet, figure, movie, vtk, xyz, force)
+
+
+def _check_counts(seeds: int, frames: int) -> None:
+    for name, count, most in (("--seeds", seeds, 10_000), ("--frames", frames, 1_000_000)):
+        if not 1 <= count <= most:
+            raise InputError(name, "is out of range", value=count, allowed=f"1 to {most:,}")
 
 
 def _is_input(source: str) -> bool:

@@ -41,7 +41,9 @@ def window(
     concentration: Annotated[str | None, typer.Option(help='"3 wt% .. 8 wt%". Default: the file\'s.')] = None,
     conductivity: Annotated[str | None, typer.Option(help='"0.01 S/m". Default: the file\'s.')] = None,
     humidity: Annotated[str | None, typer.Option(help='Relative, "40 %". Default: the file\'s.')] = None,
-    k_factor: Annotated[str, typer.Option(help="Of a scene: band of k over its estimate.")] = "0.5 .. 2",
+    k_factor: Annotated[
+        str | None, typer.Option(help="Of a scene: band of k over its estimate. Default: 0.5 .. 2.")
+    ] = None,
     steps: Annotated[int | None, typer.Option(help="Values in a range. Default: 41; of a recipe 15.")] = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="Map, netCDF. Default: the file's name with -window.nc.")
@@ -84,6 +86,8 @@ def window(
         None if concentration is None else _range(concentration, "mass fraction", "--concentration", count)
     )
     if recipe:
+        if k_factor is not None:
+            raise InputError("--k-factor", "is for a scene: a recipe has no k", value=k_factor, remedy="leave it out")
         more = [] if conductivity is None else [f'solution.conductivity="{conductivity}"']
         more += [] if humidity is None else [f'ambient.relative_humidity="{humidity}"']
         found, answer, words, points = _of_recipe(scene, ranges, [*(set_ or []), *more])
@@ -97,7 +101,7 @@ def window(
                 )
         sigma = None if conductivity is None else parse(conductivity, "conductivity", "--conductivity").value
         wet = None if humidity is None else parse(humidity, "fraction", "--humidity").value
-        factors = _range(k_factor, "number", "--k-factor", 2)
+        factors = _range("0.5 .. 2" if k_factor is None else k_factor, "number", "--k-factor", 2)
         given = {"conductivity": sigma, "relative_humidity": wet, "k_factor": (factors[0], factors[-1])}
         found, answer, words = _of_scene(scene, ranges, given, set_ or [])
         points = []
