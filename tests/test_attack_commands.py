@@ -79,6 +79,7 @@ def test_streams_that_take_nothing_cost_no_result(closed, tmp_path) -> None:
         (("deposit", "lay.toml", "-o f.h5", "--csv f.csv"), {"f.h5", "f.csv"}),
         (("spin", "pvp-spun", "--quick --time 0.1ms --frames 1", "--seeds 2", "-o j.nc"), {"j-0.nc", "j-1.nc"}),
         (("plan", "peo5-water"), set()),
+        (("fit", "peo5-simulated", "--no-figure -o f.nc"), {"f.nc", "f.json"}),
     ],
 )
 def test_a_reader_that_has_heard_enough_is_no_error(words, files, tmp_path) -> None:

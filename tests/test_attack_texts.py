@@ -8,6 +8,7 @@ import io
 import json
 import os
 import re
+import shutil
 import xml.dom.minidom
 from pathlib import Path
 
@@ -17,9 +18,12 @@ from lay_text import lay_text
 from spinline.base.errors import InputError
 from spinline.base.text import csv_rows
 from spinline.base.words import cell, page
+from spinline.fit.fit_file import bundled_fits
 from spinline.recipe.recipe_file import bundled_recipes
 from spinline.recipe.table import predict_table, read_experiments, written
 from spinline.scene.file import bundled_scenes
+from spinline.scene.images_file import bundled_images
+from spinline.study.sweep_file import bundled_sweeps
 
 EVERYTHING = "=cmd|x!A1 \x1b[2J\x9b31m \u202eb\u2066 <script>alert(1)</script>\"'&]]>--> @data@ @rests@ $x_{$ l1\r\nl2 \u2028\ufeff %n%s"
 NAME = os.fsdecode(b"_a\xff\x1b[2J\xc2\x9b\n$x_{$ @data@ <script>alert(1)< \"' =1")
@@ -142,3 +146,28 @@ def test_a_table_whose_cells_do_not_end_is_refused(text, words, spinline) -> Non
     Path("d.csv").write_text('jet.k\n"1\n', encoding="utf-8")
     with pytest.raises(InputError, match="close every quote"):
         csv_rows(["a,b\n", f"{text},1\n", "2,3\n"], ",", "t.csv")
+
+
+@pytest.mark.parametrize("title", [EVERYTHING, None], ids=["title", "name"])
+def test_fits_sweeps_and_images_say_nothing_hostile(title, spinline, tmp_path) -> None:
+    stem = "a" if title else f"./{NAME}"
+    told = f"title = {json.dumps(title, ensure_ascii=False)}\n" if title else ""
+    fit, images = bundled_fits()["peo5-simulated"], bundled_images()["peo5-images"]
+    for source, end in ((bundled_sweeps()["peo-crossover"], "w"), (fit, "f"), (images, "i")):
+        text = re.sub(r"(?m)^title = .*\n", lambda _: told, source.read_text(encoding="utf-8"), count=1)
+        text = text.replace("samples = 1024", "samples = 4")
+        Path(f"{stem}{end}.toml").write_text(f"{text}# \x9b31m \u202e @data@ <script>alert(1)\n", encoding="utf-8")
+    for file in (*fit.parent.glob("*.csv"), fit.parent / "scene.toml", *images.parent.glob("*.npz")):
+        shutil.copy(file, tmp_path)
+    for words in (("sweep", f"{stem}w.toml"), ("fit", f"{stem}f.toml"), ("reduce", f"{stem}i.toml")):
+        ran = spinline(*words)
+        assert ran.code == 0, (words, ran.err)
+        assert not BAD.search(ran.out + ran.err), words
+    for result in (f"{stem}f.nc", f"{stem}i.nc"):
+        ran = spinline("cite", result)
+        assert (ran.code, BAD.search(ran.out)) == (0, None), ran.err
+    table = (tmp_path / "radius.csv").read_text(encoding="utf-8")
+    for name in ("=cmd|x!A1", "\x1b[2J", "a\u202eb", "$x_{$", "radius\x00"):
+        (tmp_path / "radius.csv").write_text(table.replace("radius", name, 1), encoding="utf-8")
+        ran = spinline("fit", f"{stem}f.toml", "--force")
+        assert (ran.code, BAD.search(ran.err), "radius.csv" in ran.err) == (2, None, True), name
