@@ -14,7 +14,7 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
-from spinline.rheology import vapour
+from spinline.rheology._activity_kernels import fall
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.transfer import Transfer, law_index, transfer_number
 from spinline.rheology.volatile import Volatile
@@ -73,27 +73,10 @@ class Balance:
         origin, inside = (a.reshape((-1,) + (1,) * (y.ndim - 1)) for a in (self.origin, self.inside))
         return np.where(inside, np.exp(np.where(inside, origin + y, 0.0)), y)
 
-    def fall(self, y: FloatArray) -> FloatArray:
-        """Driving dC of each solvent over its volume (over 1 for solvents only in the air)."""
-        u = self.volumes(y)
-        total = self.phi0 + float(u.sum())
-        polymer = np.asarray(self.phi0 / total)
-        if self.activity == "raoult":
-            log_coefficient, others = vapour.log_raoult(u / total, polymer, self.volume, self.polymer_volume)
-        else:
-            log_coefficient, others = vapour.log_flory_huggins(u / total, polymer, self.volume, self.chi)
-        coefficient = np.exp(log_coefficient)
-        # where nearly pure, 1 - ambient against 1 - activity: the plain difference would be noise
-        pure = (1 - self.ambient) + np.expm1(np.log1p(-np.minimum(others, 0.5)) + log_coefficient)
-        least = np.where(self.ambient > 0, u, 1.0)
-        over = coefficient / total - np.divide(self.ambient, least, out=np.zeros_like(u), where=self.inside)
-        over = np.divide(pure, u, out=over, where=self.inside & (others < 0.5))
-        value: FloatArray = self.saturation * np.where(self.inside, over, coefficient * u / total - self.ambient)
-        return value
-
-    def remaining(self, y: FloatArray) -> FloatArray:
-        value: FloatArray = self.phi0 + self.volumes(y).sum(axis=0)
-        return value
+    def fall(self, y: FloatArray) -> tuple[float, FloatArray]:
+        """Volume left, and the driving dC of each solvent over its volume (over 1 for solvents only in the air)."""
+        unit = self.polymer_volume if self.activity == "raoult" else 0.0
+        return fall(y, self.phi0, self.inside, self.origin, self.volume, self.chi, unit, self.saturation, self.ambient)
 
     def effective(self, x: FloatArray, left: FloatArray | float) -> FloatArray:
         """Re with what the cross-flow adds to it in the transfer law: 8 times itself in Kase and Matsuo's."""
@@ -136,7 +119,8 @@ class Balance:
             return self._logarithm(-np.expm1(np.log1p(-np.minimum(fall, 1 - 1e-16)) / (1 - power)))
 
         def slope(_: float, y: FloatArray) -> FloatArray:
-            value: FloatArray = -factor * self.remaining(y) ** power * self.fall(y)
+            left, falls = self.fall(y)
+            value: FloatArray = -factor * left**power * falls
             return value
 
         alone = self.start.size == 1 and bool(self.inside[0]) and self.activity == "flory-huggins"
@@ -182,7 +166,8 @@ class Balance:
             return value
 
         def slope(x: float, y: FloatArray) -> FloatArray:
-            value: FloatArray = -pace(x, float(self.remaining(y))) * self.fall(y)
+            left, falls = self.fall(y)
+            value: FloatArray = -pace(x, left) * falls
             return value
 
         def loss(x: float, lost: FloatArray) -> FloatArray:  # at activity 1; past dryness as at dryness, and not used

@@ -7,18 +7,21 @@ order of the method either way.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
-from spinline.rheology._drying_kernels import DENSE, ERROR, MU, STAGES
+from spinline.rheology._drying_kernels import DENSE, ERROR, MU, NODES, STAGES
 from spinline.rheology._elimination import eliminate
 
-__all__ = ["GAS", "activities", "attempt_heat", "rates", "surface"]
+__all__ = ["GAS", "activities", "advance", "rates", "stride", "surface"]
 
 GAS = 8.31446261815324
 _AIR_MASS = 0.0289644
 _AIR_CP = 1006.0
+_EPS = 2.220446049250313e-16
 _LOW, _STEP = 120.0, 3.0  # evaporant.GRID
+_MOST_STEPS = 50_000
 _AGREE = 0.1  # of the logarithm of a volume: where the ledger's differs by more, the stages' is taken
 
 
@@ -276,7 +279,7 @@ def _settle(
 
 
 @njit(cache=True, error_model="numpy")
-def attempt_heat(
+def _attempt(
     y: FloatArray,
     ledger: FloatArray,
     h: float,
@@ -364,3 +367,100 @@ def attempt_heat(
         size += (error[i] / scale[i]) ** 2
     size = float(np.sqrt(size / n))
     return done, size, _settle(y, ledger, stages, ticks, theta, sub, air, out, book) if size <= 1 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def stride(x: float, h: float, stop: float) -> tuple[float, bool]:
+    """The step that `advance` tries next from x, and whether it ends at `stop`: h, or all the way where little is left."""
+    last = x + h >= stop or stop - x - h < 0.05 * h
+    return (stop - x if last else h), last
+
+
+@njit(cache=True, error_model="numpy")
+def _guess(stages: FloatArray, ratio: float, out: FloatArray) -> None:
+    """Stages of a step `ratio` times as long as the last one, by the last one's collocation polynomial."""
+    for i in range(stages.shape[1]):
+        for k in range(3):
+            t, change = 1 + NODES[k] * ratio, 0.0
+            for p in range(2, -1, -1):
+                change = t * (
+                    change + DENSE[p, 0] * stages[0, i] + DENSE[p, 1] * stages[1, i] + DENSE[p, 2] * stages[2, i]
+                )
+            out[k, i] = change - stages[2, i]
+
+
+@njit(cache=True, error_model="numpy")
+def _shares(x: float, step: float, reach: float, marks: FloatArray) -> FloatArray:
+    """Fractions of a step at which the next of the marks are passed, and its end."""
+    passed = 0
+    while passed < marks.size and marks[passed] <= reach:
+        passed += 1
+    value = np.ones(passed + 1)
+    for k in range(passed):
+        value[k] = min((marks[k] - x) / step, 1.0)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def advance(
+    x: float,
+    h: float,
+    stop: float,
+    once: bool,
+    shortest: float,
+    rtol: float,
+    unbooked: float,
+    count: NDArray[np.int64],
+    old: float,
+    stages: FloatArray,
+    y: FloatArray,
+    ledger: FloatArray,
+    sub: FloatArray,
+    tables: FloatArray,
+    pairs: FloatArray,
+    air: FloatArray,
+    places: FloatArray,
+    marks: FloatArray,
+    values: FloatArray,
+    ledgers: FloatArray,
+) -> tuple[float, float, float]:
+    """Steps with error control from x until `stop`, or one trial where the places change with x (`once`).
+
+    In place: y, its `ledger`, the last step's `stages`, and `values` and `ledgers`, (mark, n + 1), at the marks that were
+    passed; `count`: trials, marks passed. Returns x, the next step and the last one (0: `stages` lead nowhere); a next step
+    of 0 where no step is short enough.
+    """
+    n = y.size
+    scale, guess, trial = np.empty(n), np.empty((3, n)), np.empty((3, n))
+    tolerance = max(10 * _EPS / rtol, min(0.03, rtol**0.5))
+    while x < stop:
+        count[0] += 1
+        if count[0] > _MOST_STEPS or h < max(16 * _EPS * abs(x), shortest):
+            return x, 0.0, old
+        step, last = stride(x, h, stop)
+        for i in range(n - 1):
+            scale[i] = 1e-4 * rtol + rtol * abs(y[i])
+        scale[n - 1] = 10 * rtol
+        if old > 0:
+            _guess(stages, step / old, guess)
+        else:
+            guess[:] = 0.0
+        share = _shares(x, step, stop if last else x + step, marks[count[1] :])
+        begin, beyond = count[1], count[1] + share.size - 1
+        states, booked = np.empty((share.size, n)), np.empty((share.size, n))
+        iterations, size, lost = _attempt(
+            y, ledger, step, guess, scale, tolerance, sub, tables, pairs, air, places, trial, share, states, booked
+        )
+        if not iterations or not size <= 1:
+            shrink = 0.25 if not iterations else max(0.2, 0.9 * size**-0.25)
+            h, old = (0.5 if old > 0 and not iterations else shrink) * step, 0.0
+        elif lost > unbooked:
+            h, old = 0.5 * step, 0.0
+        else:
+            values[begin:beyond], ledgers[begin:beyond] = states[:-1], booked[:-1]
+            y[:], ledger[:], stages[:] = states[-1], booked[-1], trial
+            x, old, count[1] = (stop if last else x + step), step, beyond
+            h = step * min(6.0, max(0.2, 0.9 * size**-0.25 if size > 0 else 6.0))
+        if once:
+            break
+    return x, h, old

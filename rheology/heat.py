@@ -38,8 +38,8 @@ from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.base.kernels import plain
 from spinline.rheology import thermal
-from spinline.rheology._drying_kernels import NODES, interpolate
-from spinline.rheology._heat_kernels import activities, attempt_heat, rates
+from spinline.rheology._drying_kernels import NODES
+from spinline.rheology._heat_kernels import activities, advance, rates, stride
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.evaporant import GRID, REFERENCE, Evaporant
 from spinline.rheology.transfer import Transfer, law_index, transfer_number, transfer_range
@@ -47,7 +47,6 @@ from spinline.rheology.transfer import Transfer, law_index, transfer_number, tra
 __all__ = ["POLYMER_HEAT_CAPACITY", "HeatedJet", "dry_with_heat"]
 
 POLYMER_HEAT_CAPACITY = 1450.0  # J/kg/K, of most amorphous polymers within a fifth
-_MOST_STEPS = 50_000
 _SHORTEST = 1e-30  # step over the way
 _AIR_MASS = 0.0289644
 _UNBOOKED = 1e-12  # of the liquid at the start, that a step may lose from the ledger
@@ -303,59 +302,22 @@ def _march(
     end = float(marks[-1])
     if not end > start:
         return values, ledgers
-    stages, total = np.zeros((3, n)), np.zeros(n)
-    unbooked = _UNBOOKED * (1 - float(given.air[3]))
-    tolerance = max(10 * np.finfo(float).eps / rtol, min(0.03, rtol**0.5))
-    floor = np.append(np.full(n - 1, 1e-4 * rtol), 10 * rtol)
-    x, taken, done_to = start, 0, int(np.searchsorted(marks, start, side="right"))
-    h = 0.0
+    y, ledger, stages = y.copy(), np.zeros(n), np.zeros((3, n))
+    count = np.array([0, np.searchsorted(marks, start, side="right")])
+    x, h, yarin = start, 0.0, bool(given.air[7] == 2)
+    unbooked, shortest = _UNBOOKED * (1 - float(given.air[3])), _SHORTEST * (end - start)
     for stop in (*breaks, end):
-        known, old, guess = False, 0.0, np.zeros_like(stages)
-        h = _first(x, stop, y, given, path, places) if h == 0 else min(h, stop - x)
+        h, old = _first(x, stop, y, given, path, places) if h == 0 else min(h, stop - x), 0.0
         while x < stop:
-            taken += 1
-            if taken > _MOST_STEPS or h < max(16 * np.spacing(abs(x)), _SHORTEST * (end - start)):
-                raise _cannot(y, given, x, path)
-            last = x + h >= stop or stop - x - h < 0.05 * h
-            step = stop - x if last else h
             if path is not None:
-                places = _places(
-                    path, np.concatenate(([x], x + NODES[:2] * step, [x + (1 - 1e-12) * step])), given.air[7] == 2
-                )
-            scale = floor + rtol * np.append(np.abs(y[:-1]), 0.0)
-            if known:
-                guess = interpolate(stages, 1 + NODES * step / old) - stages[2]
-            beyond = int(np.searchsorted(marks, stop if last else x + step, side="right"))
-            share = np.append(np.minimum((marks[done_to:beyond] - x) / step, 1.0), 1.0)
-            trial, states, booked = np.empty_like(stages), np.empty((share.size, n)), np.empty((share.size, n))
-            iterations, size, lost = attempt_heat(
-                y,
-                total,
-                step,
-                guess,
-                scale,
-                tolerance,
-                given.sub,
-                given.tables,
-                given.pairs,
-                given.air,
-                places,
-                trial,
-                share,
-                states,
-                booked,
-            )
-            if not iterations or not size <= 1:
-                shrink = 0.25 if not iterations else max(0.2, 0.9 * size**-0.25)
-                h, known, guess = (0.5 if known and not iterations else shrink) * step, False, np.zeros_like(stages)
-                continue
-            if lost > unbooked:
-                h, known, guess = 0.5 * step, False, np.zeros_like(stages)
-                continue
-            values[done_to:beyond], ledgers[done_to:beyond] = states[:-1], booked[:-1]
-            done_to, y, total = beyond, states[-1].copy(), booked[-1].copy()
-            x, stages, known, old = (stop if last else x + step), trial, True, step
-            h = step * min(6.0, max(0.2, 0.9 * size**-0.25 if size > 0 else 6.0))
+                step, _ = stride(x, h, stop)
+                places = _places(path, x + np.array([0.0, *NODES[:2], 1 - 1e-12]) * step, yarin)
+            x, h, old = advance(
+                x, h, stop, path is not None, shortest, rtol, unbooked, count, old, stages, y, ledger,
+                given.sub, given.tables, given.pairs, given.air, places, marks, values, ledgers,
+            )  # fmt: skip
+            if h == 0:
+                raise _cannot(y, given, x, path)
     return values, ledgers
 
 

@@ -17,6 +17,7 @@ Michelsen, Fluid Phase Equilib. 9, 1 (1982).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -119,10 +120,7 @@ class Ternary:
         Searched on a grid of `points` a side, fine at the edges, with one refinement; in units of 1/v_1.
         """
         at = self.potentials(np.asarray(water), np.asarray(polymer))
-        side = 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, points)))
-        side = np.unique(np.concatenate((side, np.geomspace(1e-8, 0.1, points // 2))))
-        one, share = (a.ravel() for a in np.meshgrid(side, side))
-        best, where = self._least(at, one, (1 - one) * share)
+        best, where = self._least(at, *_everywhere(self, points))
         width = 3.0 / points
         for _ in range(3):
             spread = np.linspace(-width, width, 21)
@@ -130,7 +128,7 @@ class Ternary:
             x = np.clip(where[0] + dx, 0.0, 1.0)
             y = np.clip(where[1] + dy, 0.0, 1.0)
             kept = x + y <= 1
-            found, place = self._least(at, x[kept], y[kept])
+            found, place = self._least(at, x[kept], y[kept], self._energy(x[kept], y[kept]))
             if found < best:
                 best, where = found, place
             width /= 8
@@ -164,12 +162,19 @@ class Ternary:
     def _splits(self, water: float, polymer: float) -> bool:
         return self.tangent_distance(float(water), float(polymer)) < -1e-9
 
-    def _least(self, at: FloatArray, one: FloatArray, p: FloatArray) -> tuple[float, tuple[float, float]]:
-        here = self.potentials(one, p)
-        two = 1 - one - p
-        distance = one * (here[0] - at[0]) + two * (here[1] - at[1]) + p * (here[2] - at[2])
+    def _least(
+        self, at: FloatArray, one: FloatArray, p: FloatArray, energy: FloatArray
+    ) -> tuple[float, tuple[float, float]]:
+        """Least distance of some compositions' free energy from the tangent plane with the potentials `at`, and where."""
+        distance = energy - (one * at[0] + (1 - one - p) * at[1] + p * at[2])
         k = int(np.argmin(distance))
         return float(distance[k]), (float(one[k]), float(p[k]))
+
+    def _energy(self, one: FloatArray, p: FloatArray) -> FloatArray:
+        """Free energy of mixing by volume, from the pure liquids."""
+        water, solvent, polymer = self.potentials(one, p)
+        value: FloatArray = one * water + (1 - one - p) * solvent + p * polymer
+        return value
 
     @property
     def _g(self) -> tuple[float, float, float]:
@@ -187,3 +192,13 @@ class Ternary:
                 "water", "and polymer are more than the whole", value=float((one + p).max()), allowed="[0, 1]"
             )
         return np.clip(one, 0.0, 1.0), np.clip(p, 0.0, 1.0)
+
+
+@lru_cache(maxsize=4)
+def _everywhere(mixture: Ternary, points: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Water, polymer and free energy all over the triangle, fine at the edges: one surface for all tangents."""
+    side = 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, points)))
+    side = np.unique(np.concatenate((side, np.geomspace(1e-8, 0.1, points // 2))))
+    one, share = (a.ravel() for a in np.meshgrid(side, side))
+    polymer = (1 - one) * share
+    return one, polymer, mixture._energy(one, polymer)

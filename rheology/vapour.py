@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
+from spinline.base.kernels import plain
+from spinline.rheology._activity_kernels import flory_huggins, raoult
 from spinline.rheology._finite import finite_result
 from spinline.rheology._liquid_rows import row_of
 from spinline.rheology.atoms import VAPOURS
@@ -276,28 +278,18 @@ def log_flory_huggins(
     -------
     log_coefficient, others : ndarray, (solvent, ...)
     """
-    others, crowding, v = _beside(solvent_fractions, molar_volumes)
-    x = chi.reshape(v.shape)
-    pull = (solvent_fractions * x / v).sum(axis=0)
-    value: FloatArray = others + polymer - crowding + polymer * (x - v * pull)
-    return value, others + polymer
+    log, others = np.empty_like(solvent_fractions), np.empty_like(solvent_fractions)
+    plain(flory_huggins)(solvent_fractions, polymer, molar_volumes, chi, log, others)
+    return log, others
 
 
 def log_raoult(
     solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, polymer_molar_volume: float
 ) -> tuple[FloatArray, FloatArray]:
     """``ln(a_i/phi_i)`` and ``1 - phi_i`` by Raoult's law; as `log_flory_huggins`."""
-    others, crowding, v = _beside(solvent_fractions, molar_volumes)
-    excess = crowding + polymer * (v / polymer_molar_volume) - (others + polymer)
-    value: FloatArray = -np.log1p(excess)
-    return value, others + polymer
-
-
-def _beside(solvent_fractions: FloatArray, molar_volumes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Of the other solvents, for each: fractions, fractions by ``v_i/v_j``; molar volumes in the shape of fractions."""
-    v = molar_volumes.reshape((-1,) + (1,) * (solvent_fractions.ndim - 1))
-    apart = 1.0 - np.eye(molar_volumes.size)
-    return np.tensordot(apart, solvent_fractions, 1), v * np.tensordot(apart, solvent_fractions / v, 1), v
+    log, others = np.empty_like(solvent_fractions), np.empty_like(solvent_fractions)
+    plain(raoult)(solvent_fractions, polymer, molar_volumes, polymer_molar_volume, log, others)
+    return log, others
 
 
 def _name(name: str, what: str) -> str:

@@ -18,7 +18,7 @@ LIST = "options of one command, or settings of one call, in one place"
 STAGES = "the stages of one march, in their order"
 STEPS = 45  # statements: a function of fewer is only tall, one argument a line as the formatter sets them
 LONG = {
-    "_solve": LOOP, "_uniform_part": LOOP, "advance": LOOP, "_assemble": LOOP, "attempt": LOOP, "attempt_heat": LOOP,
+    "_solve": LOOP, "_uniform_part": LOOP, "advance": LOOP, "_assemble": LOOP, "_attempt": LOOP, "attempt": LOOP,
     "march": LOOP, "march_envelope": LOOP, "march_explicit": LOOP, "march_implicit": LOOP, "rates": LOOP,
     "row_curvature": LOOP, "step": LOOP, "deposit": LIST, "fit_frame": LIST, "fit_row_phase": LIST, "follow": STAGES,
     "stokes_permeability": STAGES,
