@@ -457,8 +457,12 @@ def advance(
         elif lost > unbooked:
             h, old = 0.5 * step, 0.0
         else:
-            values[begin:beyond], ledgers[begin:beyond] = states[:-1], booked[:-1]
-            y[:], ledger[:], stages[:] = states[-1], booked[-1], trial
+            for i in range(n):  # not as slices: numba would compile the message of shapes that do not fit
+                for k in range(begin, beyond):
+                    values[k, i], ledgers[k, i] = states[k - begin, i], booked[k - begin, i]
+                y[i], ledger[i] = states[beyond - begin, i], booked[beyond - begin, i]
+                for k in range(3):
+                    stages[k, i] = trial[k, i]
             x, old, count[1] = (stop if last else x + step), step, beyond
             h = step * min(6.0, max(0.2, 0.9 * size**-0.25 if size > 0 else 6.0))
         if once:

@@ -12,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from spinline.base.checks import FloatArray, number, positive
+from spinline.base.checks import FloatArray, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology import thermal, vapour
 from spinline.rheology.names import known_as
@@ -151,6 +151,14 @@ class Evaporant:
     def pressure(self, temperature: float) -> float:
         """Vapour pressure of the pure liquid, Pa."""
         return float(np.exp(self._at(0, temperature)))
+
+    def pressures(self, temperature: FloatArray) -> FloatArray:
+        """`pressure` at temperatures of any shape."""
+        kelvin = real("temperature", temperature, least=GRID[0], most=GRID[-1], unit="K")
+        i = np.minimum(((kelvin - GRID[0]) / (GRID[1] - GRID[0])).astype(int), GRID.size - 2)
+        c, t = self.laws[0][:, i], kelvin - GRID[i]
+        value: FloatArray = np.exp(((c[0] * t + c[1]) * t + c[2]) * t + c[3])
+        return value
 
     def latent_heat(self, temperature: float) -> float:
         """Heat of vaporisation, J/kg."""

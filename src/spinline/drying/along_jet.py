@@ -187,7 +187,7 @@ def dry_cooling(
 def _cooling(air: "HeatedAir", temperature: FloatArray) -> FloatArray:
     first = air.evaporants[0]
     start = first.pressure(air.temperature) / air.temperature
-    return np.array([first.pressure(float(t)) / float(t) for t in temperature]) / start
+    return first.pressures(temperature) / temperature / start
 
 
 _UNDERSHOOT = 1e-5  # of the solvent there was
