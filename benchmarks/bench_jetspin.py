@@ -4,13 +4,16 @@ Frames of the bundled PVP run are repeated with perturbed numbers, as text and a
 Plain numpy reads the same numbers on a slice of the text, in the same run, without looking for damage.
 
     python benchmarks/bench_jetspin.py [MEGABYTES] [--frames] [--keep DIR]
-    python benchmarks/bench_jetspin.py --sizes 0.01 0.1 1 10 100     # import-jet as a whole; writes bench_jetspin.json
+    python benchmarks/bench_jetspin.py --sizes 0.01 0.03 0.1 1 10 100     # import-jet as a whole; writes bench_jetspin.json
 
 The second measures, in processor time and against ``numpy.loadtxt`` on nothing but the rows of numbers of the same file (and
 of those not the ones whose columns touch, which it cannot read):
 
 * `read`: `read_jetspin`, which parses the run's log, finds frames and units, looks for damage and makes a Dataset of
-  thirteen variables, against loadtxt; the two take turns (hundreds of them where the file is small);
+  thirteen variables, against loadtxt; they take turns (hundreds of them where the file is small);
+* `floor`: nothing but opening the run's files, reading their bytes and making that Dataset of arrays that are there, in the
+  quickest way known (xarray's constructor takes longer). No reader that returns it is faster, whatever it does between: where
+  `floor_over_loadtxt` is below 1, none is as fast as loadtxt;
 * `write`: `write_jet`, thirteen sealed and checksummed variables, against loadtxt and saving the three columns as netCDF by
   xarray (`saved`), or as .npy (`npy`);
 * `process`: ``spinline import-jet`` from start to end, against a Python that does the same.
@@ -32,6 +35,7 @@ from pathlib import Path
 
 import numpy as np
 
+from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile import iter_jetspin, read_jetspin
 from spinline.jetprofile.jetspin import write_jet
 
@@ -161,6 +165,20 @@ def load(path):
     return np.loadtxt(path, usecols=(1, 2, 3))
 
 
+def named(data):
+    """The arrays of a Dataset."""
+    tuples = {str(name): (one.dims, one.values, one.attrs) for name, one in data.variables.items()}
+    return NamedArrays(tuples, {"time": tuples.pop("time")}, data.attrs)
+
+
+def nothing_but(paths, arrays):
+    """The bytes of files and a Dataset of arrays that are there."""
+    for path in paths:
+        with open(path, "rb") as file:
+            file.read()
+    return arrays.dataset()
+
+
 def save(columns, path):
     """Three columns as netCDF."""
     import xarray as xr
@@ -205,7 +223,10 @@ def measured(folder, repeats):
     jet, plain, other, saved = (str(folder / name) for name in ("jet.nc", "rows.txt", "rows.nc", "rows.npy"))
     columns = load(plain)
     save(columns, other)
-    read, loadtxt = least(repeats, lambda: read_jetspin(folder), lambda: load(plain))
+    sources, arrays = [folder / "log.txt", folder / "traj.xyz"], named(read_jetspin(folder))
+    read, loadtxt, floor = least(
+        repeats, lambda: read_jetspin(folder), lambda: load(plain), lambda: nothing_but(sources, arrays)
+    )
     write, to_netcdf, npy = least(
         min(repeats, 20),
         lambda: write_jet(folder, jet, force=True),
@@ -215,6 +236,7 @@ def measured(folder, repeats):
     seconds = {
         "read": read,
         "loadtxt": loadtxt,
+        "floor": floor,
         "write": write,
         "saved": to_netcdf,
         "npy": npy,
@@ -223,7 +245,8 @@ def measured(folder, repeats):
         "process_npy": children(["-c", PLAIN, plain, saved], min(repeats, 5)),
     }
     rate = {
-        name: (theirs if name not in ("read", "write", "process") else megabytes) / s for name, s in seconds.items()
+        name: (megabytes if name in ("read", "floor", "write", "process") else theirs) / s
+        for name, s in seconds.items()
     }
     return {
         "megabytes": round(megabytes, 3),
@@ -231,6 +254,7 @@ def measured(folder, repeats):
         "read_mb_s": round(rate["read"], 1),
         "loadtxt_mb_s": round(rate["loadtxt"], 1),
         "read_over_loadtxt": round(rate["read"] / rate["loadtxt"], 2),
+        "floor_over_loadtxt": round(rate["floor"] / rate["loadtxt"], 2),
         "write_over_saved": round(rate["write"] / rate["saved"], 2),
         "write_over_npy": round(rate["write"] / rate["npy"], 2),
         "process_over_saved": round(rate["process"] / rate["process_saved"], 2),

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -206,3 +207,24 @@ def test_a_signal_is_not_lost(number, status, where, tmp_path) -> None:
 
 
 # --- what is read ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("while_importing", ["spinline.cli.commands", "typer", "pydantic"])
+def test_ctrl_c_while_modules_are_imported_is_no_traceback(while_importing, tmp_path) -> None:
+    """Started as the installed command starts, and interrupted at the first search for a module."""
+    place = Path(__file__).parent.parent / "pyproject.toml"
+    entry, _, name = tomllib.loads(place.read_text(encoding="utf-8"))["project"]["scripts"]["spinline"].partition(":")
+    script = f"""
+import os, signal, sys
+class Interrupting:
+    def find_spec(name, path=None, target=None):
+        if name == {while_importing!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting)
+sys.argv = ["spinline", "run", "peo5-water", "--no-figure"]
+from {entry} import {name}
+sys.exit({name}())
+"""
+    ran = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stdout, ran.stderr) == (130, "", "")
+    assert not list(tmp_path.iterdir())

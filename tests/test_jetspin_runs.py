@@ -1,7 +1,9 @@
 """The six real runs: units, numbering, radii against the volumes JETSPIN keeps."""
 
+import io
 import shutil
 import warnings
+from collections import Counter
 from importlib.resources import files
 from pathlib import Path
 
@@ -345,3 +347,21 @@ def test_parameters_of_the_quasi_newtonian_run(runs):
     assert p.length_unit == pytest.approx(1.559759389, rel=1e-9)
     assert p.time_unit == pytest.approx(1000)
     assert (p.xyz_rescale, p.refinement, p.dimension, p.removing) == (1.0, False, 3, True)
+
+
+@pytest.mark.parametrize("source", ["traj.dat", "traj.xyz", "frame*.xyz", "save.dat"])
+def test_no_file_of_a_run_is_opened_often(runs, source, monkeypatch):
+    """Each file of beads and the set-up once; the table that tells the unit twice, to see what it is and to read it."""
+    opened = Counter()
+    plain = io.open
+
+    def counted(path, *args, **options):
+        opened[Path(path).name] += Path(path).is_relative_to(runs)
+        return plain(path, *args, **options)
+
+    monkeypatch.setattr(io, "open", counted)  # what pathlib calls
+    monkeypatch.setattr("builtins.open", counted)
+    data = quiet(runs / "pvp3d", source=source)
+    beads = {path.name for path in (runs / "pvp3d").glob(source)}
+    assert +opened == {"statout.dat": 2, **dict.fromkeys({"log.txt", "input.dat", *beads}, 1)}
+    assert data.sizes["time"] > 0

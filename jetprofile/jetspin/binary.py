@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.block import BLOCK_BYTES, SYSTEMS, parse_block
+from spinline.jetprofile.jetspin.content import Content, forget_pages
 from spinline.jetprofile.jetspin.fortran import skip_records
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.placeholder import drop_placeholders
-from spinline.jetprofile.jetspin.xyz import forget_pages, map_file
 
 __all__ = ["BinarySource"]
 
@@ -41,14 +41,16 @@ class BinarySource:
     Parameters
     ----------
     path : Path
+    content : bytes or mmap
+        What is in it.
     notes : Notes
     """
 
-    def __init__(self, path: Path, notes: Notes) -> None:
+    def __init__(self, path: Path, content: Content, notes: Notes) -> None:
         self.name = self.files = path.name
         self.position_error = 0.0
         self.notes = notes
-        self._content = map_file(path)
+        self._content = content
         self.parameters = parse_block(self._content[:BLOCK_BYTES], path.name, notes)
         system = self.parameters.system
         self.style, self.dimension = self._first_style(system)

@@ -14,6 +14,8 @@ __all__ = [
     "check_content",
     "check_motion",
     "check_positions",
+    "distance",
+    "find_strays",
     "kinks",
     "peak_kink",
 ]
@@ -30,15 +32,12 @@ def check_positions(
     bead: dict[str, Floats],
     there: Flags,
     error: float,
-    around: tuple[float, float],
     parameters: RunParameters,
     notes: Notes,
 ) -> tuple[Flags, Flags]:
     """Deposited beads, and beads whose position is not believed.
 
-    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle, or at a kink
-    that the frames before and after do not have, keeps its position. `around` is the sharpest kink of the
-    frame before these and of the one after, NaN where there is none.
+    Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle keeps its position.
     """
     x, y, z = bead["x"], bead["y"], bead["z"]
     collector = parameters.collector_distance
@@ -63,23 +62,18 @@ def check_positions(
     behind &= inner
     notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", np.count_nonzero(behind))
     odd |= behind
-    stray = _strays(bead, deposited, around)
-    notes.add(
-        "{n} beads far off the line of their neighbours; the elements beside them are not valid",
-        np.count_nonzero(stray),
-    )
-    odd |= stray
     return deposited, odd
 
 
-def kinks(bead: dict[str, Floats]) -> Floats:
-    """Path over every inner bead against the straight line between its neighbours; 1 where there is none."""
+def kinks(bead: dict[str, Floats], length: Floats) -> Floats:
+    """Path over every inner bead against the straight line between its neighbours; 1 where there is none.
+
+    `length` is the distance between a bead and the next.
+    """
     shape = bead["x"].shape
     if shape[1] < 3:
         return np.ones(shape)
-    points = [bead[axis] for axis in "xyz"]
-    one, two = _distance(points, 1), _distance(points, 2)
-    path = one[:, 1:] + one[:, :-1]
+    path, two = length[:, 1:] + length[:, :-1], distance(bead, 2)
     found = np.ones(shape)
     inner = found[:, 1:-1]
     np.divide(path, two, out=inner, where=two > 1e-4 * path)
@@ -87,9 +81,9 @@ def kinks(bead: dict[str, Floats]) -> Floats:
     return found
 
 
-def _distance(points: list[Floats], apart: int) -> Floats:
+def distance(bead: dict[str, Floats], apart: int) -> Floats:
     """Distance between beads so many numbers apart."""
-    x, y, z = (p[:, apart:] - p[:, :-apart] for p in points)
+    x, y, z = (bead[axis][:, apart:] - bead[axis][:, :-apart] for axis in "xyz")
     return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
@@ -100,18 +94,28 @@ def peak_kink(block: Block) -> float:
         rows = slice(first, first + length)
         zero = np.zeros((1, length))
         bead = {axis: block.values[axis][None, rows] if axis in block.values else zero for axis in "xyz"}
-        peak = max(peak, float(kinks(bead).max(initial=1.0)))
+        peak = max(peak, float(kinks(bead, distance(bead, 1)).max(initial=1.0)))
     return peak
 
 
-def _strays(bead: dict[str, Floats], deposited: Flags, around: tuple[float, float]) -> Flags:
-    """Beads at a kink that neither the frame before nor the one after knows the like of."""
-    kink = kinks(bead)
+def find_strays(
+    bead: dict[str, Floats], length: Floats, deposited: Flags, around: tuple[float, float], notes: Notes
+) -> Flags:
+    """Beads at a kink that neither the frame before nor the one after knows the like of; they keep their position.
+
+    `around` is the sharpest kink of the frame before these and of the one after, NaN where there is none.
+    """
+    kink = kinks(bead, length)
     kink[:, :-1][deposited[:, 1:]] = 1.0
     peak = kink.max(axis=1, initial=1.0)
     known = np.fmax(np.concatenate([[around[0]], peak[:-1]]), np.concatenate([peak[1:], [around[1]]]))
     allowed = np.where(np.isnan(known), LONE_KINK, KINK * known)
-    return np.asarray(kink > allowed[:, None])
+    stray: Flags = kink > allowed[:, None]
+    notes.add(
+        "{n} beads far off the line of their neighbours; the elements beside them are not valid",
+        np.count_nonzero(stray),
+    )
+    return stray
 
 
 def check_motion(pad: Padder, notes: Notes) -> Flags:

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.base.named_arrays import NamedArrays
-from spinline.jetprofile.jetspin.checks import check_content, check_motion, check_positions
+from spinline.jetprofile.jetspin.checks import check_content, check_motion, check_positions, distance, find_strays
 from spinline.jetprofile.jetspin.frames import Block, Floats, Padder
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters
 
 __all__ = ["Meaning", "build_dataset"]
 
-_ATTRS: dict[str, tuple[str, str, str]] = {
+_MEANINGS: dict[str, tuple[str, str, str]] = {
     "x": ("bead", "m", "position along the spinning axis, nozzle at 0"),
     "y": ("bead", "m", "first lateral position"),
     "z": ("bead", "m", "second lateral position"),
@@ -51,6 +51,11 @@ _ATTRS: dict[str, tuple[str, str, str]] = {
     ),
     "inserted": ("", "", "the bead nearest the nozzle has been inserted"),
 }
+_NAMED = {  # dimensions and attributes of every variable
+    name: (("time", dim) if dim else ("time",), {"long_name": text} | ({"units": unit} if unit else {}))
+    for name, (dim, unit, text) in _MEANINGS.items()
+}
+_TIME = {"units": "s", "long_name": "time"}
 
 
 @dataclass
@@ -79,11 +84,10 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     bead: dict[str, Floats] = {axis: pad(axis) for axis in "xyz"}
     bad = pad.bad()
     p = meaning.parameters
-    deposited, odd = check_positions(bead, there, meaning.position_error, around, p, notes)
-    bad |= odd
+    deposited, odd = check_positions(bead, there, meaning.position_error, p, notes)
+    length = distance(bead, 1)
+    bad |= odd | find_strays(bead, length, deposited, around, notes)
     whole = there[:, 1:]
-    step = [bead[axis][:, 1:] - bead[axis][:, :-1] for axis in "xyz"]
-    length = np.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
     coincident = whole & (length <= 0)
     notes.add(
         "{n} elements of no length (coincident beads) have no radius",
@@ -102,7 +106,7 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     invalid = bad[:, 1:] | bad[:, :-1] | deposited[:, 1:] | deposited[:, :-1] | coincident
     out: dict[str, NDArray[Any]] = {**bead}
     arc = np.zeros_like(bead["x"])
-    np.cumsum(length, axis=1, out=arc[:, 1:])
+    length.cumsum(axis=1, out=arc[:, 1:])
     arc[~block.reaches_nozzle] = np.nan
     arc[~there | np.isnan(bead["x"])] = np.nan
     out["arc_length"] = arc
@@ -117,7 +121,7 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
             out[f"velocity_{axis}"] = pad(f"velocity_{axis}")
         speeds = [out[f"velocity_{axis}"] for axis in "xyz"]
         out["velocity"] = np.sqrt(speeds[0] ** 2 + speeds[1] ** 2 + speeds[2] ** 2)
-        rate = sum(np.diff(v, axis=1) * d for v, d in zip(speeds, step, strict=True))
+        rate = sum(np.diff(v, axis=1) * np.diff(bead[axis], axis=1) for v, axis in zip(speeds, "xyz", strict=True))
         out["strain_rate"] = rate / safe**2
     if "stress" in pad:
         out["stress"] = pad("stress")[:, 1:]
@@ -132,7 +136,8 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     out["nozzle_missing"] = ~block.reaches_nozzle
     if block.inserted is not None:
         out["inserted"] = block.inserted
-    return _dataset(out, block.time, meaning.attrs)
+    variables = {name: (_NAMED[name][0], values, _NAMED[name][1]) for name, values in out.items()}
+    return NamedArrays(variables, {"time": ("time", block.time, _TIME)}, meaning.attrs)
 
 
 def _rest_length(volume: Floats | None, meaning: Meaning) -> Floats | float:
@@ -143,13 +148,3 @@ def _rest_length(volume: Floats | None, meaning: Meaning) -> Floats | float:
     if p.resolution is None or p.refinement:
         return math.nan
     return p.resolution
-
-
-def _dataset(values: dict[str, NDArray[Any]], time: Floats, attrs: dict[str, Any]) -> NamedArrays:
-    variables = {}
-    for name, data in values.items():
-        dim, unit, text = _ATTRS[name]
-        about = {"long_name": text} | ({"units": unit} if unit else {})
-        variables[name] = (("time", dim) if dim else ("time",), data, about)
-    about = {"units": "s", "long_name": "time"}
-    return NamedArrays(variables, {"time": ("time", time, about)}, attrs)

@@ -5,10 +5,10 @@ import re
 from pathlib import Path
 
 from spinline.base.errors import InputError
-from spinline.base.files import readable
+from spinline.jetprofile.jetspin.content import Content, content_of
 from spinline.jetprofile.jetspin.fortran import record_sizes
 
-__all__ = ["file_kind", "frame_files"]
+__all__ = ["file_kind", "frame_files", "kind_of"]
 
 _FRAME = re.compile(r"frame(\d+)\.xyz", re.IGNORECASE)
 _NAMES = (
@@ -35,13 +35,12 @@ def file_kind(path: Path) -> str:
     InputError
         If it cannot be opened, is empty, is none of them, or is a PDB or PSF file.
     """
-    try:
-        with readable(path).open("rb") as file:
-            head = file.read(1 << 16)
-    except OSError as error:
-        raise InputError(
-            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
-        ) from None
+    return kind_of(path, content_of(path))
+
+
+def kind_of(path: Path, content: Content) -> str:
+    """`file_kind` of a file that has been opened."""
+    head = bytes(content[: 1 << 16])
     if not head:
         raise InputError(
             str(path),

@@ -59,9 +59,15 @@ _INTERNAL = {
     "Mass unit": ("mass_unit", "g"),
     "Charge unit": ("charge_unit", "statC"),
 }
+# field: factor to SI, None where it is a whole number
+_FACTORS = {
+    field: None if unit == "n" else si_unit(unit)[0]
+    for field, unit in [*((field, rule[2]) for field, rule in _VALUES.items()), *_INTERNAL.values()]
+}
 _NAMES = [re.compile("|".join(f"(?P<{field}>{re.escape(rule[k])})" for field, rule in _VALUES.items())) for k in (0, 1)]
-_MARKS = ("*", "Start ", "Finish ", "The 'resolution'")
+_MARKS = ("Start ", "Finish ", "The 'resolution'")
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
+_SWITCH_NAMES = tuple(_SWITCHES)
 _POSITIVE = frozenset(
     [
         "points",
@@ -98,9 +104,9 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
     inside = ended = False
     run = text.find("\nStart simulation")
     for line in (text if run < 0 else text[:run]).splitlines():
+        if line[:1] in "*":  # empty, or of the banner
+            continue
         if line.startswith(_MARKS):
-            if line.startswith("*"):  # of the banner
-                continue
             if line.startswith("Start simulation"):
                 break
             if line.startswith("Start printing input"):
@@ -110,14 +116,14 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
             elif line.startswith("The 'resolution' value is equal to"):
                 value = line[34:].split()
                 if value and line[34].isspace():
-                    _store(found, "resolution", value[0], "cm", notes)
+                    _store(found, "resolution", value[0], notes)
         name, equals, rest = line.partition("=")
         words = rest.split(None, 1) if equals else []
         if words:
             name = name.strip()
             internal = _INTERNAL.get(name)
             if internal is not None:
-                _store(found, internal[0], words[0], internal[1], notes)
+                _store(found, internal[0], words[0], notes)
             elif inside:
                 _lookup(found, name, words[0], 0, notes)
         elif inside:
@@ -145,7 +151,7 @@ def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
 def _lookup(found: _Values, name: str, value: str, column: int, notes: Notes) -> None:
     field = _named(name, column)
     if field is not None:
-        _store(found, field, value, _VALUES[field][2], notes)
+        _store(found, field, value, notes)
 
 
 @lru_cache(maxsize=512)
@@ -156,7 +162,7 @@ def _named(name: str, column: int) -> str | None:
 
 
 def _switch(found: _Values, line: str) -> None:
-    if not line.startswith(tuple(_SWITCHES)):
+    if not line.startswith(_SWITCH_NAMES):
         return
     for name, field in _SWITCHES.items():
         words = line[len(name) :].split() if line.startswith(name) else []
@@ -164,14 +170,14 @@ def _switch(found: _Values, line: str) -> None:
             found[field] = words[0] == "yes"
 
 
-def _store(found: _Values, field: str, value: str, unit: str, notes: Notes) -> None:
-    number = to_float(value)
-    unusable = not abs(number) < 1e30 or (field in _POSITIVE and number <= 0)
-    if unusable or (unit == "n" and number != int(number)):
+def _store(found: _Values, field: str, value: str, notes: Notes) -> None:
+    number, factor = to_float(value), _FACTORS[field]
+    unusable = not abs(number) < 1e30 or (number <= 0 and field in _POSITIVE)
+    if unusable or (factor is None and number != int(number)):
         notes.add(f"{field.replace('_', ' ')} = {value[:30]} cannot be right and is not used")
         found.pop(field, None)
         return
-    found[field] = int(number) if unit == "n" else number * si_unit(unit)[0]
+    found[field] = int(number) if factor is None else number * factor
 
 
 def _finish(found: _Values, source: str, ended: bool, notes: Notes) -> RunParameters:

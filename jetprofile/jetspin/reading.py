@@ -1,6 +1,7 @@
 """An opened run: which file is read, in which unit, and in pieces of bounded size."""
 
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from os import PathLike
@@ -13,8 +14,9 @@ from spinline.base.errors import InputError
 from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.binary import BinarySource
 from spinline.jetprofile.jetspin.checks import peak_kink
+from spinline.jetprofile.jetspin.content import content_of
 from spinline.jetprofile.jetspin.dataset import Meaning, build_dataset
-from spinline.jetprofile.jetspin.detect import file_kind
+from spinline.jetprofile.jetspin.detect import kind_of
 from spinline.jetprofile.jetspin.frames import FrameSource, Integers, order_frames, select_frames
 from spinline.jetprofile.jetspin.header import find_parameters
 from spinline.jetprofile.jetspin.notes import Notes
@@ -85,9 +87,9 @@ def open_reading(
 ) -> Reading:
     """Find the frames of a file or run and what is needed to understand them."""
     path = Path(path)
-    if not path.exists():
+    if not os.path.exists(path):
         raise InputError(str(path), "does not exist", remedy="give a file or directory of a JETSPIN run")
-    if not path.is_dir():
+    if not os.path.isdir(path):
         if source is not None:
             raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
         notes = Notes(str(path))
@@ -129,17 +131,18 @@ def _refined(parameters: RunParameters | None, track: Track | None) -> bool:
 
 def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes, known: Beside) -> Reading:
     beside, track = known
-    kind = file_kind(files[0])
+    content = content_of(files[0])
+    kind = kind_of(files[0], content)
     frames: BinarySource | XyzSource
     if kind == "beads":
         if unit is not None:
             raise InputError("unit", f"{files[0].name} says its own units", value=unit, remedy="leave it out")
-        frames = BinarySource(files[0], notes)
+        frames = BinarySource(files[0], content, notes)
         unit_source = f"parameter block of {files[0].name}"
         text = False
         error = 0.0
     elif kind == "xyz":
-        frames, unit_source = open_xyz(files, beside, track, unit, notes)
+        frames, unit_source = open_xyz(files, content, beside, track, unit, notes)
         error, text = frames.position_error, True
     else:
         raise InputError(str(files[0]), "holds no beads", remedy="read_jetspin reads it, iter_jetspin does not")

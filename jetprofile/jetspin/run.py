@@ -1,5 +1,6 @@
 """Reading a file or a whole run."""
 
+import os
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -92,8 +93,8 @@ def read_jetspin(
     laid down, damaged, beside a damaged bead) are kept where they exist. Numbers wrong by less than a kink
     in the jet cannot be told from right ones.
     """
-    given = Path(path)
-    if given.is_file():
+    if os.path.isfile(path):
+        given = Path(path)
         kind = file_kind(given)
         if kind not in ("xyz", "beads") and (time is not None or unit is not None or source is not None):
             raise InputError("path", f"{given.name} holds no beads: no source, time or unit applies", value=str(path))

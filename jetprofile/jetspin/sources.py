@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.jetprofile.jetspin.content import Content
 from spinline.jetprofile.jetspin.detect import frame_files
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.notes import Notes
@@ -35,9 +36,8 @@ def choose_files(folder: Path, source: str | None, *, refined: bool = False) -> 
         order = ("traj.dat", "save.dat", "frame*.xyz", "traj.xyz")
         if not refined:
             order = ("traj.dat", "frame*.xyz", "traj.xyz", "save.dat")
-        there = [name for name in order if name == "frame*.xyz" or os.path.isfile(os.path.join(folder, name))]
-        files = [frame_files(folder) if name == "frame*.xyz" else [folder / name] for name in there]
-        return [found for found in files if found and os.path.isfile(found[0])]
+        found = (frame_files(folder) if name == "frame*.xyz" else [folder / name] for name in order)
+        return [files for files in found if files and os.path.isfile(files[0])]
     if source in ("frame*.xyz", "frame.xyz", "frames"):
         frames = frame_files(folder)
         if not frames:
@@ -75,13 +75,14 @@ def statistics_track(folder: Path) -> Track | None:
 
 def open_xyz(
     files: list[Path],
+    content: Content,
     parameters: RunParameters | None,
     track: Track | None,
     unit: str | float | None,
     notes: Notes,
 ) -> tuple[XyzSource, str]:
-    """Source of XYZ frames with its length unit set, and where that unit came from."""
-    source = XyzSource(files, notes)
+    """Source of XYZ frames with its length unit set, and where that unit came from; `content` is that of the first file."""
+    source = XyzSource(files, content, notes)
     if len(source.time) == 0:
         raise InputError(
             str(files[0]),

@@ -5,50 +5,28 @@ damaged), a second one reads the rows of those that are wanted. Files are mapped
 be larger than memory.
 """
 
-import mmap
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spinline.base.errors import InputError
-from spinline.base.files import readable
+from spinline.jetprofile.jetspin.content import Content, content_of, forget_pages
 from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.units import to_float
+from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE, parse_rows
 
-__all__ = ["XyzSource", "map_file", "scan_frames"]
+__all__ = ["XyzSource", "scan_frames"]
 
 _HEADER = re.compile(rb" {0,20}([0-9]{1,10})\r?\nframe at time([ 0-9.+\-EeDd*]{20})[ 0-9*]{10}\r?\n")
-_Rows = tuple[Floats, NDArray[np.uint8], Integers]
-_SMALL = 2 << 20
+_Read = tuple[Block, Floats, NDArray[np.uint8], Integers]
 _KEEP = 64 << 20  # bytes of small files kept after the first pass
 
 
-def map_file(path: Path) -> mmap.mmap | bytes:
-    """Content of a file, mapped into memory (empty bytes for an empty file)."""
-    try:
-        with readable(path).open("rb") as file:
-            if path.stat().st_size == 0:
-                return b""
-            return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    except OSError as error:
-        raise InputError(
-            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
-        ) from None
-
-
-def forget_pages(content: mmap.mmap | bytes) -> None:
-    """Let go of the pages of a mapped file that have been read."""
-    if isinstance(content, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
-        content.madvise(mmap.MADV_DONTNEED)
-
-
-def scan_frames(content: mmap.mmap | bytes, notes: Notes) -> FrameList:
+def scan_frames(content: Content, notes: Notes) -> FrameList:
     """Find the whole frames of an XYZ text: time, offset of the first row, number of rows, line length."""
     found = FrameList()
     size = len(content)
@@ -100,12 +78,12 @@ def _lost(notes: Notes, *, cut: bool) -> None:
         notes.add("{n} frames whose number of rows is not the one in their header left out", dropped=True)
 
 
-def _ends_here(content: mmap.mmap | bytes, at: int) -> bool:
+def _ends_here(content: Content, at: int) -> bool:
     """Whether a line ends before `at` and no row follows; the next header may be damaged."""
     return content[at - 1 : at] == b"\n" and content[at : at + 1] != b"C"
 
 
-def _frame_end(content: mmap.mmap | bytes, first: int) -> int:
+def _frame_end(content: Content, first: int) -> int:
     """Where the line before the next header begins (a cut line may be glued to it), or the end."""
     mark = content.find(b"frame at time", first)
     if mark < 0:
@@ -113,7 +91,7 @@ def _frame_end(content: mmap.mmap | bytes, first: int) -> int:
     return max(content.rfind(b"\n", first, mark - 1) + 1, first) if mark > first else first
 
 
-def _next_header(content: mmap.mmap | bytes, start: int, notes: Notes, *, quiet: bool = False) -> int:
+def _next_header(content: Content, start: int, notes: Notes, *, quiet: bool = False) -> int:
     """Begin of the next pair of header lines at or after `start`, or the end of the text."""
     size = len(content)
     while True:
@@ -134,7 +112,7 @@ def _next_header(content: mmap.mmap | bytes, start: int, notes: Notes, *, quiet:
         start, quiet = mark + 13, True
 
 
-def _count_lines(content: mmap.mmap | bytes, first: int, stop: int, enough: int) -> int:
+def _count_lines(content: Content, first: int, stop: int, enough: int) -> int:
     """Lines between two offsets, the last one possibly without its end; stops a little above `enough`."""
     lines = 0
     for at in range(first, stop, 1 << 20):
@@ -153,18 +131,20 @@ class XyzSource:
     ----------
     paths : sequence of Path
         One trajectory, or single frames in order of their number.
+    first : bytes or mmap
+        Content of the first of them.
     notes : Notes
     """
 
-    def __init__(self, paths: Sequence[Path], notes: Notes) -> None:
+    def __init__(self, paths: Sequence[Path], first: Content, notes: Notes) -> None:
         self.paths = list(paths)
         self.notes = notes
         self.name = paths[0].name if len(paths) == 1 else "frame*.xyz"
         self.files = paths[0].name if len(paths) == 1 else f"{paths[0].name} to {paths[-1].name}"
         self.parameters: RunParameters | None = None
         self.scale = 1.0
-        self._content: dict[int, Any] = {}
-        self._looked: tuple[Integers, _Rows] | None = None
+        self._content: dict[int, Content] = {0: first}
+        self._looked: tuple[Integers, _Read] | None = None
         frames = FrameList()
         owner: list[int] = []
         kept = 0
@@ -190,20 +170,17 @@ class XyzSource:
         """Half a unit in the last decimal, m."""
         return 0.5e-5 * self.scale
 
-    def _open(self, number: int) -> Any:
+    def _open(self, number: int) -> Content:
         content = self._content.get(number)
         if content is None:
-            path = self.paths[number]
-            small = len(self.paths) > 1 or path.stat().st_size <= _SMALL  # mapping costs more than reading then
-            content = _read(path) if small else map_file(path)
-            self._content[number] = content
+            self._content[number] = content = content_of(self.paths[number])
         return content
 
     def _gather(self, frames: Integers) -> tuple[NDArray[np.uint8], Integers]:
         """Bytes of the frames in one array, and the offsets of the frames in it."""
         if len(self.paths) == 1:
             return np.frombuffer(self._open(0), dtype=np.uint8), self._offset[frames]
-        parts: list[Any] = []
+        parts: list[NDArray[np.uint8]] = []
         shift: dict[int, int] = {}
         length = 0
         for number in np.unique(self._owner[frames]):
@@ -221,17 +198,16 @@ class XyzSource:
 
     def look(self, frames: Integers) -> Block:
         """Beads in the unit of the file, before its scale is known; what was read is kept for a `load` of the same frames."""
-        self._looked = frames, self._rows(frames)
-        return self._block(frames, self._looked[1])
+        self._looked = frames, self._read(frames)
+        return self._looked[1][0]
 
     def load(self, frames: Integers, notes: Notes) -> Block:
         """Beads of the frames with these numbers, m."""
-        from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE
-
         looked, self._looked = self._looked, None
-        rows = looked[1] if looked is not None and np.array_equal(looked[0], frames) else self._rows(frames)
-        out, status, chains = rows
-        out *= self.scale
+        if looked is None or not np.array_equal(looked[0], frames):
+            looked = frames, self._read(frames)
+        block, positions, status, padding = looked[1]
+        positions *= self.scale  # the block holds them by axis
         add = notes.add
         if status.any():
             wide = np.count_nonzero(status & OVERFLOW)
@@ -241,14 +217,12 @@ class XyzSource:
             add("{n} rows are damaged outside their numbers", np.count_nonzero(status == DAMAGED))
         add(
             "{n} rows behind the nozzle are not the padding they should be and are left out",
-            int(chains[:, 3].sum()),
+            int(padding.sum()),
         )
-        return self._block(frames, rows)
+        return block
 
-    def _rows(self, frames: Integers) -> "_Rows":
-        """Beads in the unit of the file, their flags, and the frames' places among them (`parse_rows`)."""
-        from spinline.jetprofile.jetspin.xyz_rows import parse_rows
-
+    def _read(self, frames: Integers) -> _Read:
+        """Beads in the unit of the file, their positions and flags, and how many rows of each frame are no padding."""
         buffer, offset = self._gather(frames)
         rows = self.weight[frames]
         out = np.empty((3, int(rows.sum())))
@@ -257,13 +231,8 @@ class XyzSource:
         used = parse_rows(buffer, offset, rows, self._stride[frames], out, status, chains)
         if len(self.paths) == 1:
             forget_pages(self._content[0])
-        return out[:, :used], status[:used], chains
-
-    def _block(self, frames: Integers, rows: "_Rows") -> Block:
-        from spinline.jetprofile.jetspin.xyz_rows import OVERFLOW, UNREADABLE
-
-        out, status, chains = rows
-        return Block(
+        out, status = out[:, :used], status[:used]
+        block = Block(
             time=self.time[frames],
             first=chains[:, 0].copy(),
             length=chains[:, 1].copy(),
@@ -271,12 +240,4 @@ class XyzSource:
             bad=(status & (UNREADABLE | OVERFLOW)) != 0,
             reaches_nozzle=chains[:, 2] == 1,
         )
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return readable(path).read_bytes()
-    except OSError as error:
-        raise InputError(
-            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
-        ) from None
+        return block, out, status, chains[:, 3]

@@ -39,10 +39,10 @@ def parse_rows(
     """
     used = 0
     begin = 0
-    count = np.cumsum(rows)
+    count = rows.cumsum()
     while begin < len(rows):
         before = count[begin - 1] if begin else 0
-        stop = max(begin + 1, int(np.searchsorted(count, before + _BLOCK, side="right")))
+        stop = max(begin + 1, int(count.searchsorted(before + _BLOCK, side="right")))
         frames = offsets[begin:stop], rows[begin:stop], strides[begin:stop]
         characters = _grid(buffer, *frames)
         if characters is None:
@@ -61,11 +61,10 @@ def _grid(
     count, stride, first = int(rows[0]), int(strides[0]), int(offsets[0])
     apart = int(offsets[1]) - first if len(offsets) > 1 else 0
     even = stride > 0 and int(offsets[-1]) + count * stride <= len(buffer)
-    if not even or (rows != count).any() or (strides != stride).any() or (np.diff(offsets) != apart).any():
+    if not even or (rows != count).any() or (strides != stride).any() or (offsets[1:] - offsets[:-1] != apart).any():
         return None
-    shape, steps = (stride, len(rows), count), (1, apart, stride)
-    view = np.lib.stride_tricks.as_strided(buffer[first:], shape, steps, writeable=False)
-    return np.ascontiguousarray(view).reshape(stride, -1)
+    lines = np.ndarray((stride, len(rows), count), np.uint8, buffer, first, (1, apart, stride))
+    return lines.reshape(stride, -1)
 
 
 def _even_numbers(characters: Bytes) -> tuple[NDArray[np.float64], Bytes]:
@@ -73,7 +72,7 @@ def _even_numbers(characters: Bytes) -> tuple[NDArray[np.float64], Bytes]:
     bad = (characters[: len(_HEAD)] != _HEAD[:, None]).any(axis=0) | (characters[-1] != ord("\n"))
     if len(characters) > _ROW + 1:
         bad |= characters[_ROW] != ord("\r")
-    return _valued(characters, np.where(bad, DAMAGED, 0).astype(np.uint8))
+    return _valued(characters, bad * np.uint8(DAMAGED))
 
 
 def _lines(
@@ -112,7 +111,7 @@ def _numbers(buffer: Bytes, start: NDArray[np.int64], end: NDArray[np.int64]) ->
     returned = buffer[np.minimum(start + _ROW, len(buffer) - 1)] == ord("\r")
     bad |= (width > _ROW + 1) & ~((width == _ROW + 2) & returned)
     unfinished = (end == len(buffer)) & (width == _ROW)  # the last line of the text, whole but for its end
-    flags = np.where(bad | ~(last | unfinished), DAMAGED, 0).astype(np.uint8)
+    flags = (bad | ~(last | unfinished)) * np.uint8(DAMAGED)
     values, flags = _valued(columns, flags)
     if short.any():
         flags[short] = UNREADABLE | DAMAGED
@@ -169,24 +168,21 @@ def _keep(
 ) -> int:
     """Put rows up to the nozzle's, which is zero, behind those that are `used`; the number of rows kept."""
     out, status, chains = results
-    after = np.cumsum(rows)
+    after = rows.cumsum()
     first = after - rows
-    zero = (values[0] == 0.0) & (values[1] == 0.0) & (values[2] == 0.0)
-    nozzles = np.flatnonzero(zero)
-    where = np.searchsorted(nozzles, first)
-    nozzle = np.append(nozzles, len(zero))[where]
-    met = nozzle < after
-    stop = np.where(met, nozzle + 1, after)
+    zero = (values == 0.0).all(axis=0)
+    nozzles = zero.nonzero()[0]
+    nozzle = np.append(nozzles, len(zero))[nozzles.searchsorted(first)]  # the first one in the frame or behind it
+    stop = np.minimum(nozzle + 1, after)
     length = stop - first
-    kept = np.arange(len(zero)) < np.repeat(stop, rows)
+    kept = np.arange(len(zero)) < stop.repeat(rows)
     odd = ~kept & (~zero | (flags != 0))
     total = int(length.sum())
-    for axis in range(3):
-        out[axis, used : used + total] = values[axis][kept]
+    values.compress(kept, axis=1, out=out[:, used : used + total])
     status[used : used + total] = flags[kept]
-    chains[:, 0] = used + np.cumsum(length) - length
+    chains[:, 0] = used + length.cumsum() - length
     chains[:, 1] = length
-    chains[:, 2] = met
+    chains[:, 2] = nozzle < after
     chains[:, 3] = 0
     if odd.any():
         before = np.concatenate([[0], np.cumsum(odd)])
