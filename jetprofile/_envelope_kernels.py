@@ -4,6 +4,7 @@ import math
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
+from spinline.jetprofile._solvents_kernels import leave
 
 __all__ = ["GIVEN", "march_envelope"]
 
@@ -12,7 +13,6 @@ GIVEN = (
     "electric",
     "surface_tension",
     "extensional_viscosity",
-    "evaporation",
     "start",
     "power",
     "left",
@@ -49,8 +49,12 @@ def _axial(net: float, vz: float, rho: float, eta: float, straight: float) -> fl
 
 
 @njit(cache=True, error_model="numpy")
-def march_envelope(given: FloatArray, fraction: float, out: FloatArray) -> None:
+def march_envelope(
+    given: FloatArray, solvents: FloatArray, rates: FloatArray, fraction: float, out: FloatArray
+) -> None:
     """March jets: `given` (jet, `GIVEN`); a step moves nothing by more than `fraction`.
+
+    `solvents` (jet, solvent) are the parts of the undried volume at the start, and are used up; `rates` theirs.
 
     `out` (jet, 8) holds ``A = a^2`` undried, the share left of the liquid, the time, the mean rate of stretching, 1 where
     it landed wet, the envelope's radius, the speed along the axis and that of the loops where it ended. NaN where no end
@@ -58,13 +62,13 @@ def march_envelope(given: FloatArray, fraction: float, out: FloatArray) -> None:
     """
     for i in range(given.shape[0]):
         g = given[i]
-        electric, gamma, eta0, k, p, last = g[0], g[1], g[2], g[3], g[5], g[6]
-        body, rho, distance, air, nu, wave = g[7], g[8], g[10], g[11], g[12], g[13]
-        a0 = g[4] * g[4]
-        v0 = g[9] / (math.pi * a0)
+        electric, gamma, eta0, start, p, last = g[0], g[1], g[2], g[3], g[4], g[5]
+        body, rho, distance, air, nu, wave = g[6], g[7], g[9], g[10], g[11], g[12]
+        a0 = start * start
+        v0 = g[8] / (math.pi * a0)
         vz, z, time, u = v0, 0.0, 0.0, 1.0
-        r = g[4]
-        v = g[14] * r
+        r = start
+        v = g[13] * r
         stretch0 = math.hypot(1.0, wave * r)
         length, strain, weighted, landed, done = stretch0, 0.0, 0.0, 0.0, False
         for _ in range(_MOST):
@@ -82,9 +86,10 @@ def march_envelope(given: FloatArray, fraction: float, out: FloatArray) -> None:
             stiff = 0.25 * eta * (thick * wave * wave / l2) ** 2
             hold = (eta * bend * bend + stiff) / rho + d
             firm = bend * bend * (electric * area / u + 0.5 * gamma / thick) / rho
-            rate = abs(v) / (r + g[4]) + abs(push) / (vz + abs(v)) + k / (area * u) + vz / distance
+            k = (solvents[i] * rates[i]).sum() / solvents[i].sum()
+            rate = abs(v) / (r + start) + abs(push) / (vz + abs(v)) + k / (area * u) + vz / distance
             dt = min(fraction / rate, (u - last) * area / k)
-            most = 2.0 * fraction * (r + g[4])
+            most = 2.0 * fraction * (r + start)
             for _ in range(2):
                 gain = push / (1.0 + 2.0 * dt * free * d)  # drag grows up to the square of the speed
                 along = x * gain / v0 / l2
@@ -99,14 +104,16 @@ def march_envelope(given: FloatArray, fraction: float, out: FloatArray) -> None:
             if z + forward >= distance:
                 part, landed = (distance - z) / forward, 1.0
             r1, vz1 = r + part * dt * new, vz + part * (vz1 - vz)
-            if r1 < 1e-3 * g[4]:  # pulled straight: what is left is noise, not a string's vibration
-                r1, new = 1e-3 * g[4], 0.0
+            if r1 < 1e-3 * start:  # pulled straight: what is left is noise, not a string's vibration
+                r1, new = 1e-3 * start, 0.0
             longer = math.hypot(vz1 / v0, wave * r1)
             gained = math.log(longer / length)
             strain += gained
             if part * dt > 0.0:
                 weighted += gained * gained / (part * dt)
-            u -= part * dt * k / area
+            dried = part * dt * k / area
+            leave(solvents[i], rates[i], dried)
+            u -= dried
             r, v, vz, z, length = r1, new, vz1, z + part * forward, longer
             time += part * dt
             if landed > 0.0 or u <= last * (1.0 + 1e-12):

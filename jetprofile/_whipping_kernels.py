@@ -4,6 +4,7 @@ import math
 
 from spinline.base.checks import FloatArray
 from spinline.base.kernels import njit
+from spinline.jetprofile._solvents_kernels import leave
 
 __all__ = ["march"]
 
@@ -34,33 +35,29 @@ def _gained(
 
 
 @njit(cache=True, error_model="numpy")
-def march(given: FloatArray, stations: FloatArray, out: FloatArray) -> None:
-    """March jets: `given` (jet, 9) of electric, gamma, 2/(k eta), k, phi_0, flight, start, power, span; `out` (jet, 5).
+def march(given: FloatArray, solvents: FloatArray, rates: FloatArray, stations: FloatArray, out: FloatArray) -> None:
+    """March jets: `given` (jet, 7) of electric, gamma, eta, flight, start, power, span; `out` (jet, 5).
+
+    `solvents` (jet, solvent) are the parts of the undried volume at the start, and are used up; `rates` theirs.
 
     `out` holds ``x = 1/A^2``, the undried fraction left, the time, the mean rate of stretching, and 1 where it landed wet.
     """
     for i in range(given.shape[0]):
-        electric, gamma, mobility, k, flight, p, span = (
-            given[i, 0],
-            given[i, 1],
-            given[i, 2],
-            given[i, 3],
-            given[i, 5],
-            given[i, 7],
-            given[i, 8],
-        )
-        x, time, left, strain, weighted, landed = given[i, 6] ** -4.0, 0.0, 1.0, 0.0, 0.0, False
+        electric, gamma, eta, flight = given[i, 0], given[i, 1], given[i, 2], given[i, 3]
+        p, span = given[i, 5], given[i, 6]
+        x, time, left, strain, weighted, landed = given[i, 4] ** -4.0, 0.0, 1.0, 0.0, 0.0, False
         u1 = 1.0
         for j in range(1, stations.size):
             u0, step = u1, span * (stations[j] - stations[j - 1])
             u1 = math.exp(-span * stations[j])
             width = u0 * -math.expm1(-step)
-            gained = _gained(x, u0, u1, width, electric, gamma, mobility, p)
+            dried = leave(solvents[i], rates[i], width)  # width/dried is the mean rate of the step
+            gained = _gained(x, u0, u1, width, electric, gamma, 2 * dried / (width * eta), p)
             # exact where x is linear over the step, and so is the part of it that there is time for
-            spent = 2 * width / (k * (math.sqrt(x + gained) + math.sqrt(x)))
+            spent = 2 * dried / (math.sqrt(x + gained) + math.sqrt(x))
             part, took = 1.0, spent
             if spent > flight - time:
-                pace = k * max(flight - time, 0.0) / (2 * width)
+                pace = max(flight - time, 0.0) / (2 * dried)
                 part, took = min(pace * (2 * math.sqrt(x) + pace * gained), 1.0), flight - time
                 landed = True
             longer = 0.5 * math.log1p(part * gained / x)

@@ -7,7 +7,7 @@ number at the onset) the thread is ``l = (x^2 + y^2)^(1/2)`` times as long as th
     rho dv/dt   = kappa (S - eta_E d(ln l)/dt) - eta_E W kappa'' v/4 - drag      v = dR/dt, kappa = k y/l^2
     S           = q^2 A^2 Lg/(4 eps0 W) - gamma/W^(1/2)                           as in `spinline.jetprofile.whipping`
     v_z dv_z/dz = (q E A/W - drag)/rho                                            held back by eta_E where it is straight
-    dW/dt|drying = -k_ev
+    dW/dt|drying = -k_ev                                                          as there, mixtures too
 
 until it is solid or lands. Bending begins where the surface carries the whole current (`onset_radius`): conduction has
 handed it over, ``a_0^2 = I/(pi K E)``, and the line charge I/v lies within what the voltage can put on a thread, ``2 pi
@@ -35,7 +35,7 @@ from numpy.typing import ArrayLike
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.constants import EPS0
 from spinline.jetprofile._envelope_kernels import GIVEN, march_envelope
-from spinline.jetprofile.whipping import bending_liquid, log_term
+from spinline.jetprofile.whipping import Mixture, bending_liquid, leaving, log_term, solvents_of
 
 __all__ = ["Envelope", "envelope", "fastest_wave", "held_radius", "onset_radius"]
 
@@ -148,12 +148,13 @@ def envelope(
     air_density: float = 1.2,
     air_viscosity: float = 1.51e-5,
     fraction: float = 0.1,
+    mixture: Mixture | None = None,
 ) -> Envelope:
     """Envelopes of bending jets, from the onset until the thread is solid or lands.
 
     Parameters
     ----------
-    charge_density, surface_tension, extensional_viscosity, evaporation, volume_fraction, power, solid_fraction, chi
+    charge_density, surface_tension, extensional_viscosity, evaporation, volume_fraction, power, solid_fraction, chi, mixture
         As for `spinline.jetprofile.whipping.thinning`.
     flow_rate, gap : array_like
         Q, m3/s; from the onset to the collector, m; > 0.
@@ -187,7 +188,7 @@ def envelope(
     own = [real(name, value, above=0.0, unit=unit) for name, (value, unit) in given.items()]
     air, nu = float(real("air_density", air_density, least=0.0)), positive("air_viscosity", air_viscosity, "m2/s")
     step = float(real("fraction", fraction, above=0.0, most=0.5))
-    q, gamma, eta, k, phi0, begin, p, solid, flow, far, rho, e = bending_liquid(
+    q, gamma, eta, k, phi0, begin, p, solid, flow, far, rho, e, *solvents = bending_liquid(
         charge_density,
         surface_tension,
         extensional_viscosity,
@@ -198,6 +199,7 @@ def envelope(
         solid_fraction,
         *own,
         e,
+        *solvents_of(mixture),
     )
     electric = q * q * log_term(chi) / (4 * EPS0)
     wave, growth = fastest_wave(electric * begin**2 - gamma / begin, begin, eta, rho)
@@ -205,7 +207,6 @@ def envelope(
         "electric": electric,
         "surface_tension": gamma,
         "extensional_viscosity": eta,
-        "evaporation": k,
         "start": begin,
         "power": p,
         "left": phi0 / solid,
@@ -220,8 +221,8 @@ def envelope(
     }
     jets = np.ascontiguousarray(np.stack([columns[name] for name in GIVEN], axis=-1).reshape(-1, len(GIVEN)))
     coarse, fine = np.empty((len(jets), 8)), np.empty((len(jets), 8))
-    march_envelope(jets, step, coarse)
-    march_envelope(jets, 0.5 * step, fine)
+    march_envelope(jets, *leaving(solvents, k, phi0), step, coarse)
+    march_envelope(jets, *leaving(solvents, k, phi0), 0.5 * step, fine)
     area, left, time, rate, landed, wide, axial, loop = (column.reshape(q.shape) for column in fine.T)
     error = 0.5 * np.log(area / coarse[:, 0].reshape(q.shape))
     radius = np.sqrt(area) * np.exp(error)

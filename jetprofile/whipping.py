@@ -11,9 +11,15 @@ With s as the clock, ``ds/dt = -k_ev/A``, one equation is left, `thinning`. Its 
 
 * no drying: **terminal**, ``A^(3/2) = a^3 = 4 eps0 gamma/(q^2 Lg)`` (`terminal_radius`; Fridrikh et al. 2003, where it is
   called a diameter; this derivation gives a radius);
-* no surface tension, ``eta_E ~ phi^p``: **race**, ``1/A^2 = 1/A_0^2 + q^2 Lg/(2 eps0 k_ev eta_E0) (1 - phi_0^p)/p``,
-  exactly (`race_radius`); ``a^4 = 2 p eps0 eta_E0 k_ev/(q^2 Lg)`` for a thick start;
+* no surface tension, one solvent, ``eta_E ~ phi^p``: **race**, ``1/A^2 = 1/A_0^2 + q^2 Lg/(2 eps0 k_ev eta_E0) (1 -
+  phi_0^p)/p``, exactly (`race_radius`); ``a^4 = 2 p eps0 eta_E0 k_ev/(q^2 Lg)`` for a thick start;
 * neither in time: **flight**, the jet lands wet with what it has.
+
+Solvents leave side by side, each by its share of what is left of them, ``ds_i/dt = -k_i x_i/A`` (an ideal mixture in volumes,
+each at its own wet bulb; straight jets have Flory and Huggins' activities and one temperature): the volatile ones first, and a
+race is decided early. Without surface tension the constant rate that gives the same radius is exactly ::
+
+    (1 - (phi_0/phi)^p)/k = p int (phi_0/phi)^p dln phi / k(phi)                   k(phi) = sum k_i x_i
 
 Whatever ends the thinning first decides; the fibre's dry radius is ``(phi_0 A)^(1/2)``. The logarithm, chi = 100 by default,
 is that of the bending's wavelength over the radius. Valid for slender jets past the onset of bending; the straight part
@@ -26,6 +32,7 @@ derived here.
 """
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,7 +42,18 @@ from spinline.base.constants import EPS0
 from spinline.base.errors import InputError
 from spinline.jetprofile._whipping_kernels import march
 
-__all__ = ["Thinning", "bending_liquid", "log_term", "race_radius", "terminal_radius", "thinning"]
+__all__ = [
+    "Thinning",
+    "bending_liquid",
+    "leaving",
+    "log_term",
+    "race_radius",
+    "solvents_of",
+    "terminal_radius",
+    "thinning",
+]
+
+Mixture: TypeAlias = tuple[ArrayLike, ArrayLike]
 
 
 def log_term(chi: float = 100.0) -> float:
@@ -153,6 +171,7 @@ def thinning(
     solid_fraction: ArrayLike = 1.0,
     chi: float = 100.0,
     steps: int = 96,
+    mixture: Mixture | None = None,
 ) -> Thinning:
     """Stretching, drying and surface tension together, until the jet is solid or lands.
 
@@ -172,6 +191,9 @@ def thinning(
         Wavelength over radius.
     steps : int
         Of the march in the solvent left.
+    mixture : tuple of two array_like, optional
+        Volume shares of the solvents, sum 1, and their rates over `evaporation`, > 0, each on a last axis more than the
+        others have.
 
     Returns
     -------
@@ -179,13 +201,14 @@ def thinning(
 
     Notes
     -----
-    March of ``x = 1/A^2`` over even steps of ``ln phi``: exact without surface tension, whatever the steps; first order in it
-    (0.1 % of the radius with 96 steps where both matter), a few microseconds a jet.
+    March of ``x = 1/A^2`` over even steps of ``ln phi``: exact without surface tension, whatever the steps, for one solvent;
+    first order in it (0.1 % of the radius with 96 steps where both matter) and second in a mixture's rate, a few
+    microseconds a jet.
     """
     if steps < 4:
         raise InputError("steps", "is too few", value=steps, allowed=">= 4")
     flight = real("flight_time", flight_time, above=0.0, unit="s")
-    q, gamma, eta, k, phi0, begin, p, solid, flight = bending_liquid(
+    q, gamma, eta, k, phi0, begin, p, solid, flight, *solvents = bending_liquid(
         charge_density,
         surface_tension,
         extensional_viscosity,
@@ -195,11 +218,12 @@ def thinning(
         power,
         solid_fraction,
         flight,
+        *solvents_of(mixture),
     )
     electric, span = q * q * log_term(chi) / (4 * EPS0), np.log(solid / phi0)
-    jets = np.stack([electric, gamma, 2 / (k * eta), k, phi0, flight, begin, p, span], axis=-1).reshape(-1, 9)
+    jets = np.stack([electric, gamma, eta, flight, begin, p, span], axis=-1).reshape(-1, 7)
     out = np.empty((len(jets), 5))
-    march(np.ascontiguousarray(jets), _stations(steps), out)
+    march(np.ascontiguousarray(jets), *leaving(solvents, k, phi0), _stations(steps), out)
     x, left, time, rate, landed = (column.reshape(q.shape) for column in out.T)
     return Thinning(x**-0.25, phi0 / left, time, rate, landed > 0)
 
@@ -233,6 +257,29 @@ def bending_liquid(
         allowed = f"below the solid fraction, {float(solid.min()):g}"
         raise InputError("volume_fraction", "is that of a solid already", value=float(phi0.max()), allowed=allowed)
     return tuple(together)
+
+
+def solvents_of(mixture: Mixture | None) -> list[FloatArray]:
+    """Volume shares of a mixture's solvents, then the ratios of their rates, checked; none for one solvent."""
+    if mixture is None:
+        return []
+    shares, ratios = real("shares", mixture[0], least=0.0), real("ratios", mixture[1], above=0.0)
+    off = np.abs(shares.sum(axis=-1) - 1)
+    if (off > 1e-9).any():
+        raise InputError(
+            "shares", "do not sum to 1", value=float(shares.sum(axis=-1).flat[np.argmax(off)]), allowed="1"
+        )
+    both = np.broadcast_arrays(shares, ratios)
+    return [array[..., i] for array in both for i in range(both[0].shape[-1])]
+
+
+def leaving(solvents: list[FloatArray], rate: FloatArray, volume_fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Volume of each solvent in that of the solution, which a march uses up, and its rate: (jet, solvent)."""
+    n = len(solvents) // 2
+    shares, ratios = (solvents[:n], solvents[n:]) if n else ([np.ones_like(rate)], [np.ones_like(rate)])
+    volumes = np.stack([(1 - volume_fraction) * share for share in shares], axis=-1)
+    rates = np.stack([rate * ratio for ratio in ratios], axis=-1)
+    return volumes.reshape(-1, max(n, 1)), rates.reshape(-1, max(n, 1))
 
 
 def _stations(steps: int) -> FloatArray:

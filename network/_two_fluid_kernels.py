@@ -195,6 +195,21 @@ def _size(change: FloatArray, scale: FloatArray, linear: bool) -> tuple[float, f
     return total, largest, steep
 
 
+# Written out: of ``a[:] = b`` and ``a -= b`` numba compiles the message for shapes that do not fit, too, for seconds.
+
+
+@njit(cache=True, error_model="numpy")
+def _set(out: FloatArray, values: FloatArray) -> None:
+    for i in range(out.size):
+        out[i] = values[i]
+
+
+@njit(cache=True, error_model="numpy")
+def _subtract(out: FloatArray, values: FloatArray) -> None:
+    for i in range(out.size):
+        out[i] -= values[i]
+
+
 @njit(cache=True, error_model="numpy")
 def newton(
     y: FloatArray,
@@ -215,7 +230,7 @@ def newton(
     for _ in range(_MOST_NEWTON):
         if not _factor(bands, lower, pivots):
             return False
-        change[:] = load
+        _set(change, load)
         _substitute(bands, lower, pivots, change)
         if not linear:
             for i in range(0, n, 2):
@@ -224,7 +239,7 @@ def newton(
         if not largest < 1e200:
             return False
         if largest < _TOLERANCE or (largest < _ROUNDING and largest > 0.2 * previous):
-            y -= change
+            _subtract(y, change)
             return True
         previous = largest
         damping = min(1.0, 4 * damping, _LARGEST_STEP / max(steep, 1e-300))
@@ -233,7 +248,7 @@ def newton(
                 ahead[i] = y[i] - damping * change[i]
             _assemble(ahead, cells, law, per_line, plain, end, trial, load)
             tries += 1
-            following[:] = load
+            _set(following, load)
             _substitute(bands, lower, pivots, following)
             total, rest, _ = _size(following, scale, linear)
             if total <= (1 - 0.25 * damping) ** 2 * size:
@@ -241,9 +256,9 @@ def newton(
             damping *= 0.5
             if damping < _SHORTEST or tries > _MOST_TRIES:
                 return False
-        y[:] = ahead
+        _set(y, ahead)
         if damping == 1 and rest < 0.1 * largest and rest * rest < _TOLERANCE * largest:
-            y -= following  # what the same matrix leaves after it is below the tolerance: rest/largest of it
+            _subtract(y, following)  # what the same matrix leaves after it is below the tolerance: rest/largest of it
             return True
         bands, trial = trial, bands
     return False

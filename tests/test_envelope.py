@@ -28,9 +28,13 @@ def of(**changes):
     return envelope(**(JET | changes))
 
 
+ONE, TWO = ((1.0,), (1.0,)), ((0.6, 0.4), (0.6, 7.0))
+
+
+@pytest.mark.parametrize("mixture", [ONE, TWO], ids=["one solvent", "two"])
 @pytest.mark.parametrize("gap", [0.15, 1e-3])
 @pytest.mark.parametrize("tension", [0.0035, 0.035, 0.35])
-def test_without_inertia_air_and_field_it_is_the_thinning(gap, tension):
+def test_without_inertia_air_and_field_it_is_the_thinning(gap, tension, mixture):
     speed = JET["flow_rate"] / np.pi / JET["start"] ** 2
     names = (
         "charge_density",
@@ -42,14 +46,23 @@ def test_without_inertia_air_and_field_it_is_the_thinning(gap, tension):
         "solid_fraction",
     )
     known = {name: JET[name] for name in names}
-    race = thinning(**known, surface_tension=tension, flight_time=gap / speed, steps=1000)
+    race = thinning(**known, surface_tension=tension, flight_time=gap / speed, steps=1000, mixture=mixture)
     light = {"field": 0.0, "density": 1e-6, "air_density": 0.0, "surface_tension": tension, "gap": gap}
+    light["mixture"] = mixture
     errors = []
     for fraction in (0.1, 0.025):
         found = of(**light, fraction=fraction)
         errors.append(abs(np.log(found.radius / race.radius)))
         assert found.wet == race.wet
     assert errors[1] < 1e-3
+
+
+def test_a_mixture_of_one_is_that_one():
+    pure = of()
+    for mixture in (ONE, ((1.0, 0.0), (1.0, 9.0)), ((0.3, 0.7), (1.0, 1.0))):
+        found = of(mixture=mixture)
+        for name in ("radius", "time", "envelope_radius", "axial_speed"):
+            assert float(getattr(found, name)) == pytest.approx(float(getattr(pure, name)), rel=1e-10)
 
 
 def test_heavier_jets_keep_what_they_have():

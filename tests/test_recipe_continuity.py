@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pan_recipe import PAN
 
-from spinline.recipe import Believed, spun
+from spinline.recipe import UNKNOWNS, Believed, spun
 from spinline.recipe.believe import believe
 from spinline.recipe.predict import normals
 
@@ -19,12 +19,21 @@ SWEEPS = {
     "relative_humidity": np.linspace(0, 1, 201),
     "molar_mass": np.geomspace(20, 3000, 201),
     "temperature": np.linspace(278, 330, 201),
+    "share of ethanol": np.linspace(0, 1, 201),
 }
+
+
+def recipe_at(name, value):
+    """PEO in water with one setting of its own; in water and ethanol with what the chain takes of the main solvent given."""
+    if name != "share of ethanol":
+        return replace(PEO, **{name: value})
+    solvent = {n: share for n, share in (("water", 1 - value), ("ethanol", value)) if share > 0}
+    return replace(PEO, solvent=solvent, viscosity=1.0, conductivity=1e-3, relative_humidity=0.45)
 
 
 def log_diameters(name, values, rung, draws):
     """Ln d, (value, draw)."""
-    recipes = [replace(PEO, **{name: float(v)}) for v in values]
+    recipes = [recipe_at(name, float(v)) for v in values]
     return spun(Believed.of([believe(r)[0] for r in recipes]), normals(draws), rung=rung).log_diameter
 
 
@@ -49,6 +58,32 @@ def test_no_draw_jumps_where_a_setting_sweeps(name, rung):
     assert np.abs(np.diff(fine)).max() < 0.3 * whole
 
 
+@pytest.mark.parametrize("rung", ["race", "envelope"])
+def test_a_trace_of_another_solvent_is_none(rung):
+    """From either end; and the damp that holds water back is nothing to ethanol."""
+    ends = log_diameters("share of ethanol", np.array([0.0, 1e-9, 1 - 1e-9, 1.0]), rung, 8)
+    assert np.abs(ends[1] - ends[0]).max() < 1e-6
+    assert np.abs(ends[3] - ends[2]).max() < 1e-6
+    dry, damp = (
+        spun(believe(replace(recipe_at("share of ethanol", 1.0), relative_humidity=h))[0], normals(8), rung=rung)
+        for h in (0.1, 0.9)
+    )
+    assert (dry.log_diameter == damp.log_diameter).all()
+
+
+@pytest.mark.parametrize("rung", ["race", "envelope"])
+def test_a_little_water_that_damp_air_keeps_does_not_hold_up_the_rest(rung):
+    """Until all is gone takes three times as long; the fibre is that of the ethanol."""
+    pure, drop, soaked = (
+        believe(replace(recipe_at("share of ethanol", x), relative_humidity=h, surface_tension=0.025))[0]
+        for x, h in ((1.0, 0.97), (0.98, 0.97), (0.98, 1.0))
+    )
+    assert drop.evaporation < 0.4 * pure.evaporation
+    logs = [float(spun(b, np.zeros((1, len(UNKNOWNS))), rung=rung).log_diameter[0]) for b in (pure, drop, soaked)]
+    assert logs[1] == pytest.approx(logs[0], abs=0.02)
+    assert logs[2] == logs[1]
+
+
 def test_a_jump_would_be_found():
     values = SWEEPS["voltage"]
     jump = log_diameters("voltage", values, "race", 8) + 0.05 * (values > 15e3)[:, np.newaxis]
@@ -66,6 +101,7 @@ DRAWS = {
     "gap": 128,
     "relative_humidity": 128,
     "molar_mass": 128,
+    "share of ethanol": 128,
 }
 
 

@@ -112,6 +112,28 @@ def test_the_committed_rungs_stand_side_by_side():
     assert low < known["chain"] < high
 
 
+def test_a_mixture_dries_as_the_thread_that_is_integrated(monkeypatch):
+    """`benchmarks/mixed_solvents.py`: its first thread as committed; the march is nearer to both laws than one rate is."""
+    import sys
+
+    folder = Path(__file__).parents[1] / "benchmarks"
+    monkeypatch.setattr(sys, "path", [*sys.path, str(folder)])
+    import mixed_solvents
+
+    monkeypatch.setattr(mixed_solvents, "THREADS", mixed_solvents.THREADS[:1])
+    (now,), (kept, *_) = (
+        found["threads"]
+        for found in (mixed_solvents.judge(), json.loads((folder / "mixed_solvents.json").read_text(encoding="utf-8")))
+    )
+    assert set(now) == set(kept)
+    for name in set(now) - {"polymer", "solvent"}:
+        assert now[name] == pytest.approx(kept[name], rel=1e-3, abs=2e-4)
+    for law in ("ideal", "as straight jets"):
+        beside, alone = (np.abs(now[f"{form}, {law}"]) for form in ("side by side", "until all are gone"))
+        assert (beside < 0.5 * alone).all()
+    assert max(map(abs, now["side by side, ideal"])) < 1e-3
+
+
 def test_points_that_nobody_spins_say_so():
     sheet = sl.recipe.load_recipe("pan-dmf")
     found = fibre_window(sheet, voltage=[15e3, 9e5])

@@ -131,13 +131,17 @@ def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed
     sd |= {key: value for key, value in (recipe.spread or {}).items() if value > 0}
     solid = polymer(recipe.polymer).density if recipe.polymer in POLYMERS else _ANY_DENSITY
     phi = (w / solid) / (w / solid + (1 - w) / rho)
+    shares, rates = _side_by_side(recipe.solvent, kelvin, wet)
+    dries = evaporation_rate(recipe.solvent, kelvin, wet)
     return (
         Believed(
             coil=coil,
             solvent_viscosity=mu,
             surface_tension=gamma,
             conductivity=conductivity,
-            evaporation=evaporation_rate(recipe.solvent, kelvin, wet),
+            evaporation=dries,
+            shares=shares,
+            ratios=tuple(rate / dries for rate in rates),
             flight_time=recipe.gap / TAKEN.flight_speed,
             onset_radius=0.1 * r0,
             voltage=recipe.voltage,
@@ -196,13 +200,19 @@ def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
 
 
 def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_humidity: float) -> float:
-    """k_ev, m2/s: cross-section over pi that dries in a second, at the wet bulb; a mixture loses all of its solvents."""
-    volumes = {name: share / solvent_density(name, temperature) for name, share in solvent.items() if share > 0}
+    """k_ev, m2/s, at the wet bulb: cross-section over pi that a second dries, over the time until all solvents are gone."""
+    shares, rates = _side_by_side(solvent, temperature, relative_humidity)
+    return 1.0 / sum(share / rate for share, rate in zip(shares, rates, strict=True))
+
+
+def _side_by_side(
+    solvent: Mapping[str, float], kelvin: float, humidity: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Volume share and rate of drying, m2/s, of each solvent alone."""
+    volumes = {name: share / solvent_density(name, kelvin) for name, share in solvent.items() if share > 0}
     total = sum(volumes.values())
-    return 1.0 / sum(
-        v / total / _rate(name, temperature, relative_humidity if name == "water" else 0.0)
-        for name, v in volumes.items()
-    )
+    rates = tuple(_rate(name, kelvin, humidity if name == "water" else 0.0) for name in volumes)
+    return tuple(v / total for v in volumes.values()), rates
 
 
 @lru_cache(maxsize=4096)

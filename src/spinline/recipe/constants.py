@@ -71,21 +71,21 @@ class Calibrated:
         Standard deviations of ln d that no recipe explains, by the names of `spinline.recipe.model.UNKNOWNS`.
     """
 
-    trouton: float = 56.58  # posterior sd 1.1 of its logarithm
-    current_level: float = 4.489e-07  # posterior sd 0.33 of its logarithm
-    viscosity_power: float = 4.871  # posterior sd 0.64
-    current_conductivity: float = 0.3106  # posterior sd 0.073
-    concentration_beyond: float = 0.6847  # posterior sd 0.26
+    trouton: float = 48.24  # posterior sd 1.1 of its logarithm
+    current_level: float = 5.03e-07  # posterior sd 0.33 of its logarithm
+    viscosity_power: float = 4.971  # posterior sd 0.62
+    current_conductivity: float = 0.2865  # posterior sd 0.072
+    concentration_beyond: float = 0.675  # posterior sd 0.25
     sd: dict[str, float] = field(
         default_factory=lambda: {
-            "laboratory": 0.2288,
-            "setting": 0.08727,
-            "repeat": 0.259,
-            "concentration_response": 0.7884,
-            "voltage_response": 0.2879,
-            "flow_response": 0.135,
-            "gap_response": 0.1162,
-            "unevenness": 0.7026,
+            "laboratory": 0.198,
+            "setting": 0.08679,
+            "repeat": 0.2591,
+            "concentration_response": 0.7795,
+            "voltage_response": 0.2836,
+            "flow_response": 0.1325,
+            "gap_response": 0.1168,
+            "unevenness": 0.7016,
         }
     )
 

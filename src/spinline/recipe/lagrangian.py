@@ -5,7 +5,8 @@ the current brings, frozen in, but no more than a straight thread of that width 
 V/(a_0^2 ln(2 H/a_0))``. On most recipes that is a tenth of I/Q and less: what conduction adds downstream, where the jet is
 thinner, is not in it, so that these jets bend later and lie thicker than the other rungs' (a bound from that side).
 The liquid is FENE-P with the chain's extensional viscosity (a third of it in shear), a plateau modulus ``2 MPa phi^2.3/3``
-and ``L^2 = phi^-2``; it dries at the recipe's rate and thickens as its viscosity does. Air drags along the thread.
+and ``L^2 = phi^-2``; it dries at the recipe's rate (a mixture as one solvent that is gone as late as all of it) and thickens as
+its viscosity does. Air drags along the thread.
 """
 
 import math

@@ -71,13 +71,15 @@ class Believed:
     coil : float
         c/c_e, concentration over that of entanglement.
     solvent_viscosity, surface_tension, conductivity, evaporation, flight_time, onset_radius : float
-        SI; `evaporation` is k_ev, m2/s.
+        SI; `evaporation` is k_ev, m2/s: until all solvents are gone.
     voltage, flow_rate, gap, needle_radius : float
         V, m3/s, m, m.
     volume_fraction, solid_fraction : float
         Polymer at the needle, and where it is solid.
     density : float
         Of the solution, kg/m3.
+    shares, ratios : tuple of float
+        Of the solvents: by volume, and rates of drying over `evaporation`. Of several recipes arrays (recipe, 1, solvent).
     viscosity, current : float
         Pa s, A; NaN where they follow from the laws.
     sd : mapping
@@ -100,6 +102,8 @@ class Believed:
     volume_fraction: float
     solid_fraction: float = TAKEN.solid_fraction
     density: float = 1000.0
+    shares: Any = (1.0,)
+    ratios: Any = (1.0,)
     viscosity: float = float("nan")
     current: float = float("nan")
     sd: Mapping[str, Any] = field(default_factory=dict)
@@ -112,11 +116,17 @@ class Believed:
         def column(values: Any) -> Any:
             return np.array([list(values)]).T
 
-        plain = {
-            f.name: column(getattr(one, f.name) for one in many) for f in fields(cls) if f.name not in ("sd", "away")
-        }
+        apart = ("sd", "away", "shares", "ratios")
+        plain = {f.name: column(getattr(one, f.name) for one in many) for f in fields(cls) if f.name not in apart}
+        most = max(len(one.shares) for one in many)
+
+        def padded(values: Any, with_: float) -> Any:
+            return np.array([[(*v, *(with_,) * (most - len(v)))] for v in values])
+
         return cls(
             **plain,
+            shares=padded((one.shares for one in many), 0.0),
+            ratios=padded((one.ratios for one in many), 1.0),
             sd={name: column(one.sd.get(name, 0.0) for one in many) for name in UNKNOWNS},
             away={name: column(one.away.get(name, 0.0) for one in many) for name in RESPONSES},
         )
@@ -213,6 +223,7 @@ def spun(
             solid_fraction=believed.solid_fraction,
             chi=TAKEN.chi,
             steps=steps,
+            mixture=(believed.shares, believed.ratios),
         )
     dry = 2 * np.sqrt(believed.volume_fraction)
     log_d = np.log(dry * (terminal if rung == "terminal" else found.radius))
@@ -247,6 +258,7 @@ def _enveloped(
         solid_fraction=believed.solid_fraction,
         chi=TAKEN.chi,
         fraction=0.2,
+        mixture=(believed.shares, believed.ratios),
     )
 
 
