@@ -81,13 +81,17 @@ def _eliminate(diagonal: FloatArray, lower: FloatArray, links: FloatArray) -> fl
 
     By hand: libraries start threads for blocks of this size, which costs a hundred times what it saves.
     """
-    total = 0.0
+    total, less = 0.0, np.empty(diagonal.shape[1:])
     for s in range(diagonal.shape[0]):
+        block = diagonal[s]
         if s:
-            diagonal[s] -= np.dot(links[s - 1], lower[s - 1].T)
-        total += _invert(diagonal[s])
+            np.dot(links[s - 1], lower[s - 1].T, less)
+            for i in range(block.shape[0]):
+                for j in range(block.shape[1]):
+                    block[i, j] -= less[i, j]
+        total += _invert(block)
         if s + 1 < diagonal.shape[0]:
-            links[s] = np.dot(lower[s], diagonal[s])
+            np.dot(lower[s], block, links[s])
     return total
 
 

@@ -235,8 +235,8 @@ def row_curvature(
                 g_a += by_amplitude * (c - mean) * root
                 g_s += by_slope * (c - mean) * root
         part = weighted[low:high]
-        fisher[i] = np.dot(part.T, part)
-        gradient[i] = np.dot(residual[low:high], part)
+        np.dot(part.T, part, fisher[i])
+        np.dot(residual[low:high], part, gradient[i])
         fisher[i, size + 2, size + 2] += a_a
         fisher[i, size + 2, size + 3] += a_s
         fisher[i, size + 3, size + 2] += a_s
