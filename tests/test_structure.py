@@ -63,6 +63,20 @@ def test_long_functions_are_long_for_a_reason():
     assert set(LONG) <= set(found), "no longer long"
 
 
+def test_compiled_loops_set_slices_to_constants_only():
+    """Of ``a[:] = b`` numba compiles the message for shapes that do not fit, too: 3 to 9 s at the first start."""
+    found = []
+    for file in FILES:
+        for loop in ast.walk(parsed(file)):
+            if isinstance(loop, ast.FunctionDef) and any("njit" in ast.dump(mark) for mark in loop.decorator_list):
+                for part in ast.walk(loop):
+                    targets = part.targets if isinstance(part, ast.Assign) else [getattr(part, "target", None)]
+                    if any(isinstance(t, ast.Subscript) and "Slice(" in ast.dump(t.slice) for t in targets):
+                        if not isinstance(part.value, ast.Constant | ast.Attribute):  # 0.0, np.nan
+                            found.append(f"{file.relative_to(ROOT)}:{part.lineno}")
+    assert found == []
+
+
 def test_formatting_is_left_to_the_formatter():
     skipped = sum(text.count("# fmt: " + "skip") for text in (file.read_text("utf-8") for file in FILES))
     assert skipped < 30
