@@ -71,9 +71,9 @@ def test_compiled_loops_set_slices_to_constants_only():
             if isinstance(loop, ast.FunctionDef) and any("njit" in ast.dump(mark) for mark in loop.decorator_list):
                 for part in ast.walk(loop):
                     targets = part.targets if isinstance(part, ast.Assign) else [getattr(part, "target", None)]
-                    if any(isinstance(t, ast.Subscript) and "Slice(" in ast.dump(t.slice) for t in targets):
-                        if not isinstance(part.value, ast.Constant | ast.Attribute):  # 0.0, np.nan
-                            found.append(f"{file.relative_to(ROOT)}:{part.lineno}")
+                    slices = any(isinstance(t, ast.Subscript) and "Slice(" in ast.dump(t.slice) for t in targets)
+                    if slices and not isinstance(part.value, ast.Constant | ast.Attribute):  # 0.0, np.nan
+                        found.append(f"{file.relative_to(ROOT)}:{part.lineno}")
     assert found == []
 
 
