@@ -55,11 +55,9 @@ def real(
     if isinstance(value, float) and math.isfinite(value) and _inside(value, above, below, least, most):
         return np.array(value, dtype=np.float64)  # as many are, and at a sixth of the cost
     if type(value) is np.ndarray and value.dtype == np.float64 and value.size:
-        ends = (
-            float(np.minimum.reduce(value, axis=None)),
-            float(np.maximum.reduce(value, axis=None)),
-        )  # NaN where one is
-        if all(math.isfinite(end) and _inside(end, above, below, least, most) for end in ends):
+        low, high = float(np.minimum.reduce(value, axis=None)), float(np.maximum.reduce(value, axis=None))
+        # high - low is not finite where one of the values is not
+        if math.isfinite(high - low) and _inside(low, above, None, least) and _inside(high, None, below, None, most):
             return value.copy("K")
     try:
         raw = np.asarray(value)
