@@ -49,6 +49,7 @@ def test_every_point_is_that_of_its_recipe(sheet):
             low, high = alone.fibre_diameter_68
             np.testing.assert_array_equal(cell["fibre_diameter"], [low, alone.fibre_diameter, high])
             assert set(cell["regime"].values.tolist()) == {alone.regime}
+    assert found.attrs["intervals"].endswith("of what is not known, one measured fibre")
     assert np.all(np.diff(found["fibre_diameter"].values, axis=0) > 0)
     assert np.all(found["fibre_diameter"].sel(mass_fraction=0.12) > found["fibre_diameter"].sel(mass_fraction=0.08))
 
