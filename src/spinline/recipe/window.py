@@ -124,13 +124,13 @@ def fibre_window(
         {"long_name": "what of a point's settings lies outside all that is spun"},
     )
     coordinates = {name: (name, values, {"units": _AXES[name][0]}) for name, values in axes.items()}
-    given = {0: "no fibre measured", 1: "one measured fibre"}.get(len(measured), f"{len(measured)} measured fibres")
+    known = {0: "no fibre measured", 1: "one measured fibre"}.get(len(measured), f"{len(measured)} measured fibres")
     attributes = {
         "title": sheet.title or label(sheet.name),
         "scene": sheet.text,
         "spinline_version": __version__,
         "rung": rung,
-        "intervals": f"68 % of {_DRAWS} draws of what is not known, {given}",
+        "intervals": f"68 % of {_DRAWS} draws of what is not known, {known}",
         "borrowed": "; ".join(f"{key}: {words}" for key, words in borrowed.items()),
     }
     return xr.Dataset(variables, {"interval": ("interval", list(_BAND)), **coordinates}, attributes)
