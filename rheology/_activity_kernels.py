@@ -14,6 +14,17 @@ __all__ = ["fall", "flory_huggins", "raoult"]
 
 
 @njit(cache=True, error_model="numpy")
+def _others(i: int, fractions: FloatArray, volumes: FloatArray) -> tuple[float, float]:
+    """Fractions of the solvents beside the i-th one, and over their molar volumes."""
+    beside, crowding = 0.0 * fractions[i], 0.0 * fractions[i]
+    for j in range(volumes.size):
+        if j != i:
+            beside = beside + fractions[j]
+            crowding = crowding + fractions[j] / volumes[j]
+    return beside, crowding
+
+
+@njit(cache=True, error_model="numpy")
 def flory_huggins(
     fractions: FloatArray, polymer: float, volumes: FloatArray, chi: FloatArray, log: FloatArray, others: FloatArray
 ) -> None:
@@ -23,11 +34,7 @@ def flory_huggins(
     for j in range(n):
         pull = pull + fractions[j] * chi[j] / volumes[j]
     for i in range(n):
-        crowding, beside = 0.0 * polymer, 0.0 * polymer
-        for j in range(n):
-            if j != i:
-                beside = beside + fractions[j]
-                crowding = crowding + fractions[j] / volumes[j]
+        beside, crowding = _others(i, fractions, volumes)
         others[i] = beside + polymer
         log[i] = others[i] - volumes[i] * crowding + polymer * (chi[i] - volumes[i] * pull)
 
@@ -39,11 +46,7 @@ def raoult(
     """Raoult, the polymer in molecules of the molar volume `unit`; as `flory_huggins`."""
     n = volumes.size
     for i in range(n):
-        crowding, beside = 0.0 * polymer, 0.0 * polymer
-        for j in range(n):
-            if j != i:
-                beside = beside + fractions[j]
-                crowding = crowding + fractions[j] / volumes[j]
+        beside, crowding = _others(i, fractions, volumes)
         others[i] = beside + polymer
         log[i] = -np.log1p(volumes[i] * crowding + polymer * (volumes[i] / unit) - others[i])
 

@@ -229,6 +229,15 @@ def _capacity(y: FloatArray, sub: FloatArray, air: FloatArray) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def _along_step(stages: FloatArray, i: int, t: float) -> float:
+    """Change of the i-th unknown at a fraction t of a step: the collocation polynomial."""
+    change = 0.0
+    for p in range(2, -1, -1):
+        change = t * (change + DENSE[p, 0] * stages[0, i] + DENSE[p, 1] * stages[1, i] + DENSE[p, 2] * stages[2, i])
+    return float(change)
+
+
+@njit(cache=True, error_model="numpy")
 def _settle(
     y: FloatArray,
     ledger: FloatArray,
@@ -252,14 +261,7 @@ def _settle(
     for k in range(theta.size):
         t = theta[k]
         for i in range(n + 1):
-            change, passed = 0.0, 0.0
-            for p in range(2, -1, -1):
-                change = t * (
-                    change + DENSE[p, 0] * stages[0, i] + DENSE[p, 1] * stages[1, i] + DENSE[p, 2] * stages[2, i]
-                )
-                passed = t * (
-                    passed + DENSE[p, 0] * ticks[0, i] + DENSE[p, 1] * ticks[1, i] + DENSE[p, 2] * ticks[2, i]
-                )
+            change, passed = _along_step(stages, i, t), _along_step(ticks, i, t)
             book[k, i] = ledger[i] + passed
             if i == n:
                 out[k, n] = air[1] + (enthalpy + passed) / _capacity(out[k], sub, air)
@@ -381,12 +383,7 @@ def _guess(stages: FloatArray, ratio: float, out: FloatArray) -> None:
     """Stages of a step `ratio` times as long as the last one, by the last one's collocation polynomial."""
     for i in range(stages.shape[1]):
         for k in range(3):
-            t, change = 1 + NODES[k] * ratio, 0.0
-            for p in range(2, -1, -1):
-                change = t * (
-                    change + DENSE[p, 0] * stages[0, i] + DENSE[p, 1] * stages[1, i] + DENSE[p, 2] * stages[2, i]
-                )
-            out[k, i] = change - stages[2, i]
+            out[k, i] = _along_step(stages, i, 1 + NODES[k] * ratio) - stages[2, i]
 
 
 @njit(cache=True, error_model="numpy")
