@@ -21,7 +21,7 @@ from spindb_calibrate import PRIORS, calibrate, load
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import CONSTANTS, Calibrated
 from spinline.recipe.model import UNKNOWNS, spun
-from spinline.recipe.predict import another, even, gain_of, normals, shares_of
+from spinline.recipe.predict import another, even, gain_of, materials_in_common, normals, shares_of
 from spinline.recipe.regime import regime_of
 from spinline.recipe.table import read_experiments, recipes_of
 
@@ -146,7 +146,7 @@ def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "s
                     if j == k:
                         continue
                     if t not in kinds:
-                        shared = (t == s, data.material[t] == data.material[s])
+                        shared = (t == s, materials_in_common(recipes[t], recipes[s]))
                         if shared not in mine:  # ln d of the known mat by the draws that the other one shares
                             own = another(z, recipes[t], recipes[s], 100)
                             mine[shared] = [

@@ -7,8 +7,8 @@ prints the numbers of `src/spinline/recipe/constants.py`.
 Model: ln d of an experiment is the chain's mean over its unknowns, plus normal departures whose covariance is
 
 * within one laboratory (paper): the chain's own unknowns (`spinline.recipe.model.UNKNOWNS`, with the spreads of `believe`;
-  those of the materials are shared only where polymer and solvent are the same), a laboratory's offset, and its answers to
-  concentration, voltage, flow rate and gap beyond the laws;
+  those of the materials are shared where the polymer is the same, as far as the solvents are), a laboratory's offset, and
+  its answers to concentration, voltage, flow rate and gap beyond the laws;
 * within one setting: what the laws miss there; for each mat: the repeat; both larger in some laboratories than in others.
 
 Looked for are five numbers of the chain (`PRIORS`: where their priors come from is said there) and the standard
@@ -31,6 +31,7 @@ from spinline.recipe import Recipe
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import Calibrated
 from spinline.recipe.model import OF_MATERIALS, RESPONSES, UNKNOWNS, Believed, spun
+from spinline.recipe.predict import materials_in_common
 from spinline.recipe.table import read_experiments, recipes_of
 
 # name: (whether its logarithm is normal, median, standard deviation); where each comes from
@@ -147,10 +148,12 @@ def _blocks(data, constants, rung):
     for paper in np.unique(data.paper):
         mats = np.flatnonzero(data.paper[data.setting] == paper)
         s = data.setting[mats]
-        same = data.material[s][:, None] == data.material[s][None, :]
+        own, which = np.unique(s, return_inverse=True)
+        recipes = [data.recipes[i] for i in own]
+        common = np.array([[materials_in_common(a, b)[0] for b in recipes] for a in recipes])[which][:, which]
         fixed = np.zeros((len(mats),) * 2)
         for name, row in zip(_PHYSICAL, g, strict=True):
-            fixed += np.outer(row[s], row[s]) * (same if name in OF_MATERIALS else 1.0)
+            fixed += np.outer(row[s], row[s]) * (common if name in OF_MATERIALS else 1.0)
         away = [data.believed.away[name][s, 0] for name in RESPONSES]
         kinds = [np.ones_like(fixed), s[:, None] == s[None, :], np.eye(len(mats)), *[np.outer(a, a) for a in away]]
         found.append((mats, fixed, np.array(kinds, dtype=float)))

@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from pan_recipe import PAN
 
-from spinline.recipe import UNKNOWNS, Believed, spun
+from spinline.recipe import UNKNOWNS, Believed, Measurement, spun
 from spinline.recipe.believe import believe
-from spinline.recipe.predict import normals
+from spinline.recipe.library import CONDUCTIVITY
+from spinline.recipe.model import OF_MATERIALS
+from spinline.recipe.predict import another, materials_in_common, normals, predict
+from spinline.rheology.intrinsic import intrinsic_viscosity
+from spinline.rheology.solvents import SOLVENTS, solvent_density
 
 PEO = replace(PAN, polymer="PEO", solvent={"water": 1.0}, mass_fraction=0.04, usual_fraction=0.04)
 SWEEPS = {
@@ -21,10 +25,34 @@ SWEEPS = {
     "temperature": np.linspace(278, 330, 201),
     "share of ethanol": np.linspace(0, 1, 201),
 }
+# polymer: two solvents; of the mixture nothing is given: neither viscosity nor conductivity, molar mass or humidity
+MIXTURES = {"PCL": ("DCM", "DMF"), "PVP": ("water", "ethanol"), "PVDF": ("DMF", "acetone")}
+EVEN = np.linspace(0, 1, 201)
+_NEAR = np.append(0, np.geomspace(1e-9, 1e-2, 29))
+#: 200 steps, and down to 1e-9 of a share at both ends and on both sides of equal parts.
+SHARES = np.unique(np.concatenate([EVEN, _NEAR, 1 - _NEAR, 0.5 - _NEAR, 0.5 + _NEAR]))
+STEEPEST = 3.0  # of ln d in a share: a factor of 20 from one pure solvent to the other, were it so all the way
+
+
+def mixture_at(polymer, share, **given):
+    """A recipe in two solvents, the second's share by mass."""
+    both = zip(MIXTURES[polymer], (1 - share, share), strict=True)
+    return replace(PAN, polymer=polymer, solvent={name: part for name, part in both if part > 0}, **given)
+
+
+def of_mixtures(polymer, shares, rung, draws):
+    """Ln d, (share, draw)."""
+    believed = Believed.of([believe(mixture_at(polymer, x))[0] for x in shares])
+    return spun(believed, normals(draws), rung=rung).log_diameter
+
+
+def steepest(shares, log_d):
+    """Largest slope between neighbours, over all columns."""
+    return float((np.abs(np.diff(log_d, axis=0)).max(axis=1) / np.diff(shares)).max())
 
 
 def recipe_at(name, value):
-    """PEO in water with one setting of its own; in water and ethanol with what the chain takes of the main solvent given."""
+    """PEO in water with one setting of its own; in water and ethanol with viscosity, conductivity and humidity given."""
     if name != "share of ethanol":
         return replace(PEO, **{name: value})
     solvent = {n: share for n, share in (("water", 1 - value), ("ethanol", value)) if share > 0}
@@ -111,3 +139,97 @@ def test_neither_median_nor_edges_of_the_envelope_jump(name):
     found = log_diameters(name, SWEEPS[name], "envelope", DRAWS[name])
     edges = np.quantile(found, (0.16, 0.5, 0.84), axis=1).T
     assert 0 < worst_step(edges)[0] < 0.06
+
+
+@pytest.mark.parametrize("polymer", MIXTURES)
+def test_no_draw_median_or_edge_jumps_where_the_share_of_a_solvent_sweeps(polymer):
+    log_d = of_mixtures(polymer, SHARES, "race", 128)
+    edges = np.quantile(log_d, (0.16, 0.5, 0.84), axis=1).T
+    assert 0.1 < steepest(SHARES, edges) <= steepest(SHARES, log_d) < STEEPEST
+    # between the steps nothing hides: an eighth of the worst of them is an eighth of it
+    whole, i, draw = worst_step(of_mixtures(polymer, EVEN, "race", 8))
+    fine = of_mixtures(polymer, np.linspace(EVEN[i], EVEN[i + 1], 9), "race", 8)[:, draw]
+    assert np.abs(np.diff(fine)).max() < 0.3 * whole
+
+
+@pytest.mark.parametrize("where", [0.0, 0.5, 1 - 1e-9])
+def test_a_jump_at_equal_parts_or_of_a_last_trace_would_be_found(where):
+    log_d = of_mixtures("PCL", SHARES, "race", 8) + 1e-6 * (where < SHARES)[:, np.newaxis]
+    assert steepest(SHARES, log_d) > STEEPEST
+    assert steepest(SHARES, np.quantile(log_d, (0.16, 0.5, 0.84), axis=1).T) > STEEPEST
+
+
+@pytest.mark.parametrize("polymer", MIXTURES)
+def test_neither_median_nor_edges_of_the_envelope_jump_with_the_share(polymer):
+    found = of_mixtures(polymer, EVEN, "envelope", 128)
+    assert 0 < worst_step(np.quantile(found, (0.16, 0.5, 0.84), axis=1).T)[0] < 0.06
+
+
+@pytest.mark.parametrize("polymer", ["PEO", "PAN", "PCL", "PVDF"])
+def test_of_a_pure_solvent_is_believed_what_is_its_own(polymer):
+    """Alone, and with a last trace of another beside it."""
+    known = {"molar_mass": 150.0, "mass_fraction": 0.1, "usual_fraction": 0.1}
+    for name in SOLVENTS:
+        eta = intrinsic_viscosity(polymer, name, 150.0)
+        own = np.hypot(0.6, 0.5 * np.log(eta.factor))
+        ce = np.log(10 / eta.value / solvent_density(name, 296.15))
+        weights = np.array([own**-2, 0.5**-2])
+        coil = 0.1 / np.exp(weights @ [ce, np.log(0.1 / 2.5)] / weights.sum())
+        prior = CONDUCTIVITY.get(name)
+        other = "DMSO" if name == "water" else "water"
+        for solvent in ({name: 1.0}, {name: 1 - 1e-14, other: 1e-14}):
+            believed = believe(replace(PAN, polymer=polymer, solvent=solvent, **known))[0]
+            assert believed.coil == pytest.approx(coil, rel=1e-12)
+            assert believed.sd["entanglement_concentration"] == pytest.approx(weights.sum() ** -0.5, rel=1e-12)
+            damp = 0.3 if name == "water" else 0.05
+            assert believed.sd["evaporation"] == pytest.approx(np.hypot(0.3, damp), rel=1e-12)
+            if prior is not None:
+                assert believed.conductivity == pytest.approx(prior.median, rel=1e-12)
+                assert believed.sd["conductivity"] == pytest.approx(prior.sd, rel=1e-12)
+
+
+@pytest.mark.parametrize("polymer", MIXTURES)
+@pytest.mark.parametrize("share", [0.3, 0.5])
+def test_the_order_of_the_solvents_does_not_matter(polymer, share):
+    one = mixture_at(polymer, share)
+    turned = replace(one, solvent=dict(reversed(one.solvent.items())))
+    first, second = (spun(believe(recipe)[0], normals(64)).log_diameter for recipe in (one, turned))
+    np.testing.assert_allclose(second, first, rtol=0, atol=1e-12)
+    assert predict(turned, shares=False).remarks == predict(one, shares=False).remarks
+
+
+def test_what_a_measured_fibre_says_fades_as_the_solvents_part():
+    """At another voltage: what the laws miss at one setting is shared by that one setting only."""
+    measured = [Measurement(mixture_at("PCL", 0.5, voltage=14e3), 4e-7)]
+    shares = np.unique(np.concatenate([np.linspace(0, 1, 41), 0.5 - _NEAR, 0.5 + _NEAR]))
+    logs = [np.log(predict(mixture_at("PCL", x), measured, draws=256, shares=False).fibre_diameter) for x in shares]
+    assert steepest(shares, np.array(logs)[:, np.newaxis]) < STEEPEST
+
+
+def test_materials_in_common_are_the_cosine_of_the_solvents():
+    one = mixture_at("PCL", 0.5)
+    assert materials_in_common(one, one) == pytest.approx((1.0, 0.0), abs=1e-15)
+    assert materials_in_common(one, mixture_at("PCL", 1.0)) == pytest.approx((0.5**0.5, 0.5**0.5))
+    assert materials_in_common(mixture_at("PCL", 0.0), mixture_at("PCL", 1.0)) == (0.0, 1.0)
+    assert materials_in_common(one, replace(one, polymer="PLA")) == (0.0, 1.0)
+    z = normals(2048)
+    own = another(z, mixture_at("PCL", 0.0), mixture_at("PCL", 0.4), 100)
+    for i, name in enumerate(UNKNOWNS):
+        alike = float(np.corrcoef(z[:, i], own[:, i])[0, 1])
+        expected = 0.6 / np.hypot(0.6, 0.4) if name in OF_MATERIALS else float(name not in ("repeat", "setting"))
+        assert alike == pytest.approx(expected, abs=0.06)
+        assert own[:, i].std() == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.2])
+def test_a_trace_of_water_is_not_spoken_of(share):
+    """Neither as what keeps a jet wet in damp air, nor as what keeps pores away."""
+    solvent = {"acetone": 1.0} if share == 0 else {"acetone": 1 - share, "water": share}
+    recipe = replace(PAN, solvent=solvent)
+    assert ("water dries ever more slowly" in said(recipe, 0.98)) == (share > 0.05)
+    assert ("pores" in said(recipe, 0.4)) == (share < 0.05)
+
+
+def said(recipe, humidity):
+    """The remarks, in one."""
+    return " ".join(predict(replace(recipe, relative_humidity=humidity), shares=False).remarks)

@@ -24,7 +24,7 @@ from spinline.rheology.thermal import saturation_pressure
 from spinline.rheology.vapour import molar_mass, vapour_diffusivity
 from spinline.rheology.wet_bulb import wet_bulb
 
-__all__ = ["DAMPEST", "USUAL_TEMPERATURE", "Recipe", "believe", "evaporation_rate"]
+__all__ = ["DAMPEST", "USUAL_TEMPERATURE", "Recipe", "believe", "evaporation_rate", "volume_shares"]
 
 _GAS = 8.31446261815324
 _OVERLAPS = 10.0  # c_e [eta], semidilute entangled; 5 to 20
@@ -100,7 +100,8 @@ def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed
     wet = recipe.relative_humidity if recipe.relative_humidity == recipe.relative_humidity else 0.45
     if recipe.relative_humidity != recipe.relative_humidity:
         borrowed["ambient.relative_humidity"] = "45 %, usual"
-        sd["evaporation"] = float(np.hypot(sd["evaporation"], 0.3 if "water" in recipe.solvent else 0.05))
+        water = volume_shares(recipe.solvent, kelvin).get("water", 0.0)
+        sd["evaporation"] = float(np.sqrt(sd["evaporation"] ** 2 + water * 0.3**2 + (1 - water) * 0.05**2))
     rho, mu = mixture_density(recipe.solvent, kelvin), mixture_viscosity(recipe.solvent, kelvin)
     if not recipe.ratio_known:
         borrowed["solution.solvent"] = "equal parts: the ratio is not known"
@@ -190,13 +191,20 @@ def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -
 
 
 def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
-    """Ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation."""
+    """Ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation.
+
+    Between solvents ln [eta] and the variance go by volume: what two do together to a chain that each dissolves badly, or
+    well (cosolvency, preferential solvation), is left out.
+    """
     if recipe.polymer not in POLYMERS:
         return float(np.log(0.06)), 0.8
-    main = max(recipe.solvent, key=lambda name: recipe.solvent[name])
-    found = intrinsic_viscosity(polymer(recipe.polymer), main, chain)
+    log_eta = variance = 0.0
+    for name, share in volume_shares(recipe.solvent, USUAL_TEMPERATURE).items():
+        found = intrinsic_viscosity(polymer(recipe.polymer), name, chain)
+        log_eta += share * np.log(found.value)
+        variance += share * (0.5 * np.log(found.factor)) ** 2
     density = mixture_density(recipe.solvent, USUAL_TEMPERATURE)
-    return float(np.log(_OVERLAPS / found.value / density)), float(np.hypot(_ENTANGLED_SD, 0.5 * np.log(found.factor)))
+    return float(np.log(_OVERLAPS / density) - log_eta), float(np.sqrt(_ENTANGLED_SD**2 + variance))
 
 
 def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_humidity: float) -> float:
@@ -205,14 +213,19 @@ def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_
     return 1.0 / sum(share / rate for share, rate in zip(shares, rates, strict=True))
 
 
+def volume_shares(solvent: Mapping[str, float], temperature: float) -> dict[str, float]:
+    """Volume fractions of solvents given by mass fraction, at a temperature, K."""
+    volumes = {name: share / solvent_density(name, temperature) for name, share in solvent.items() if share > 0}
+    total = sum(volumes.values())
+    return {name: volume / total for name, volume in volumes.items()}
+
+
 def _side_by_side(
     solvent: Mapping[str, float], kelvin: float, humidity: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Volume share and rate of drying, m2/s, of each solvent alone."""
-    volumes = {name: share / solvent_density(name, kelvin) for name, share in solvent.items() if share > 0}
-    total = sum(volumes.values())
-    rates = tuple(_rate(name, kelvin, humidity if name == "water" else 0.0) for name in volumes)
-    return tuple(v / total for v in volumes.values()), rates
+    shares = volume_shares(solvent, kelvin)
+    return tuple(shares.values()), tuple(_rate(name, kelvin, humidity if name == "water" else 0.0) for name in shares)
 
 
 @lru_cache(maxsize=4096)

@@ -71,21 +71,21 @@ class Calibrated:
         Standard deviations of ln d that no recipe explains, by the names of `spinline.recipe.model.UNKNOWNS`.
     """
 
-    trouton: float = 48.24  # posterior sd 1.1 of its logarithm
-    current_level: float = 5.03e-07  # posterior sd 0.33 of its logarithm
-    viscosity_power: float = 4.971  # posterior sd 0.62
-    current_conductivity: float = 0.2865  # posterior sd 0.072
-    concentration_beyond: float = 0.675  # posterior sd 0.25
+    trouton: float = 62.32  # posterior sd 1.1 of its logarithm
+    current_level: float = 5.679e-07  # posterior sd 0.34 of its logarithm
+    viscosity_power: float = 5.035  # posterior sd 0.62
+    current_conductivity: float = 0.2272  # posterior sd 0.065
+    concentration_beyond: float = 0.657  # posterior sd 0.25
     sd: dict[str, float] = field(
         default_factory=lambda: {
-            "laboratory": 0.198,
-            "setting": 0.08679,
-            "repeat": 0.2591,
-            "concentration_response": 0.7795,
-            "voltage_response": 0.2836,
-            "flow_response": 0.1325,
-            "gap_response": 0.1168,
-            "unevenness": 0.7016,
+            "laboratory": 0.1753,
+            "setting": 0.09152,
+            "repeat": 0.2598,
+            "concentration_response": 0.7685,
+            "voltage_response": 0.28,
+            "flow_response": 0.1316,
+            "gap_response": 0.1176,
+            "unevenness": 0.6932,
         }
     )
 

@@ -69,9 +69,10 @@ def molar_mass(polymer: str) -> Prior:
 
 
 def conductivity(solvent: Mapping[str, float]) -> Prior:
-    """Conductivity of a solution in a solvent (mass fractions by name), S/m: logarithms mixed by mass."""
+    """Conductivity of a solution in a solvent (mass fractions by name), S/m: logarithms and variances mixed by mass."""
     import math
 
     priors = [(share, CONDUCTIVITY.get(name, _ANY_CONDUCTIVITY)) for name, share in solvent.items()]
     median = math.exp(sum(share * math.log(prior.median) for share, prior in priors))
-    return Prior(median, max(prior.sd for _, prior in priors), "; ".join(sorted({prior.source for _, prior in priors})))
+    sd = math.sqrt(sum(share * prior.sd**2 for share, prior in priors))
+    return Prior(median, sd, "; ".join(sorted({prior.source for _, prior in priors})))

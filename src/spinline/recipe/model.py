@@ -47,7 +47,7 @@ UNKNOWNS = {
 }
 #: Ways in which a laboratory's fibres follow its settings.
 RESPONSES = ("concentration_response", "voltage_response", "flow_response", "gap_response")
-#: Unknowns that two recipes share only where polymer and solvent are the same.
+#: Unknowns that two recipes share where the polymer is the same, as far as the solvents are.
 OF_MATERIALS = (
     "entanglement_concentration",
     "viscosity",

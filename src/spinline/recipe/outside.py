@@ -4,7 +4,7 @@ from typing import Any
 
 from spinline.recipe.believe import DAMPEST, Recipe
 
-__all__ = ["outside_remarks", "size_remarks"]
+__all__ = ["outside_remarks", "size_remarks", "watery"]
 
 _BREAKDOWN = 3e6  # V/m, of air
 _RATES = (1e-14, 1e-7)  # m3/s: 0.04 uL/hour to 0.4 L/hour
@@ -23,6 +23,12 @@ _SPUN: dict[str, tuple[float, float, str]] = {
 }
 _WIDE = 1.0  # sd of a logarithm
 _SIZES = (5e-9, 5e-5)  # m
+_SOME_WATER = 0.05  # of the solvent, by mass: less keeps no jet wet and no air's water out
+
+
+def watery(recipe: Recipe) -> bool:
+    """Whether there is enough water in the solvent to speak of."""
+    return recipe.solvent.get("water", 0.0) > _SOME_WATER
 
 
 def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
@@ -50,7 +56,7 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
         value: Any = getattr(recipe, name)
         if value == value and not least <= value <= most:
             said.append(f"{words.format(value)}: check its unit")
-    if recipe.relative_humidity > DAMPEST and "water" in recipe.solvent:
+    if recipe.relative_humidity > DAMPEST and watery(recipe):
         said.append(
             f"water dries ever more slowly towards 100 % relative humidity: computed as at {100 * DAMPEST:.0f} %, the jet "
             "lands wetter than said here"

@@ -12,7 +12,7 @@ from spinline.jetprofile.envelope import Envelope
 from spinline.recipe.believe import Recipe, believe
 from spinline.recipe.constants import CONSTANTS, TAKEN
 from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
-from spinline.recipe.outside import outside_remarks, size_remarks
+from spinline.recipe.outside import outside_remarks, size_remarks, watery
 from spinline.recipe.regime import Regime, regime_of
 
 __all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
@@ -247,11 +247,27 @@ def another(z: FloatArray, mine: Recipe, other: Recipe, seed: int) -> FloatArray
     apart = ["repeat"]
     if replace(mine, spread=None, usual_fraction=0.0) != replace(other, spread=None, usual_fraction=0.0):
         apart.append("setting")
-    if (mine.polymer, dict(mine.solvent)) != (other.polymer, dict(other.solvent)):
-        apart += OF_MATERIALS
     for name in apart:
         own[:, list(UNKNOWNS).index(name)] = new[:, list(UNKNOWNS).index(name)]
+    common, rest = materials_in_common(mine, other)
+    for name in OF_MATERIALS:
+        i = list(UNKNOWNS).index(name)
+        own[:, i] = common * z[:, i] + rest * new[:, i]
     return own
+
+
+def materials_in_common(mine: Recipe, other: Recipe) -> tuple[float, float]:
+    """Correlation of what two recipes do not know of their materials, and ``sqrt(1 - correlation^2)``.
+
+    Cosine and sine of the angle between the solvents' mass fractions: 1 of the same, 0 without any in common or of another
+    polymer, smooth between.
+    """
+    if mine.polymer != other.polymer:
+        return 0.0, 1.0
+    names = sorted({*mine.solvent, *other.solvent})
+    a, b = (np.array([recipe.solvent.get(name, 0.0) for name in names]) for recipe in (mine, other))
+    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
+    return float(a @ b), float(np.linalg.norm(a - (a @ b) * b))
 
 
 def even(z: FloatArray) -> FloatArray:
@@ -357,7 +373,7 @@ def _with_rest(shares: dict[str, float], measured: bool) -> dict[str, float]:
 
 def _pores(recipe: Recipe, believed: Believed) -> tuple[str, ...]:
     humid = recipe.relative_humidity > _HUMID or recipe.relative_humidity != recipe.relative_humidity
-    if believed.evaporation > _VOLATILE and humid and "water" not in recipe.solvent:
+    if believed.evaporation > _VOLATILE and humid and not watery(recipe):
         return ("pores on the fibres are likely: a volatile solvent, in air of more than 30 % relative humidity",)
     return ()
 
