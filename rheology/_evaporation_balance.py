@@ -14,7 +14,6 @@ import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
 from spinline.base.errors import InputError
-from spinline.rheology._activity_kernels import fall
 from spinline.rheology.element_path import ElementPath
 from spinline.rheology.transfer import Transfer, law_index, transfer_number
 from spinline.rheology.volatile import Volatile
@@ -75,6 +74,8 @@ class Balance:
 
     def fall(self, y: FloatArray) -> tuple[float, FloatArray]:
         """Volume left, and the driving dC of each solvent over its volume (over 1 for solvents only in the air)."""
+        from spinline.rheology._activity_kernels import fall  # loads the compiler, which one solvent alone does without
+
         unit = self.polymer_volume if self.activity == "raoult" else 0.0
         return fall(y, self.phi0, self.inside, self.origin, self.volume, self.chi, unit, self.saturation, self.ambient)
 

@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
-from spinline.base.kernels import plain
-from spinline.rheology._activity_kernels import flory_huggins, raoult
 from spinline.rheology._finite import finite_result
 from spinline.rheology._liquid_rows import row_of
 from spinline.rheology.atoms import VAPOURS
@@ -278,6 +276,9 @@ def log_flory_huggins(
     -------
     log_coefficient, others : ndarray, (solvent, ...)
     """
+    from spinline.base.kernels import plain  # loads the compiler
+    from spinline.rheology._activity_kernels import flory_huggins
+
     log, others = np.empty_like(solvent_fractions), np.empty_like(solvent_fractions)
     plain(flory_huggins)(solvent_fractions, polymer, molar_volumes, chi, log, others)
     return log, others
@@ -287,6 +288,9 @@ def log_raoult(
     solvent_fractions: FloatArray, polymer: FloatArray | float, molar_volumes: FloatArray, polymer_molar_volume: float
 ) -> tuple[FloatArray, FloatArray]:
     """``ln(a_i/phi_i)`` and ``1 - phi_i`` by Raoult's law; as `log_flory_huggins`."""
+    from spinline.base.kernels import plain
+    from spinline.rheology._activity_kernels import raoult
+
     log, others = np.empty_like(solvent_fractions), np.empty_like(solvent_fractions)
     plain(raoult)(solvent_fractions, polymer, molar_volumes, polymer_molar_volume, log, others)
     return log, others
