@@ -26,7 +26,6 @@ __all__ = ["Path", "distance", "follow"]
 
 _SHORTEST = 1e-4
 _CLOSE = 0.05  # step in which a fold is located
-_SMALL = 1e-4  # last correction on the way: what it leaves is its square; the end is solved to 1e-9
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,7 @@ def _follow(
         if t < -0.01:  # gone back past the start, beyond a fold
             return Path(Discrete(s, y), False, t, fold, step)
         trail[:] = [Path(Discrete(s, y), False, t, fold, step)]
-        length = min(largest, length * (1.6 if used <= 3 else 1.0 if used <= 5 else 0.6))
+        length = min(largest, length * (1.6 if used <= 4 else 1.0 if used <= 6 else 0.6))
         moved = remesh(s, y, nodes)
         both, s = interpolate(s, np.concatenate((y, dy), axis=1), moved), moved
         y, dy = np.ascontiguousarray(both[:, : y.shape[1]]), np.ascontiguousarray(both[:, y.shape[1] :])
@@ -185,6 +184,6 @@ def _correct(
             return None
         before = size
         y, t = y + change, t + change_t
-        if size < _SMALL:
+        if size < 1e-8:
             return y, t, step + 1
     return None
