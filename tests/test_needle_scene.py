@@ -33,6 +33,14 @@ def test_the_scenes_jet_is_that_of_its_settings(scene) -> None:
     assert jet.current == pytest.approx(222.28e-9, rel=2e-3)
 
 
+def test_a_jet_that_a_coarser_way_to_it_loses() -> None:
+    """With corrections to 1e-4 on the way the search ends at a fold that there is not."""
+    settings = ["voltage=5.679 kV", "gap=23.70 cm", "flow_rate=0.02256 mL/hour"]
+    asked = load_scene("peo5-needle", [*(f"jet.{key}" for key in settings), "solution.viscosity=0.6815 Pa s"])
+    jet = build_jet(asked, build_solution(asked))
+    assert float(jet.radius(5e-3)) == pytest.approx(1.6584e-7, rel=1e-4)
+
+
 def test_a_run_along_it(scene) -> None:
     result = sl.run(scene)
     assert float(result["current"]) == pytest.approx(222.28e-9, rel=2e-3)
