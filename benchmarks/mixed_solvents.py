@@ -44,6 +44,15 @@ THREADS = [
     ("PVP", {"water": 0.9, "ethanol": 0.1}, 0.10, 0.30),
     ("PET", {"TFA": 0.7, "DCM": 0.3}, 0.15, 0.45),
 ]
+# water beside a solvent that leaves faster, by the humidity
+DAMP = [
+    ("PVP", {"water": 0.2, "ethanol": 0.8}, 0.10),
+    ("PVP", {"water": 0.5, "ethanol": 0.5}, 0.10),
+    ("PVP", {"water": 0.8, "ethanol": 0.2}, 0.10),
+    ("PLA", {"water": 0.2, "acetone": 0.8}, 0.08),
+    ("PLA", {"water": 0.5, "acetone": 0.5}, 0.08),
+]
+HUMIDITIES = (0.3, 0.5, 0.7, 0.9)
 
 
 def as_straight_jets(names, rates, humidity):
@@ -113,9 +122,22 @@ def race_rate(shares, rates, phi, power, solid):
 
 
 def judge():
+    """Departures of the threads, and of those in damp air."""
+    damp = []
+    for polymer, solvent, fraction in DAMP:
+        rows = depart([(polymer, solvent, fraction, humidity) for humidity in HUMIDITIES])["threads"]
+        by = {
+            f"{humidity:.1f}": row["side by side, as straight jets"][0]
+            for humidity, row in zip(HUMIDITIES, rows, strict=True)
+        }
+        damp.append({"polymer": polymer, "solvent": solvent, "ln a by humidity": by})
+    return {**depart(THREADS), "damp air": damp}
+
+
+def depart(threads):
     """Departures of every thread, and their medians and largest."""
     power, departures, rows = CONSTANTS.viscosity_power, {}, []
-    for polymer, solvent, fraction, humidity in THREADS:
+    for polymer, solvent, fraction, humidity in threads:
         recipe = Recipe(
             polymer,
             solvent,

@@ -20,8 +20,9 @@ from spindb_calibrate import PRIORS, calibrate, load
 
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import CONSTANTS, Calibrated
-from spinline.recipe.model import UNKNOWNS, spun
-from spinline.recipe.predict import another, even, gain_of, materials_in_common, normals, shares_of
+from spinline.recipe.measured import Known, moved, shared, slopes
+from spinline.recipe.model import UNKNOWNS, Believed, normals, scatter, spun
+from spinline.recipe.predict import shares_of
 from spinline.recipe.regime import regime_of
 from spinline.recipe.table import read_experiments, recipes_of
 
@@ -109,7 +110,6 @@ def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "s
     distinct settings; `middle` where the known one is that in the middle of the paper's settings.
     """
     z = normals(draws)
-    usual = even(z)
     found = {}
     for over in overs:
         data = everything if over == "rows" else mats_only
@@ -137,8 +137,9 @@ def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "s
                 continue
             recipes = {s: data.recipes[s] for s in np.unique(settings)}
             believed = {s: believe(r, folds[p])[0] for s, r in recipes.items()}
-            plain = {s: spun(b, z, constants=folds[p], steps=16).log_diameter for s, b in believed.items()}
-            plain_usual = {s: spun(b, usual, constants=folds[p], steps=16).log_diameter for s, b in believed.items()}
+            change = slopes(Believed.of(list(believed.values())), steps=16, constants=folds[p])
+            change = dict(zip(recipes, change.T, strict=True))
+            core = {s: cores(b, z, folds[p]) for s, b in believed.items()}
             errors, equal, hits = [], [], []
             for k, s in enumerate(settings):
                 kinds, mine = {}, {}
@@ -146,16 +147,19 @@ def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "s
                     if j == k:
                         continue
                     if t not in kinds:
-                        shared = (t == s, materials_in_common(recipes[t], recipes[s]))
-                        if shared not in mine:  # ln d of the known mat by the draws that the other one shares
-                            own = another(z, recipes[t], recipes[s], 100)
-                            mine[shared] = [
-                                spun(believed[s], w, constants=folds[p], steps=16).log_diameter
-                                for w in (own, even(own))
-                            ]
-                        seen, seen_usual = mine[shared]
-                        (gain,) = gain_of(plain_usual[t], seen_usual[np.newaxis])
-                        kinds[t] = np.quantile(plain[t] + gain * (y[k] - seen), QUANTILES)
+                        common = shared([recipes[t], recipes[s]])
+                        alike = tuple(part.correlations[0, 1] for part in common)
+                        if alike not in mine:  # the known mat by the draws that the other one shares
+                            own = np.column_stack([part.drawn(z[:, i], i)[1] for i, part in enumerate(common)])
+                            mine[alike] = own, cores(believed[s], own, folds[p])
+                        own, seen = mine[alike]
+                        known = Known.of(
+                            np.column_stack([change[t], change[s]]), common, 0.0, folds[p].sd["unevenness"]
+                        )
+                        off = np.full((1, draws), y[k])
+                        both = believed[t], believed[s]
+                        log_d = moved(np.array([core[t], seen]), np.array([z, own]), both, off, known)
+                        kinds[t] = np.quantile(log_d, QUANTILES)
                     low95, low, middle, high, high95 = kinds[t]
                     errors.append((k, abs(middle - y[j])))
                     equal.append((k, abs(y[k] - y[j])))
@@ -178,6 +182,11 @@ def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "s
             "coverage_95": float(np.mean(each["95"])),
         }
     return found
+
+
+def cores(believed, normal, constants):
+    """Ln d without what settings and mats scatter by themselves."""
+    return spun(believed, normal, constants=constants, steps=16).log_diameter - scatter(believed, normal)
 
 
 def again(errors):

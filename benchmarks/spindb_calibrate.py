@@ -30,8 +30,8 @@ from scipy.stats import qmc
 from spinline.recipe import Recipe
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import Calibrated
-from spinline.recipe.model import OF_MATERIALS, RESPONSES, UNKNOWNS, Believed, spun
-from spinline.recipe.predict import materials_in_common
+from spinline.recipe.measured import materials_in_common
+from spinline.recipe.model import OF_MATERIALS, RESPONSES, UNKNOWNS, Believed, sensitivities, spun
 from spinline.recipe.table import read_experiments, recipes_of
 
 # name: (whether its logarithm is normal, median, standard deviation); where each comes from
@@ -132,25 +132,22 @@ def _mean(data, constants, z, rung):
     return spun(data.believed, z, rung=rung, steps=_STEPS, constants=constants).log_diameter.mean(axis=1)
 
 
-def _sensitivities(data, constants, rung):
+def changes(data, constants, rung):
     """Change of ln d of every setting for one standard deviation of each unknown of the chain, (unknown, setting)."""
-    z = np.zeros((2 * len(_PHYSICAL), len(UNKNOWNS)))
-    for j, name in enumerate(_PHYSICAL):
-        z[2 * j, list(UNKNOWNS).index(name)], z[2 * j + 1, list(UNKNOWNS).index(name)] = 1.0, -1.0
-    f = spun(data.believed, z, rung=rung, steps=_STEPS, constants=constants).log_diameter
-    return 0.5 * (f[:, ::2] - f[:, 1::2]).T
+    every = sensitivities(data.believed, rung=rung, steps=_STEPS, constants=constants)
+    return every[[list(UNKNOWNS).index(name) for name in _PHYSICAL]]
 
 
 def _blocks(data, constants, rung):
     """For each laboratory: its mats, their fixed covariance, and the seven that `SPREADS` scale."""
-    g = _sensitivities(data, constants, rung)
+    g = changes(data, constants, rung)
     found = []
     for paper in np.unique(data.paper):
         mats = np.flatnonzero(data.paper[data.setting] == paper)
         s = data.setting[mats]
         own, which = np.unique(s, return_inverse=True)
         recipes = [data.recipes[i] for i in own]
-        common = np.array([[materials_in_common(a, b)[0] for b in recipes] for a in recipes])[which][:, which]
+        common = materials_in_common(recipes)[which][:, which]
         fixed = np.zeros((len(mats),) * 2)
         for name, row in zip(_PHYSICAL, g, strict=True):
             fixed += np.outer(row[s], row[s]) * (common if name in OF_MATERIALS else 1.0)

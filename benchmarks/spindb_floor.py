@@ -17,7 +17,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from spindb_calibrate import _PHYSICAL, SPREADS, _blocks, _draws, _mean, _sensitivities, command, load
+from spindb_calibrate import _PHYSICAL, SPREADS, _blocks, _draws, _mean, changes, command, load
 
 from spinline.recipe.constants import Calibrated
 from spinline.recipe.model import OF_MATERIALS, RESPONSES
@@ -98,7 +98,7 @@ def shared(part, constants):
         [[sum(np.sqrt(v * b.solvent.get(n, 0.0)) for n, v in a.solvent.items()) for b in recipes] for a in recipes]
     )
     found = np.zeros(same.shape)
-    for name, row in zip(_PHYSICAL, _sensitivities(part, constants, "race"), strict=True):
+    for name, row in zip(_PHYSICAL, changes(part, constants, "race"), strict=True):
         across = common if name == "conductivity" else _SHARED.get(name, 0.0) * polymer
         s = row[part.setting]
         found += np.outer(s, s) * (np.where(same, 1.0, across) if name in OF_MATERIALS else 1.0)

@@ -17,8 +17,7 @@ from spindb_calibrate import command, load
 
 from spinline.recipe.believe import believe
 from spinline.recipe.constants import Calibrated
-from spinline.recipe.model import spun
-from spinline.recipe.predict import normals
+from spinline.recipe.model import normals, spun
 
 HERE = Path(__file__).parent
 

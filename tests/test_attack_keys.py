@@ -35,3 +35,16 @@ def test_options_without_effect_or_bound_are_refused(words, option, spinline, tm
     assert ran.code == 2
     assert ran.err.startswith(f"error: {option}")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", ["run", "check", "fibre", "deposit"])
+@pytest.mark.parametrize(
+    "text",
+    ["{name} = 1\n", "[jet]\n{name} = 1\n", '["{blanks}"]\nx = 1\n', '[jet]\nprofile = "{name}"\n', "[{name}]\nx = 1\n"],
+    ids=["section", "key", "blanks", "value", "table"],
+)
+def test_names_of_thousands_of_letters_are_shortened(command, text, spinline, tmp_path) -> None:
+    (tmp_path / "long.toml").write_text(text.format(name="a" * 5000, blanks="a b " * 1500), encoding="utf-8")
+    ran = spinline(command, "long.toml")
+    assert ran.code == 2
+    assert len(ran.err) < 1000

@@ -9,8 +9,8 @@ from pan_recipe import PAN
 from spinline.recipe import UNKNOWNS, Believed, Measurement, spun
 from spinline.recipe.believe import believe
 from spinline.recipe.library import CONDUCTIVITY
-from spinline.recipe.model import OF_MATERIALS
-from spinline.recipe.predict import another, materials_in_common, normals, predict
+from spinline.recipe.model import normals
+from spinline.recipe.predict import predict
 from spinline.rheology.intrinsic import intrinsic_viscosity
 from spinline.rheology.solvents import SOLVENTS, solvent_density
 
@@ -206,21 +206,6 @@ def test_what_a_measured_fibre_says_fades_as_the_solvents_part():
     assert steepest(shares, np.array(logs)[:, np.newaxis]) < STEEPEST
 
 
-def test_materials_in_common_are_the_cosine_of_the_solvents():
-    one = mixture_at("PCL", 0.5)
-    assert materials_in_common(one, one) == pytest.approx((1.0, 0.0), abs=1e-15)
-    assert materials_in_common(one, mixture_at("PCL", 1.0)) == pytest.approx((0.5**0.5, 0.5**0.5))
-    assert materials_in_common(mixture_at("PCL", 0.0), mixture_at("PCL", 1.0)) == (0.0, 1.0)
-    assert materials_in_common(one, replace(one, polymer="PLA")) == (0.0, 1.0)
-    z = normals(2048)
-    own = another(z, mixture_at("PCL", 0.0), mixture_at("PCL", 0.4), 100)
-    for i, name in enumerate(UNKNOWNS):
-        alike = float(np.corrcoef(z[:, i], own[:, i])[0, 1])
-        expected = 0.6 / np.hypot(0.6, 0.4) if name in OF_MATERIALS else float(name not in ("repeat", "setting"))
-        assert alike == pytest.approx(expected, abs=0.06)
-        assert own[:, i].std() == pytest.approx(1.0, abs=0.05)
-
-
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.2])
 def test_a_trace_of_water_is_not_spoken_of(share):
     """Neither as what keeps a jet wet in damp air, nor as what keeps pores away."""
@@ -233,3 +218,19 @@ def test_a_trace_of_water_is_not_spoken_of(share):
 def said(recipe, humidity):
     """The remarks, in one."""
     return " ".join(predict(replace(recipe, relative_humidity=humidity), shares=False).remarks)
+
+
+@pytest.mark.parametrize(
+    ("solvent", "humidity", "wet"),
+    [
+        ({"water": 0.5, "ethanol": 0.5}, 0.85, True),
+        ({"water": 0.2, "acetone": 0.8}, 0.5, True),
+        ({"water": 0.5, "ethanol": 0.5}, 0.4, False),
+        ({"water": 0.8, "ethanol": 0.2}, 0.85, False),
+        ({"water": 0.5, "DMF": 0.5}, 0.85, False),  # slower than water
+        ({"water": 1.0}, 0.85, False),
+        ({"ethanol": 1.0}, 0.85, False),
+    ],
+)
+def test_damp_air_on_water_beside_a_faster_solvent_is_said(solvent, humidity, wet):
+    assert ("wets a jet" in said(replace(PAN, polymer="PVP", solvent=solvent), humidity)) == wet

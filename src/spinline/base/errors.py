@@ -6,7 +6,7 @@ that what is odd but possible can be filtered or collected.
 
 from typing import Any
 
-from spinline.base.words import clean, one_line
+from spinline.base.words import clean, one_line, shortened
 
 __all__ = ["InputError", "SpinlineWarning"]
 
@@ -32,12 +32,13 @@ class InputError(ValueError):
         self.field, self.problem, self.value = field, problem, value
         self.allowed, self.remedy = allowed, remedy
         shown = "" if value is None else f" = {_short(value)}"
-        parts = [f"{one_line(field)}{shown}: {problem}"]
+        parts = [f"{shortened(one_line(field))}{shown}: {problem}"]
         if allowed:
             parts.append(f"allowed: {allowed}")
         if remedy:
             parts.append(remedy)
-        super().__init__(clean("; ".join(parts)))
+        # a word of ours is never that long: what is quoted in them is a key or a name from outside
+        super().__init__(clean(" ".join(shortened(word) for word in "; ".join(parts).split(" "))))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.field, self.problem, self.value, self.allowed, self.remedy)

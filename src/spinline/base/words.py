@@ -3,7 +3,7 @@
 import re
 from contextlib import suppress
 
-__all__ = ["cell", "clean", "label", "one_line", "page"]
+__all__ = ["cell", "clean", "label", "one_line", "page", "shortened"]
 
 # C0 and C1 controls but tab and newline, DEL, line and paragraph separators, marks of direction, lone surrogates
 _BAD = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff]")
@@ -25,6 +25,18 @@ def clean(text: str) -> str:
 def one_line(text: str) -> str:
     """A name with its line ends and tabs shown as escapes: what follows them is no line of ours."""
     return text.replace("\n", "\\n").replace("\t", "\\t")
+
+
+def shortened(text: str, longest: int = 400) -> str:
+    """The text without its middle where it is longer than `longest`: keys and names can be megabytes.
+
+    Examples
+    --------
+    >>> shortened("jet." + "a" * 5000, 20)
+    'jet.aaaaaa...aaaaaaa'
+    """
+    tail = longest - longest // 2 - 3
+    return text if len(text) <= longest else f"{text[: longest // 2]}...{text[-tail:]}"
 
 
 def label(text: str, longest: int = 1000) -> str:

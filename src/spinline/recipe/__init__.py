@@ -6,8 +6,9 @@ from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
     from spinline.recipe.believe import Recipe
+    from spinline.recipe.measured import Measurement
     from spinline.recipe.model import UNKNOWNS, Believed, Fibres, spun
-    from spinline.recipe.predict import Fibre, Measurement
+    from spinline.recipe.predict import Fibre
     from spinline.recipe.recipe_file import fibre, load_recipe
     from spinline.recipe.regime import REGIMES
     from spinline.recipe.table import predict_table, read_experiments, recipes_of
@@ -16,7 +17,7 @@ _NAMES = {
     "Believed": "model",
     "Fibre": "predict",
     "Fibres": "model",
-    "Measurement": "predict",
+    "Measurement": "measured",
     "REGIMES": "regime",
     "Recipe": "believe",
     "UNKNOWNS": "model",

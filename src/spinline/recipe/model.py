@@ -12,6 +12,7 @@ laboratory differs from the next, how its fibres answer a setting beyond the law
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,18 @@ from spinline.jetprofile.envelope import Envelope, envelope, onset_radius
 from spinline.jetprofile.whipping import Thinning, terminal_radius, thinning
 from spinline.recipe.constants import CONSTANTS, TAKEN, Calibrated
 
-__all__ = ["OF_MATERIALS", "RESPONSES", "UNKNOWNS", "Believed", "Fibres", "spun"]
+__all__ = [
+    "OF_MATERIALS",
+    "RESPONSES",
+    "SCATTERED",
+    "UNKNOWNS",
+    "Believed",
+    "Fibres",
+    "normals",
+    "scatter",
+    "sensitivities",
+    "spun",
+]
 
 #: What is uncertain of a recipe, by its name, in words.
 UNKNOWNS = {
@@ -57,6 +69,8 @@ OF_MATERIALS = (
     "surface_tension",
     "relaxation_time",
 )
+#: What no other setting, and no other mat, tells of.
+SCATTERED = ("setting", "repeat")
 _EXPONENTS = 12.0  # of e, beyond which a draw is no jet
 
 
@@ -231,9 +245,63 @@ def spun(
     for name in RESPONSES:
         log_d = log_d + believed.sd.get(name, 0.0) * believed.away.get(name, 0.0) * z[name]
     log_d = log_d + believed.sd.get("laboratory", 0.0) * z["laboratory"]
-    for name in ("setting", "repeat"):
-        log_d = log_d + believed.sd.get(name, 0.0) * factor("unevenness") * z[name]
+    log_d = log_d + scatter(believed, drawn)
     return Fibres(log_d, found, q, viscosity, current, coil, dry * terminal, terminal)
+
+
+@lru_cache(maxsize=16)
+def normals(draws: int, seed: int = 1) -> FloatArray:
+    """Standard normal draws (draw, unknown), evenly spread in each unknown (a Latin hypercube)."""
+    from scipy.special import ndtri
+
+    rng = np.random.default_rng(seed)
+    ranks = rng.permuted(np.tile(np.arange(draws), (len(UNKNOWNS), 1)), axis=1).T
+    value: FloatArray = ndtri((ranks + rng.random(ranks.shape)) / draws)
+    return value
+
+
+def scatter(believed: Believed, normal: FloatArray) -> FloatArray:
+    """What settings and mats add to ln d by themselves, (draw,), or (recipe, draw): more of it in an uneven laboratory."""
+    z = dict(zip(UNKNOWNS, normal.T, strict=True))
+    uneven = np.exp(np.clip(believed.sd.get("unevenness", 0.0) * z["unevenness"], -_EXPONENTS, _EXPONENTS))
+    found: FloatArray = uneven * sum(believed.sd.get(name, 0.0) * z[name] for name in SCATTERED)
+    return found
+
+
+def sensitivities(
+    believed: Believed,
+    *,
+    about: FloatArray | None = None,
+    step: float = 1.0,
+    rung: str = "race",
+    steps: int = 32,
+    constants: Calibrated = CONSTANTS,
+) -> FloatArray:
+    """Change of ln d with each unknown, for one standard deviation.
+
+    Parameters
+    ----------
+    believed : Believed
+        Of several recipes.
+    about : ndarray, (draw, unknown), optional
+        Draws about which it is taken; their mean is given. Else the medians.
+    step : float
+        Standard deviations up and down over which the change is taken.
+    rung, steps, constants
+        As of `spun`.
+
+    Returns
+    -------
+    ndarray, (unknown, recipe)
+        In the order of `UNKNOWNS`.
+    """
+    middle = np.zeros((1, len(UNKNOWNS))) if about is None else about
+    up = step * np.eye(len(UNKNOWNS))[:, np.newaxis]
+    normal = np.concatenate([middle + up, middle - up]).reshape(-1, len(UNKNOWNS))
+    log_d = spun(believed, normal, rung=rung, steps=steps, constants=constants).log_diameter
+    high, low = log_d.reshape(-1, 2, len(UNKNOWNS), len(middle)).mean(axis=3).transpose(1, 2, 0)
+    change: FloatArray = (high - low) / (2 * step)
+    return change
 
 
 def _enveloped(

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from spinline.recipe.believe import DAMPEST, Recipe
+from spinline.recipe.believe import DAMPEST, USUAL_TEMPERATURE, Recipe, evaporation_rate
 
 __all__ = ["outside_remarks", "size_remarks", "watery"]
 
@@ -24,11 +24,23 @@ _SPUN: dict[str, tuple[float, float, str]] = {
 _WIDE = 1.0  # sd of a logarithm
 _SIZES = (5e-9, 5e-5)  # m
 _SOME_WATER = 0.05  # of the solvent, by mass: less keeps no jet wet and no air's water out
+_MUCH = 0.3  # of another, by mass: a fifth of ethanol moves a fibre by less than 7 %
+_DAMP = 0.5  # relative humidity from which air's water settles on jets that a faster solvent cools
 
 
 def watery(recipe: Recipe) -> bool:
     """Whether there is enough water in the solvent to speak of."""
     return recipe.solvent.get("water", 0.0) > _SOME_WATER
+
+
+def _cooled_by_another(recipe: Recipe) -> bool:
+    """Whether water stands beside much of a solvent that leaves faster."""
+    others = [name for name, share in recipe.solvent.items() if name != "water" and share > _MUCH]
+    return watery(recipe) and any(_leaves(name) > _leaves("water") for name in others)
+
+
+def _leaves(name: str) -> float:
+    return evaporation_rate({name: 1.0}, USUAL_TEMPERATURE, 0.0)
 
 
 def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
@@ -60,6 +72,11 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
         said.append(
             f"water dries ever more slowly towards 100 % relative humidity: computed as at {100 * DAMPEST:.0f} %, the jet "
             "lands wetter than said here"
+        )
+    if recipe.relative_humidity >= _DAMP and _cooled_by_another(recipe):
+        said.append(
+            f"air of {100 * recipe.relative_humidity:.0f} % relative humidity wets a jet that a solvent faster than its water "
+            "cools: it dries later than computed, and the fibre is thinner than said here, by a tenth to a half"
         )
     said += [
         f"{name} is given with a spread wider than itself: worth no more than none"

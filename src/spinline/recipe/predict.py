@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -11,11 +10,12 @@ from spinline.base.errors import InputError
 from spinline.jetprofile.envelope import Envelope
 from spinline.recipe.believe import Recipe, believe
 from spinline.recipe.constants import CONSTANTS, TAKEN
-from spinline.recipe.model import OF_MATERIALS, UNKNOWNS, Believed, Fibres, spun
+from spinline.recipe.measured import Measurement, conditioned
+from spinline.recipe.model import UNKNOWNS, Believed, Fibres, normals, spun
 from spinline.recipe.outside import outside_remarks, size_remarks, watery
 from spinline.recipe.regime import Regime, regime_of
 
-__all__ = ["RUNGS", "Fibre", "Measurement", "predict"]
+__all__ = ["RUNGS", "Fibre", "predict"]
 
 #: Ways to compute the diameter.
 RUNGS = {
@@ -27,15 +27,6 @@ RUNGS = {
 _DRAWS = 2048
 _INERT = 0.2  # of ln d, between envelope and race, beyond which it is said
 _QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """A fibre that was measured on the same rig: its recipe, its diameter in m, and the standard deviation of its logarithm."""
-
-    recipe: Recipe
-    diameter: float
-    sd: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -141,7 +132,7 @@ def predict(
     found = spun(believed, z, rung=law)
     log_d, far = found.log_diameter, 0.0
     if measured:
-        log_d, far = _conditioned(found.log_diameter, z, recipe, measured, law, shift)
+        log_d, far = conditioned(found.log_diameter, z, recipe, measured, law, shift)
     log_d = log_d + shift
     low95, low68, median, high68, high95 = np.exp(np.quantile(log_d, _QUANTILES))
     orientation = _orientation(found, believed, z)
@@ -228,84 +219,6 @@ def _one_laboratory(recipe: Recipe, measured: Sequence[Measurement]) -> tuple[Re
         for one in measured
     ]
     return replace(recipe, usual_fraction=usual), shared
-
-
-@lru_cache(maxsize=16)
-def normals(draws: int, seed: int = 1) -> FloatArray:
-    """Standard normal draws (draw, unknown), evenly spread in each unknown (a Latin hypercube)."""
-    from scipy.special import ndtri
-
-    rng = np.random.default_rng(seed)
-    ranks = rng.permuted(np.tile(np.arange(draws), (len(UNKNOWNS), 1)), axis=1).T
-    value: FloatArray = ndtri((ranks + rng.random(ranks.shape)) / draws)
-    return value
-
-
-def another(z: FloatArray, mine: Recipe, other: Recipe, seed: int) -> FloatArray:
-    """The draws of another mat of the same laboratory: what it does not share with `mine` is drawn anew."""
-    own, new = z.copy(), normals(len(z), seed=seed)
-    apart = ["repeat"]
-    if replace(mine, spread=None, usual_fraction=0.0) != replace(other, spread=None, usual_fraction=0.0):
-        apart.append("setting")
-    for name in apart:
-        own[:, list(UNKNOWNS).index(name)] = new[:, list(UNKNOWNS).index(name)]
-    common, rest = materials_in_common(mine, other)
-    for name in OF_MATERIALS:
-        i = list(UNKNOWNS).index(name)
-        own[:, i] = common * z[:, i] + rest * new[:, i]
-    return own
-
-
-def materials_in_common(mine: Recipe, other: Recipe) -> tuple[float, float]:
-    """Correlation of what two recipes do not know of their materials, and ``sqrt(1 - correlation^2)``.
-
-    Cosine and sine of the angle between the solvents' mass fractions: 1 of the same, 0 without any in common or of another
-    polymer, smooth between.
-    """
-    if mine.polymer != other.polymer:
-        return 0.0, 1.0
-    names = sorted({*mine.solvent, *other.solvent})
-    a, b = (np.array([recipe.solvent.get(name, 0.0) for name in names]) for recipe in (mine, other))
-    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    return float(a @ b), float(np.linalg.norm(a - (a @ b) * b))
-
-
-def even(z: FloatArray) -> FloatArray:
-    """The draws of laboratories of usual scatter."""
-    own = z.copy()
-    own[:, list(UNKNOWNS).index("unevenness")] = 0.0
-    return own
-
-
-def gain_of(log_d: FloatArray, seen: FloatArray) -> FloatArray:
-    """What ln d gains for each ln of a measured diameter: draws (draw,) and (measurement, draw)."""
-    spread = seen - seen.mean(axis=1, keepdims=True)
-    cross = spread @ (log_d - log_d.mean()) / log_d.size
-    gain: FloatArray = np.linalg.solve(spread @ spread.T / log_d.size + 1e-12 * np.eye(len(seen)), cross)
-    return gain
-
-
-def _conditioned(
-    log_d: FloatArray, z: FloatArray, recipe: Recipe, measured: Sequence[Measurement], rung: str, shift: float
-) -> tuple[FloatArray, float]:
-    """Ln d of the draws, given what was measured; and how far that is from what was expected, in standard deviations.
-
-    Each draw is moved by the gain that normal quantities have: exact where ln d is linear in the unknowns, which it is
-    nearly (exponents of powers). The gain is that of a laboratory of usual scatter.
-    """
-    seen, usual, target = [], [], []
-    for i, one in enumerate(measured):
-        if not one.diameter > 0:
-            raise InputError("measured.fibre_diameter", "is not above zero", value=one.diameter, allowed="> 0 m")
-        own, believed = another(z, recipe, one.recipe, 100 + i), believe(one.recipe)[0]
-        error = one.sd * normals(len(z), seed=200 + i)[:, 0]
-        seen.append(spun(believed, own, rung=rung).log_diameter + error)
-        usual.append(spun(believed, even(own), rung=rung).log_diameter + error)
-        target.append(np.log(one.diameter) - shift)
-    gain = gain_of(spun(believe(recipe)[0], even(z), rung=rung).log_diameter, np.array(usual))
-    y, off = np.array(seen), np.array(target)
-    far = float(np.max(np.abs(off - np.median(y, axis=1)) / y.std(axis=1)))
-    return log_d + (off[:, np.newaxis] - y).T @ gain, far
 
 
 def _orientation(found: Fibres, believed: Believed, z: FloatArray) -> FloatArray:

@@ -14,7 +14,8 @@ from pydantic_core import PydanticCustomError
 from spinline.base.errors import InputError
 from spinline.base.units import Measured, parse
 from spinline.recipe.believe import USUAL_TEMPERATURE, Recipe
-from spinline.recipe.predict import Fibre, Measurement, predict
+from spinline.recipe.measured import Measurement
+from spinline.recipe.predict import Fibre, predict
 from spinline.recipe.table import GAUGES
 from spinline.rheology.materials import POLYMERS, polymer
 from spinline.rheology.names import known_as
