@@ -211,9 +211,13 @@ def conditioned(
     """
     for one in measured:
         if not 0 < one.diameter < np.inf:
-            raise InputError("measured.fibre_diameter", "is no size of a fibre", value=one.diameter, allowed="> 0 m, finite")
+            raise InputError(
+                "measured.fibre_diameter", "is no size of a fibre", value=one.diameter, allowed="> 0 m, finite"
+            )
         if not 0 <= one.sd < np.inf:
-            raise InputError("measured.fibre_diameter", "has no such spread of its logarithm", value=one.sd, allowed=">= 0")
+            raise InputError(
+                "measured.fibre_diameter", "has no such spread of its logarithm", value=one.sd, allowed=">= 0"
+            )
     recipes = [recipe, *(one.recipe for one in measured)]
     believed = [believe(one)[0] for one in recipes]
     common = shared(recipes)
