@@ -4,7 +4,7 @@ Frames of the bundled PVP run are repeated with perturbed numbers, as text and a
 Plain numpy reads the same numbers on a slice of the text, in the same run, without looking for damage.
 
     python benchmarks/bench_jetspin.py [MEGABYTES] [--frames] [--keep DIR]
-    python benchmarks/bench_jetspin.py --sizes 0.01 0.03 0.1 1 10 100     # import-jet as a whole; writes bench_jetspin.json
+    python benchmarks/bench_jetspin.py --sizes 0.01 0.03 0.1 1 10 100 --runs RUN...   # writes bench_jetspin.json
 
 The second measures, in processor time and against ``numpy.loadtxt`` on nothing but the rows of numbers of the same file (and
 of those not the ones whose columns touch, which it cannot read):
@@ -17,6 +17,9 @@ of those not the ones whose columns touch, which it cannot read):
 * `write`: `write_jet`, thirteen sealed and checksummed variables, against loadtxt and saving the three columns as netCDF by
   xarray (`saved`), or as .npy (`npy`);
 * `process`: ``spinline import-jet`` from start to end, against a Python that does the same.
+
+`--runs` adds real runs under their names: `read_jetspin` of their traj.xyz (with what stands beside it), and of the directory
+with traj.xyz as its source, against loadtxt on the same rows.
 """
 
 import argparse
@@ -200,8 +203,8 @@ else:
 """
 
 
-def imports(sizes):
-    """`import-jet` from a text trajectory to a file, against loadtxt, at several sizes."""
+def imports(sizes, runs):
+    """`import-jet` from a text trajectory to a file, against loadtxt, at several sizes, and real runs."""
     run = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
     frames, rows = real_frames(run), []
     for size in sizes:
@@ -211,13 +214,41 @@ def imports(sizes):
             make_text(folder / "traj.xyz", frames, 1e6 * size, np.random.default_rng(1))
             rows.append(measured(folder, max(3, min(300, int(20 / size)))))
         print(json.dumps(rows[-1], indent=1), flush=True)
+    for folder in runs:
+        rows.append(real(folder))
+        print(json.dumps(rows[-1], indent=1), flush=True)
     Path(__file__).with_suffix(".json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+
+
+def plain_rows(path):
+    """The rows of a traj.xyz that loadtxt can read."""
+    lines = (line for line in path.read_bytes().splitlines() if line.startswith(b"C "))
+    return b"\n".join(line for line in lines if [word.count(b".") for word in line.split()] == [0, 1, 1, 1])
+
+
+def real(folder, repeats=300):
+    """Reading a real run, by its traj.xyz and by its directory, against loadtxt."""
+    path = folder / "traj.xyz"
+    with tempfile.TemporaryDirectory() as temporary:
+        text, rows = plain_rows(path), str(Path(temporary) / "rows.txt")
+        Path(rows).write_bytes(text)
+        seconds = least(
+            repeats, lambda: read_jetspin(path), lambda: read_jetspin(folder, source="traj.xyz"), lambda: load(rows)
+        )
+    megabytes = path.stat().st_size / 1e6
+    loadtxt = len(text) / 1e6 / seconds[2]
+    return {
+        "run": folder.name,
+        "megabytes": round(megabytes, 3),
+        "seconds": {name: round(s, 5) for name, s in zip(("file", "directory", "loadtxt"), seconds, strict=True)},
+        "file_over_loadtxt": round(megabytes / seconds[0] / loadtxt, 2),
+        "directory_over_loadtxt": round(megabytes / seconds[1] / loadtxt, 2),
+    }
 
 
 def measured(folder, repeats):
     """Seconds of reading, of writing and of whole processes, ours over theirs, for one run."""
-    lines = (line for line in (folder / "traj.xyz").read_bytes().splitlines() if line.startswith(b"C "))
-    text = b"\n".join(line for line in lines if [word.count(b".") for word in line.split()] == [0, 1, 1, 1])
+    text = plain_rows(folder / "traj.xyz")
     (folder / "rows.txt").write_bytes(text)
     megabytes, theirs = (folder / "traj.xyz").stat().st_size / 1e6, len(text) / 1e6
     jet, plain, other, saved = (str(folder / name) for name in ("jet.nc", "rows.txt", "rows.nc", "rows.npy"))
@@ -268,9 +299,10 @@ def main():
     parser.add_argument("--memory", action="store_true", help="also trace allocations (slow)")
     parser.add_argument("--keep", type=Path, help="directory for the synthetic files")
     parser.add_argument("--sizes", type=float, nargs="*", help="import-jet at these sizes, MB")
+    parser.add_argument("--runs", type=Path, nargs="*", default=[], help="with --sizes: real runs beside them")
     options = parser.parse_args()
     if options.sizes:
-        imports(options.sizes)
+        imports(options.sizes, options.runs)
         return
     run = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
     with tempfile.TemporaryDirectory() as temporary:

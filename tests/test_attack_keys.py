@@ -40,7 +40,13 @@ def test_options_without_effect_or_bound_are_refused(words, option, spinline, tm
 @pytest.mark.parametrize("command", ["run", "check", "fibre", "deposit"])
 @pytest.mark.parametrize(
     "text",
-    ["{name} = 1\n", "[jet]\n{name} = 1\n", '["{blanks}"]\nx = 1\n', '[jet]\nprofile = "{name}"\n', "[{name}]\nx = 1\n"],
+    [
+        "{name} = 1\n",
+        "[jet]\n{name} = 1\n",
+        '["{blanks}"]\nx = 1\n',
+        '[jet]\nprofile = "{name}"\n',
+        "[{name}]\nx = 1\n",
+    ],
     ids=["section", "key", "blanks", "value", "table"],
 )
 def test_names_of_thousands_of_letters_are_shortened(command, text, spinline, tmp_path) -> None:

@@ -156,3 +156,38 @@ def test_many_at_once_and_none():
     two = of(charge_density=np.array([300.0, 500.0], dtype=np.float32))
     assert two.radius[1] == pytest.approx(of().radius, rel=1e-6)
     assert of(charge_density=np.empty(0)).radius.shape == (0,)
+
+
+#: Shorter steps decide here whether the loops open before it lands: lengths of 0.2 and 0.1 leave it 0.39 of ln radius apart.
+ROUGH = {
+    "charge_density": 1461.47,
+    "surface_tension": 0.03314565,
+    "extensional_viscosity": 2020.856,
+    "evaporation": 5.4203979e-11,
+    "volume_fraction": 0.0815631,
+    "flow_rate": 2.7777778e-10,
+    "gap": 0.1066495,
+    "start": 1.501576e-5,
+    "field": 140647.64,
+}
+
+
+def test_jets_that_the_steps_decide_are_marched_with_shorter_ones():
+    once, found, exact = (
+        of(**ROUGH, fraction=0.2, accuracy=10.0),
+        of(**ROUGH, fraction=0.2),
+        of(**ROUGH, fraction=0.005),
+    )
+    assert once.error > 0.3
+    assert found.error <= 0.02
+    assert abs(np.log(found.radius / exact.radius)) < 0.05 < abs(np.log(once.radius / exact.radius))
+    beside = of(**(ROUGH | {"charge_density": [500.0, ROUGH["charge_density"]]}), fraction=0.2)
+    assert beside.radius[1] == found.radius  # by itself or among others
+
+
+def test_steps_that_are_too_many_leave_what_longer_ones_found():
+    found, asked = of(**ROUGH, fraction=0.005, accuracy=1.0), of(**ROUGH, fraction=0.005, accuracy=1e-12)
+    assert np.isfinite(asked.radius)
+    assert abs(np.log(asked.radius / found.radius)) < 0.01
+    with pytest.raises(InputError, match="accuracy"):
+        of(accuracy=0.0)

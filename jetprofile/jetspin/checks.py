@@ -29,86 +29,85 @@ _STIFF = 1e15  # Pa
 
 
 def check_positions(
-    bead: dict[str, Floats],
+    bead: Floats,
     there: Flags,
     error: float,
     parameters: RunParameters,
     notes: Notes,
 ) -> tuple[Flags, Flags]:
-    """Deposited beads, and beads whose position is not believed.
+    """Deposited beads, and beads whose position (3, frame, bead) is not believed.
 
     Positions more than `FAR` collector distances away are set to NaN. A bead behind the nozzle keeps its position.
     """
-    x, y, z = bead["x"], bead["y"], bead["z"]
+    x = bead[0]
     collector = parameters.collector_distance
     odd = np.isnan(x) & there
     deposited = np.zeros(x.shape, dtype=np.bool_)
     limit = 1e3 if collector is None else FAR * collector
-    lost = (np.abs(x) > limit) | (np.abs(y) > limit) | (np.abs(z) > limit)
+    lost = (np.abs(bead) > limit).any(axis=0)
     if lost.any():
         shown = f"{limit:.4g} m" if collector is None else f"{FAR:.0f} collector distances"
         notes.add(f"{{n}} beads farther than {shown} from the nozzle have NaN positions", np.count_nonzero(lost))
-        for values in (x, y, z):
-            values[lost] = np.nan
+        bead[:, lost] = np.nan
         odd |= lost
     if collector is not None:
         deposited = x >= collector - error - 1e-6 * collector
         if parameters.removing is not False:
             beyond = x > collector + 2 * error + 1e-6 * collector
             notes.add("{n} beads beyond the collector, taken as deposited", np.count_nonzero(beyond))
-    behind = x < -error - 1e-9
-    inner = there.copy()
-    inner[:, 0] = False
-    behind &= inner
+    behind = (x < -error - 1e-9) & there
+    behind[:, 0] = False
     notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", np.count_nonzero(behind))
     odd |= behind
     return deposited, odd
 
 
-def kinks(bead: dict[str, Floats], length: Floats) -> Floats:
+def kinks(bead: Floats, length: Floats) -> Floats:
     """Path over every inner bead against the straight line between its neighbours; 1 where there is none.
 
     `length` is the distance between a bead and the next.
     """
-    shape = bead["x"].shape
-    if shape[1] < 3:
-        return np.ones(shape)
-    path, two = length[:, 1:] + length[:, :-1], distance(bead, 2)
-    found = np.ones(shape)
-    inner = found[:, 1:-1]
-    np.divide(path, two, out=inner, where=two > 1e-4 * path)
-    inner[~np.isfinite(inner)] = 1.0
+    frames, count = bead[0].shape
+    found = np.ones((frames, count))
+    if count > 2:
+        path, two = length[:, 1:] + length[:, :-1], distance(bead, 2)
+        np.divide(path, two, out=found[:, 1:-1], where=two > 1e-4 * path)  # nowhere if one is not finite
     return found
 
 
-def distance(bead: dict[str, Floats], apart: int) -> Floats:
-    """Distance between beads so many numbers apart."""
-    x, y, z = (bead[axis][:, apart:] - bead[axis][:, :-apart] for axis in "xyz")
-    return np.asarray(np.sqrt(x * x + y * y + z * z))
+def distance(bead: Floats, apart: int) -> Floats:
+    """Distance between beads (3, frame, bead) so many numbers apart."""
+    step = bead[:, :, apart:] - bead[:, :, :-apart]
+    step *= step
+    length: Floats = step[0] + step[1]
+    length += step[2]
+    np.sqrt(length, out=length)
+    return length
 
 
 def peak_kink(block: Block) -> float:
     """Sharpest kink of the frames of a block."""
     peak = 1.0
     for first, length in zip(block.first.tolist(), block.length.tolist(), strict=True):
-        rows = slice(first, first + length)
-        zero = np.zeros((1, length))
-        bead = {axis: block.values[axis][None, rows] if axis in block.values else zero for axis in "xyz"}
+        bead = np.zeros((3, 1, length))
+        for number, axis in enumerate("xyz"):
+            if axis in block.values:
+                bead[number, 0] = block.values[axis][first : first + length]
         peak = max(peak, float(kinks(bead, distance(bead, 1)).max(initial=1.0)))
     return peak
 
 
-def find_strays(
-    bead: dict[str, Floats], length: Floats, deposited: Flags, around: tuple[float, float], notes: Notes
-) -> Flags:
+def find_strays(bead: Floats, length: Floats, deposited: Flags, around: tuple[float, float], notes: Notes) -> Flags:
     """Beads at a kink that neither the frame before nor the one after knows the like of; they keep their position.
 
     `around` is the sharpest kink of the frame before these and of the one after, NaN where there is none.
     """
     kink = kinks(bead, length)
     kink[:, :-1][deposited[:, 1:]] = 1.0
-    peak = kink.max(axis=1, initial=1.0)
-    known = np.fmax(np.concatenate([[around[0]], peak[:-1]]), np.concatenate([peak[1:], [around[1]]]))
+    peak = np.empty(len(kink) + 2)
+    peak[0], peak[-1] = around
+    kink.max(axis=1, initial=1.0, out=peak[1:-1])
+    known = np.fmax(peak[:-2], peak[2:])
     allowed = np.where(np.isnan(known), LONE_KINK, KINK * known)
     stray: Flags = kink > allowed[:, None]
     notes.add(

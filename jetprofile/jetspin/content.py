@@ -22,7 +22,7 @@ def content_of(path: Path) -> Content:
         If it is no file, or cannot be opened.
     """
     try:
-        with readable(path).open("rb") as file:
+        with open(readable(path), "rb", buffering=0) as file:  # read at once as a whole
             if os.fstat(file.fileno()).st_size <= _SMALL:
                 return file.read()
             return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)

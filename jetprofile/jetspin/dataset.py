@@ -81,21 +81,21 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     """
     pad = Padder(block)
     there = pad.there
-    bead: dict[str, Floats] = {axis: pad(axis) for axis in "xyz"}
+    bead = pad.positions()
     bad = pad.bad()
     p = meaning.parameters
     deposited, odd = check_positions(bead, there, meaning.position_error, p, notes)
     length = distance(bead, 1)
     bad |= odd | find_strays(bead, length, deposited, around, notes)
     whole = there[:, 1:]
-    coincident = whole & (length <= 0)
+    coincident = (length <= 0) & whole
     notes.add(
         "{n} elements of no length (coincident beads) have no radius",
         np.count_nonzero(coincident),
         warn=False,
         dropped=True,
     )
-    notes.add("{n} elements of no length away from the collector", np.count_nonzero(coincident & ~deposited[:, 1:]))
+    notes.add("{n} elements of no length away from the collector", np.count_nonzero(coincident > deposited[:, 1:]))
     safe = np.where(coincident, np.nan, length)
     volume = pad("volume")[:, 1:] if "volume" in pad else None
     if volume is not None:
@@ -103,13 +103,10 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     if "velocity_x" in pad:
         bad |= check_motion(pad, notes)
     at_rest = _rest_length(volume, meaning)
-    invalid = bad[:, 1:] | bad[:, :-1] | deposited[:, 1:] | deposited[:, :-1] | coincident
-    out: dict[str, NDArray[Any]] = {**bead}
-    arc = np.zeros_like(bead["x"])
-    length.cumsum(axis=1, out=arc[:, 1:])
-    arc[~block.reaches_nozzle] = np.nan
-    arc[~there | np.isnan(bead["x"])] = np.nan
-    out["arc_length"] = arc
+    bad |= deposited
+    invalid = bad[:, 1:] | bad[:, :-1] | coincident
+    out: dict[str, NDArray[Any]] = dict(zip("xyz", bead, strict=True))
+    out["arc_length"] = arc = _arc_length(bead, length, block.reaches_nozzle)
     out["element_length"] = length
     out["element_arc_length"] = 0.5 * (arc[:, 1:] + arc[:, :-1])
     stretch = safe / at_rest
@@ -121,7 +118,7 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
             out[f"velocity_{axis}"] = pad(f"velocity_{axis}")
         speeds = [out[f"velocity_{axis}"] for axis in "xyz"]
         out["velocity"] = np.sqrt(speeds[0] ** 2 + speeds[1] ** 2 + speeds[2] ** 2)
-        rate = sum(np.diff(v, axis=1) * np.diff(bead[axis], axis=1) for v, axis in zip(speeds, "xyz", strict=True))
+        rate = sum(np.diff(v, axis=1) * np.diff(x, axis=1) for v, x in zip(speeds, bead, strict=True))
         out["strain_rate"] = rate / safe**2
     if "stress" in pad:
         out["stress"] = pad("stress")[:, 1:]
@@ -138,6 +135,15 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
         out["inserted"] = block.inserted
     variables = {name: (_NAMED[name][0], values, _NAMED[name][1]) for name, values in out.items()}
     return NamedArrays(variables, {"time": ("time", block.time, _TIME)}, meaning.attrs)
+
+
+def _arc_length(bead: Floats, length: Floats, reaches_nozzle: NDArray[np.bool_]) -> Floats:
+    """Distance of every bead from the nozzle along the jet, NaN where it cannot be known."""
+    arc = np.zeros(bead[0].shape)
+    length.cumsum(axis=1, out=arc[:, 1:])
+    arc[~reaches_nozzle] = np.nan
+    arc[np.isnan(bead[0])] = np.nan
+    return arc
 
 
 def _rest_length(volume: Floats | None, meaning: Meaning) -> Floats | float:

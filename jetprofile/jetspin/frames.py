@@ -52,14 +52,24 @@ class Padder:
         """Padded column; zero where the file has none (y and z of a straight jet)."""
         values = self._made.get(name)
         if values is None:
-            flat = self._block.values.get(name)
-            flat = np.zeros(len(self._block.bad)) if flat is None else flat
-            self._made[name] = values = np.append(flat, np.nan).take(self._row)
+            self._made[name] = values = self._padded(name)[0]
         return values
+
+    def positions(self) -> Floats:
+        """x, y and z, one behind the other."""
+        return self._padded(*"xyz")
+
+    def _padded(self, *names: str) -> Floats:
+        flat = np.zeros((len(names), len(self._block.bad) + 1))
+        flat[:, -1] = np.nan
+        for number, name in enumerate(names):
+            if name in self:
+                flat[number, :-1] = self._block.values[name]
+        return flat.take(self._row, axis=1)
 
     def bad(self) -> NDArray[np.bool_]:
         """Padded marks of rows that could not be read."""
-        return np.append(self._block.bad, False).take(self._row)
+        return np.concatenate((self._block.bad, [False])).take(self._row)
 
 
 class FrameSource(Protocol):

@@ -6,13 +6,13 @@ The XYZ files do not say which length unit they are in, nor the nozzle radius: b
 import os
 import re
 from collections.abc import Callable
-from dataclasses import fields, replace
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from spinline.base.errors import InputError
-from spinline.base.files import readable
+from spinline.jetprofile.jetspin.content import content_of
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import (
     RunParameters,
@@ -20,7 +20,7 @@ from spinline.jetprofile.jetspin.parameters import (
     tells_anything,
     with_internal_units,
 )
-from spinline.jetprofile.jetspin.units import si_unit, to_float
+from spinline.jetprofile.jetspin.units import si_unit, to_floats
 
 __all__ = ["find_parameters", "parse_file", "parse_input", "parse_log", "read_parameters"]
 
@@ -65,6 +65,7 @@ _FACTORS = {
     for field, unit in [*((field, rule[2]) for field, rule in _VALUES.items()), *_INTERNAL.values()]
 }
 _NAMES = [re.compile("|".join(f"(?P<{field}>{re.escape(rule[k])})" for field, rule in _VALUES.items())) for k in (0, 1)]
+_NUMBER = re.compile(r"(?<!\S)[+-]?\.?\d[^ ]*")
 _MARKS = ("Start ", "Finish ", "The 'resolution'")
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
 _SWITCH_NAMES = tuple(_SWITCHES)
@@ -91,13 +92,14 @@ _POSITIVE = frozenset(
         "system",
     ]
 )
-_FIELDS = frozenset(field.name for field in fields(RunParameters))
-_Values = dict[str, object]
+_OFF = dict.fromkeys(_SWITCHES.values(), False)
+_Values = dict[str, Any]
 
 
 def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
     """Read the set-up JETSPIN echoes to the terminal."""
     found: _Values = {}
+    pairs: list[tuple[str, str]] = []
     version = re.search(r"Version\s+([0-9][^\s(]*)", text)
     if version is not None:
         found["version"] = version[1]
@@ -116,42 +118,36 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
             elif line.startswith("The 'resolution' value is equal to"):
                 value = line[34:].split()
                 if value and line[34].isspace():
-                    _store(found, "resolution", value[0], notes)
+                    pairs.append(("resolution", value[0]))
         name, equals, rest = line.partition("=")
-        words = rest.split(None, 1) if equals else []
+        words = rest.split(None, 1) if equals else None
         if words:
             name = name.strip()
             internal = _INTERNAL.get(name)
-            if internal is not None:
-                _store(found, internal[0], words[0], notes)
-            elif inside:
-                _lookup(found, name, words[0], 0, notes)
+            field = internal[0] if internal is not None else _named(name, 0) if inside else None
+            if field is not None:
+                pairs.append((field, words[0]))
         elif inside:
             _switch(found, line)
-    return _finish(found, source, ended, notes)
+    return _finish(found, pairs, source, ended, notes)
 
 
 def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
     """Read the directives of an ``input.dat``."""
     found: _Values = {}
+    pairs: list[tuple[str, str]] = []
     ended = False
     for raw in text.splitlines():
         line = " ".join(raw[:150].split("!")[0].split("#")[0].split()).lower()
         if line.startswith("finish"):
             ended = True
             break
-        words = line.split()
-        numbers = [word for word in words if re.match(r"[+-]?\.?\d", word)]
         _switch(found, line)
-        if numbers:
-            _lookup(found, line, numbers[0], 1, notes)
-    return _finish(found, source, ended, notes)
-
-
-def _lookup(found: _Values, name: str, value: str, column: int, notes: Notes) -> None:
-    field = _named(name, column)
-    if field is not None:
-        _store(found, field, value, notes)
+        number = _NUMBER.search(line)
+        field = _named(line, 1) if number is not None else None
+        if number is not None and field is not None:
+            pairs.append((field, number[0]))
+    return _finish(found, pairs, source, ended, notes)
 
 
 @lru_cache(maxsize=512)
@@ -170,24 +166,25 @@ def _switch(found: _Values, line: str) -> None:
             found[field] = words[0] == "yes"
 
 
-def _store(found: _Values, field: str, value: str, notes: Notes) -> None:
-    number, factor = to_float(value), _FACTORS[field]
-    unusable = not abs(number) < 1e30 or (number <= 0 and field in _POSITIVE)
-    if unusable or (factor is None and number != int(number)):
-        notes.add(f"{field.replace('_', ' ')} = {value[:30]} cannot be right and is not used")
-        found.pop(field, None)
-        return
-    found[field] = int(number) if factor is None else number * factor
+def _store(found: _Values, pairs: list[tuple[str, str]], notes: Notes) -> None:
+    """The numbers of fields in SI; of a field given twice the later one, and none if that cannot be."""
+    for (field, value), number in zip(pairs, to_floats([value for _, value in pairs]), strict=True):
+        factor = _FACTORS[field]
+        unusable = not abs(number) < 1e30 or (number <= 0 and field in _POSITIVE)
+        if unusable or (factor is None and number != int(number)):
+            notes.add(f"{field.replace('_', ' ')} = {value[:30]} cannot be right and is not used")
+            found.pop(field, None)
+        else:
+            found[field] = int(number) if factor is None else number * factor
 
 
-def _finish(found: _Values, source: str, ended: bool, notes: Notes) -> RunParameters:
-    told = {name: value for name, value in found.items() if name in _FIELDS}
+def _finish(found: _Values, pairs: list[tuple[str, str]], source: str, ended: bool, notes: Notes) -> RunParameters:
+    _store(found, pairs, notes)
     if ended:  # the whole was seen: a switch not met is off
-        told = {**dict.fromkeys(_SWITCHES.values(), False), **told}
-    params = RunParameters(source=source, complete=ended, **told)  # type: ignore[arg-type]
-    if params.resolution is None and params.initial_length is not None and params.points is not None:
-        params = replace(params, resolution=params.initial_length / params.points)
-    return with_internal_units(params, notes)
+        found = {**_OFF, **found}
+    if "resolution" not in found and "initial_length" in found and "points" in found:
+        found["resolution"] = found["initial_length"] / found["points"]
+    return with_internal_units(RunParameters(source=source, complete=ended, **found), notes)
 
 
 def read_parameters(path: str | PathLike[str]) -> RunParameters:
@@ -230,18 +227,11 @@ def is_log(text: str) -> bool:
 
 def read_text(path: Path, limit: int = 2_000_000) -> str:
     """Read the beginning of a text file, which holds the set-up, whatever its bytes."""
-    try:
-        with readable(path).open("rb") as file:
-            size = os.fstat(file.fileno()).st_size  # asked for more, it would first make room for all of that
-            return file.read(min(limit, size)).decode("utf-8", errors="replace")
-    except OSError as error:
-        raise InputError(
-            str(path), f"cannot be opened ({error.strerror})", remedy="check the path and its permissions"
-        ) from None
+    return bytes(content_of(path)[:limit]).decode("utf-8", errors="replace")
 
 
 def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
     """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
-    there = (os.path.join(folder, name) for name in ("log.txt", "input.dat"))
-    sets = [parse_file(Path(path), notes) for path in there if os.path.isfile(path)]
+    there = (folder / name for name in ("log.txt", "input.dat"))
+    sets = [parse_file(path, notes) for path in there if os.path.isfile(path)]
     return merge_parameters([params for params in sets if tells_anything(params)], notes)

@@ -69,6 +69,9 @@ class RunParameters:
         return math.pi * self.nozzle_radius**2 * self.resolution
 
 
+_NUMBERS = [field.name for field in fields(RunParameters) if field.name not in ("source", "complete", "version")]
+
+
 def with_internal_units(params: RunParameters, notes: Notes) -> RunParameters:
     """Fill in the internal units from the set-up, or compare them with it."""
     volume, charge_density = params.element_volume, params.charge_density
@@ -135,5 +138,4 @@ def merge_parameters(sets: Iterable[RunParameters], notes: Notes) -> RunParamete
 
 def tells_anything(params: RunParameters) -> bool:
     """Whether a set of parameters holds any."""
-    skip = ("source", "complete", "version")
-    return any(getattr(params, f.name) not in (None, False) for f in fields(params) if f.name not in skip)
+    return any(getattr(params, name) not in (None, False) for name in _NUMBERS)

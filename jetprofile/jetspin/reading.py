@@ -87,9 +87,9 @@ def open_reading(
 ) -> Reading:
     """Find the frames of a file or run and what is needed to understand them."""
     path = Path(path)
-    if not os.path.exists(path):
-        raise InputError(str(path), "does not exist", remedy="give a file or directory of a JETSPIN run")
     if not os.path.isdir(path):
+        if not os.path.exists(path):
+            raise InputError(str(path), "does not exist", remedy="give a file or directory of a JETSPIN run")
         if source is not None:
             raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
         notes = Notes(str(path))

@@ -56,13 +56,11 @@ def _there(folder: Path) -> str:
 
 def statistics_track(folder: Path) -> Track | None:
     """Position of the first bead in time from ``statout.dat``, where it was printed."""
-    if not os.path.isfile(os.path.join(folder, "statout.dat")):
-        return None
     path = folder / "statout.dat"
-    if path.stat().st_size == 0:
+    if not os.path.isfile(path) or path.stat().st_size == 0:
         return None
     try:
-        table = read_table(path, Notes(path.name))
+        table = read_table(path, Notes(path.name), ("time", "x", "refinements"))
     except InputError:
         return None
     if "time" not in table:  # printed without units, or not at all: there is nothing to place a bead by

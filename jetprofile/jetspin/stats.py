@@ -1,7 +1,8 @@
 """What JETSPIN prints beside the beads: statout.dat, statdat.dat, bead.dat, and the set-up as a Dataset."""
 
-from contextlib import suppress
+from collections.abc import Collection
 from dataclasses import fields
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,12 +12,13 @@ from numpy.typing import NDArray
 
 from spinline.base.errors import InputError
 from spinline.base.named_arrays import NamedArrays
-from spinline.jetprofile.jetspin.detect import file_kind
+from spinline.jetprofile.jetspin.content import Content, content_of
+from spinline.jetprofile.jetspin.detect import file_kind, kind_of
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.header import find_parameters, is_log, parse_file, read_text
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.observables import BY_KEY, OBSERVABLES
-from spinline.jetprofile.jetspin.units import si_unit, to_float
+from spinline.jetprofile.jetspin.units import si_unit, to_floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,9 +82,13 @@ def read_statistics(path: str | PathLike[str]) -> "xr.Dataset":
     return table.dataset()
 
 
-def read_table(path: Path, notes: Notes) -> NamedArrays:
-    """Observables of one file along time."""
-    rows, columns = _binary_table(path, notes) if file_kind(path) == "statdat" else _text_table(path, notes)
+def read_table(path: Path, notes: Notes, wanted: Collection[str] = ()) -> NamedArrays:
+    """Observables of one file along time; of a text nothing but `step` and the `wanted` ones, if any are named."""
+    content = content_of(path)
+    if kind_of(path, content) == "statdat":
+        rows, columns = _binary_table(content, notes)
+    else:
+        rows, columns = _text_table(path, content, notes, wanted)
     if len(rows) == 0:
         raise InputError(str(path), "holds no whole row", remedy="read another file of the run")
     names = [name for name, _, _, _ in columns]
@@ -105,8 +111,7 @@ Column = tuple[str, float, str, str]
 _STEP: Column = ("step", 1.0, "1", "number of the time step")
 
 
-def _binary_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
-    content = path.read_bytes()
+def _binary_table(content: Content, notes: Notes) -> tuple[Floats, list[Column]]:
     count, rest = divmod(len(content), 196)
     if rest:
         notes.add("the last record is cut off and left out", dropped=True)
@@ -141,46 +146,40 @@ def _check_record(values: Floats, notes: Notes) -> None:
     notes.add("{n} records contradict themselves (one observable in two units)", int(wrong.sum()))
 
 
-def _text_table(path: Path, notes: Notes) -> tuple[Floats, list[Column]]:
+def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[str]) -> tuple[Floats, list[Column]]:
     columns: list[Column] | None = None
-    rows: list[list[float]] = []
-    torn = 0
-    with path.open("rb") as file:
-        for raw in file:
-            if raw.startswith(b"#***") or not raw.strip():
-                continue
-            line = raw[:4096].decode("utf-8", errors="replace").rstrip("\r\n")
-            if line.lstrip().startswith("#"):
-                header = _columns(line)
-                if columns is None:
-                    columns = header
-                elif [column[0] for column in header] != [column[0] for column in columns]:
-                    notes.add("a later header names other columns; rows behind it are left out", dropped=True)
-                    break
-                continue
+    rows: list[str] = []
+    width = torn = 0
+    for raw in BytesIO(content):
+        if raw.startswith(b"#***") or not raw.strip():
+            continue
+        line = raw[:4096].decode("utf-8", errors="replace").rstrip("\r\n")
+        if line.lstrip().startswith("#"):
+            header = _columns(line)
             if columns is None:
-                raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
-            width = 10 + _WIDTH * (len(columns) - 1)
-            if not width - 5 <= len(line.rstrip()) <= width or not raw.endswith(b"\n"):
-                torn += 1
-                continue
-            cells = [line[:10]] + [line[at : at + _WIDTH] for at in range(10, width, _WIDTH)]
-            rows.append(_numbers(cells))
+                columns, width = header, 10 + _WIDTH * (len(header) - 1)
+            elif [column[0] for column in header] != [column[0] for column in columns]:
+                notes.add("a later header names other columns; rows behind it are left out", dropped=True)
+                break
+            continue
+        if columns is None:
+            raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
+        if width - 5 <= len(line.rstrip()) <= width and raw.endswith(b"\n"):
+            rows.append(line)
+        else:
+            torn += 1
     notes.add("{n} cut or damaged rows left out", torn, dropped=True)
-    table = np.array(rows, dtype=np.float64)
-    notes.add("{n} values cannot be read and are NaN", int(np.isnan(table).sum()))
     if columns is None:
         raise InputError(str(path), "has no header", remedy="read statdat.dat instead")
-    return table.reshape(len(rows), len(columns)), columns
-
-
-def _numbers(cells: list[str]) -> list[float]:
-    """`to_float` of each; at once where all are plain."""
-    together = "".join(cells)
-    if together.isascii() and "_" not in together:
-        with suppress(ValueError):
-            return list(map(float, cells))
-    return [to_float(cell) for cell in cells]
+    stops = range(10, width + 1, _WIDTH)
+    taken = [
+        (*one, stop) for one, stop in zip(columns, stops, strict=True) if not wanted or one[0] in ("step", *wanted)
+    ]
+    table = np.empty((len(rows), len(taken)))
+    for number, (*_, stop) in enumerate(taken):
+        table[:, number] = to_floats([row[max(stop - _WIDTH, 0) : stop] for row in rows])
+    notes.add("{n} values cannot be read and are NaN", int(np.isnan(table).sum()))
+    return table, [one[:4] for one in taken]
 
 
 def _columns(line: str) -> list[Column]:

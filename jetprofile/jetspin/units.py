@@ -2,9 +2,11 @@
 
 import math
 import re
+from collections.abc import Sequence
+from contextlib import suppress
 from functools import lru_cache
 
-__all__ = ["CM", "STATCOULOMB", "STATVOLT", "si_unit", "to_float"]
+__all__ = ["CM", "STATCOULOMB", "STATVOLT", "si_unit", "to_float", "to_floats"]
 
 CM = 0.01
 STATCOULOMB = 3.3356409519815204e-10  # C; 1/(10 c) with c in m/s
@@ -80,3 +82,12 @@ def to_float(text: str) -> float:
         return float(re.sub("[dD]", "e", re.sub("[dDeE]$", "", text), count=1))
     except ValueError:
         return math.nan
+
+
+def to_floats(texts: Sequence[str]) -> list[float]:
+    """`to_float` of each; at once where all are plain."""
+    together = "".join(texts)
+    if together.isascii() and "_" not in together:
+        with suppress(ValueError):
+            return list(map(float, texts))
+    return [to_float(text) for text in texts]

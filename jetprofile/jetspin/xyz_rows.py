@@ -14,7 +14,8 @@ UNREADABLE, OVERFLOW, DAMAGED = 1, 2, 4
 
 _ROW = 38  # bytes of a row without its end
 _BLOCK = 8192  # rows at a time, so that their columns stay in the cache
-_HEAD = np.frombuffer(b"C       ", np.uint8)
+_HEAD = np.frombuffer(b"C       ", np.uint8)[:, None]
+_ENDS = {len(end): np.frombuffer(end, np.uint8)[:, None] for end in (b"\n", b"\r\n")}
 _WIDTH, _LEADING, _DECIMALS = 10, 4, 5
 _UNIT = 1e5
 
@@ -69,10 +70,12 @@ def _grid(
 
 def _even_numbers(characters: Bytes) -> tuple[NDArray[np.float64], Bytes]:
     """`_numbers` of lines that are all as long."""
-    bad = (characters[: len(_HEAD)] != _HEAD[:, None]).any(axis=0) | (characters[-1] != ord("\n"))
-    if len(characters) > _ROW + 1:
-        bad |= characters[_ROW] != ord("\r")
-    return _valued(characters, bad * np.uint8(DAMAGED))
+    flags = np.zeros(characters.shape[1], np.uint8)
+    end = _ENDS[len(characters) - _ROW]
+    head_bad, end_bad = characters[: len(_HEAD)] != _HEAD, characters[_ROW:] != end
+    if head_bad.any() or end_bad.any():
+        flags[head_bad.any(axis=0) | end_bad.any(axis=0)] = DAMAGED
+    return _valued(characters, flags)
 
 
 def _lines(
@@ -107,7 +110,7 @@ def _numbers(buffer: Bytes, start: NDArray[np.int64], end: NDArray[np.int64]) ->
     short = width < _ROW
     columns = _columns(buffer, np.where(short, 0, start)) if len(buffer) >= _ROW else np.zeros((_ROW, len(start)), "u1")
     last = buffer[np.maximum(end, 1) - 1] == ord("\n")
-    bad = (columns[:8] != _HEAD[:, None]).any(axis=0)
+    bad = (columns[: len(_HEAD)] != _HEAD).any(axis=0)
     returned = buffer[np.minimum(start + _ROW, len(buffer) - 1)] == ord("\r")
     bad |= (width > _ROW + 1) & ~((width == _ROW + 2) & returned)
     unfinished = (end == len(buffer)) & (width == _ROW)  # the last line of the text, whole but for its end
@@ -127,35 +130,36 @@ def _columns(buffer: Bytes, start: NDArray[np.int64]) -> Bytes:
 
 def _valued(columns: Bytes, flags: Bytes) -> tuple[NDArray[np.float64], Bytes]:
     """Values (3, n) of rows by their characters, NaN where they have none, and their flags with those of the fields."""
-    fields = columns[len(_HEAD) : _ROW].reshape(3, _WIDTH, -1).swapaxes(0, 1)
+    fields = columns[len(_HEAD) : _ROW].reshape(3, _WIDTH, -1)
     digits = fields - np.uint8(ord("0"))  # 10 and more for what is no digit
-    number = digits <= 9
-    minus = fields[:_LEADING] == ord("-")
-    faults = _faults(fields, number, minus)
-    digits[:_LEADING] *= number[:_LEADING]
-    # two digits, then four, in the narrowest integers that hold them
-    pairs = [10 * digits[place] + digits[place + 1] for place in (0, 2, 5, 7)]
-    whole, part = (100 * pairs[k].astype(np.uint16) + pairs[k + 1] for k in (0, 2))
-    value = whole.astype(np.int32) * np.int32(100_000)
-    value += part * np.int32(10)
-    value += digits[-1]
-    values = np.where(minus.any(axis=0), -value, value) / _UNIT
+    plain = digits <= 9
+    plain[:, _LEADING] = fields[:, _LEADING] == ord(".")
+    minus = fields[:, :_LEADING] == ord("-")
+    faults = _faults(fields, plain, minus)
+    digits[:, :_LEADING] *= plain[:, :_LEADING]
+    # two digits, then four, of those before the point and behind it, in the narrowest integers that hold them
+    fours = digits.reshape(3, 2, _DECIMALS, -1)[:, :, :4]
+    pairs = 10 * fours[:, :, ::2] + fours[:, :, 1::2]
+    four = np.multiply(pairs[:, :, 0], 100, dtype=np.uint16) + pairs[:, :, 1]
+    value = np.multiply(four[:, 0], 100_000, dtype=np.int32)
+    value += np.multiply(four[:, 1], 10, dtype=np.int32)
+    value += digits[:, -1]
+    values = np.negative(value, out=value, where=minus.any(axis=1)) / _UNIT
     if faults is not None:
         flags |= faults[0] | faults[1] | faults[2]
         values[:, (flags & (UNREADABLE | OVERFLOW)) != 0] = np.nan
     return values, flags
 
 
-def _faults(fields: Bytes, number: Flags, minus: Flags) -> Bytes | None:
-    """Faults (3, n) of fields (10, 3, n) in which `number` marks digits and `minus` signs, None where all are sound."""
-    blank, other = fields[:_LEADING] == ord(" "), ~number[:_LEADING]
-    strange = other & ~(blank | minus)
-    strange[1:] |= other[1:] & ~blank[:-1]  # a sign or a blank stands behind blanks alone
-    point, decimals = fields[_LEADING] == ord("."), number[_LEADING + 1 :]
-    if point.all() and decimals.all() and not strange.any():
+def _faults(fields: Bytes, plain: Flags, minus: Flags) -> Bytes | None:
+    """Faults (3, n) of fields (3, 10, n) in which `plain` marks digits and points, `minus` signs; None of sound ones."""
+    blank, leading, rest = fields[:, :_LEADING] == ord(" "), plain[:, :_LEADING], plain[:, _LEADING:]
+    sound = leading | blank | minus
+    sound[:, 1:] &= leading[:, 1:] | blank[:, :-1]  # a sign or a blank stands behind blanks alone
+    if rest.all() and sound.all():
         return None
-    faults: Bytes = (strange.any(axis=0) | ~point | ~decimals.all(axis=0)).astype(np.uint8)
-    faults[(fields == ord("*")).all(axis=0)] = OVERFLOW
+    faults: Bytes = (~(sound.all(axis=1) & rest.all(axis=1))).astype(np.uint8)
+    faults[(fields == ord("*")).all(axis=1)] = OVERFLOW
     return faults
 
 
@@ -176,7 +180,7 @@ def _keep(
     stop = np.minimum(nozzle + 1, after)
     length = stop - first
     kept = np.arange(len(zero)) < stop.repeat(rows)
-    odd = ~kept & (~zero | (flags != 0))
+    expected = kept | (zero > flags)  # padding is zeros without a fault
     total = int(length.sum())
     values.compress(kept, axis=1, out=out[:, used : used + total])
     status[used : used + total] = flags[kept]
@@ -184,7 +188,7 @@ def _keep(
     chains[:, 1] = length
     chains[:, 2] = nozzle < after
     chains[:, 3] = 0
-    if odd.any():
-        before = np.concatenate([[0], np.cumsum(odd)])
+    if not expected.all():
+        before = np.concatenate([[0], np.cumsum(~expected)])
         chains[:, 3] = before[after] - before[first]
     return total

@@ -117,7 +117,7 @@ def readable(path: str | Path, field: str | None = None, remedy: str = "check th
     if not stat.S_ISREG(mode):
         raise InputError(name, f"is {kind_of(mode)}, not a file", value=shown, remedy=remedy)
     note_input(path)
-    return Path(path)
+    return path if isinstance(path, Path) else Path(path)
 
 
 def writable(path: str | Path, *, force: bool = False) -> Path:

@@ -89,9 +89,12 @@ class NamedArrays:
     @property
     def sizes(self) -> dict[str, int]:
         """Length of every dimension."""
-        return {
-            dim: size for one in self.variables.values() for dim, size in zip(one.dims, one.values.shape, strict=True)
-        }
+        sizes: dict[str, int] = {}
+        for name, one in self.variables.items():
+            for dim, size in zip(one.dims, one.values.shape, strict=True):
+                if sizes.setdefault(dim, size) != size:
+                    raise ValueError(f"{name} has {size} values along {dim}, others have {sizes[dim]}")
+        return sizes
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -139,6 +142,7 @@ class NamedArrays:
 
     def _dataset_of_numbers(self) -> "xr.Dataset":
         """The same without looking for what is to be converted, aligned or merged: a quarter of the time."""
+        import pandas as pd
         import xarray as xr
         from xarray.indexes import Index, PandasIndex
 
@@ -147,9 +151,12 @@ class NamedArrays:
         }
         indexes: dict[Any, Index] = {}
         for name in [name for name, one in self.variables.items() if one.dims == (name,)]:
-            indexes[name] = index = PandasIndex.from_variables({name: made[name]}, options={})
+            values = self.variables[name].values
+            # as `from_variables` does it, which first makes two copies to name them
+            indexes[name] = index = PandasIndex(pd.Index(values, name=name), name, values.dtype)
             made[name] = index.create_variables({name: made[name]})[name]
-        return xr.Dataset._construct_direct(made, {*self.coords, *indexes}, attrs=dict(self.attrs), indexes=indexes)
+        names = {*self.coords, *indexes}
+        return xr.Dataset._construct_direct(made, names, self.sizes, dict(self.attrs), indexes)
 
     def _like(self, variables: Mapping[str, Any]) -> "NamedArrays":
         data = {name: one for name, one in variables.items() if name not in self.coords}
