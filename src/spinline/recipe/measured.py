@@ -18,7 +18,7 @@ from typing import Any
 from zlib import crc32
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
@@ -28,7 +28,7 @@ from spinline.recipe.outside import outside_remarks
 
 __all__ = ["Known", "Measurement", "conditioned", "materials_in_common", "moved", "shared", "slopes"]
 
-_CELLS = 200  # of the unevenness of laboratories
+_CELLS = np.linspace(-8.0, 8.0, 401)  # of the unevenness of laboratories, as a normal quantity
 _ABOUT = 32  # draws about which the changes of ln d are taken
 _NEAR = 0.1  # of a setting's logarithm, of a share: the settings that their scatter is calibrated on mostly lie farther apart
 _KELVIN = 20.0  # over which drying changes as other settings do over an e-fold
@@ -173,11 +173,11 @@ class Known:
 
     def uneven(self, drawn: FloatArray, off: FloatArray) -> FloatArray:
         """Unevenness (normal draws) of laboratories whose measured ln d lie `off` what was expected, rank by rank."""
-        edges = np.linspace(0.0, 1.0, _CELLS + 1)
-        every = self._at(ndtri(0.5 * (edges[1:] + edges[:-1])))[:, 1:, 1:]
+        every = self._at(0.5 * (_CELLS[1:] + _CELLS[:-1]))[:, 1:, 1:]
         log_p = -0.5 * (off @ np.linalg.solve(every, off[:, np.newaxis])[..., 0].T + np.linalg.slogdet(every)[1])
+        log_p += np.log(np.diff(ndtr(-np.abs(_CELLS))) * np.sign(-_CELLS[1:] - _CELLS[:-1]))  # exact in both tails
         chance = np.append(0.0, np.cumsum(np.exp(log_p - log_p.max())))
-        found: FloatArray = ndtri(np.interp(ndtr(drawn), chance / chance[-1], edges))
+        found: FloatArray = np.interp(ndtr(drawn), chance / chance[-1], _CELLS)
         return found
 
     def apart(self, off: FloatArray) -> float:
