@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,7 +44,7 @@ def test_every_point_is_that_of_its_recipe(sheet):
     assert dict(found.sizes) == {"interval": 3, "voltage": 2, "gap": 1, "flow_rate": 1, "mass_fraction": 2}
     for u in (9e3, 20e3):
         for w in (0.08, 0.12):
-            recipe = replace(sheet.recipe(), voltage=u, mass_fraction=w)
+            recipe = replace(sheet.recipe(), voltage=u, mass_fraction=w, usual_fraction=0.12)
             alone = predict(recipe, sheet.measurements(), draws=512, shares=False)
             cell = found.sel(voltage=u, mass_fraction=w).squeeze()
             low, high = alone.fibre_diameter_68
@@ -52,6 +53,34 @@ def test_every_point_is_that_of_its_recipe(sheet):
     assert found.attrs["intervals"].endswith("of what is not known, one measured fibre")
     assert np.all(np.diff(found["fibre_diameter"].values, axis=0) > 0)
     assert np.all(found["fibre_diameter"].sel(mass_fraction=0.12) > found["fibre_diameter"].sel(mass_fraction=0.08))
+
+
+def test_a_viscosity_that_was_given_follows_the_concentration_over_the_window(tmp_path):
+    """Held as it was, it had left fibres of half the concentration as viscous as the recipe's."""
+    file = tmp_path / "trial.toml"
+    file.write_text(MEASURED.replace("molar_mass", 'viscosity = "1.5 Pa s"\nmolar_mass'), "utf-8")
+    found = fibre_window(load_recipe(file), mass_fraction=[0.06, 0.12])
+    thin, own = found["viscosity"].sel(interval="median").squeeze().values
+    assert own == pytest.approx(1.5, rel=0.01)
+    assert 0.5**6 < thin / own < 0.5**4
+
+
+def test_a_window_tries_concentrations_about_the_recipes_own():
+    """A thin point tells nothing of the polymer: taken as what is usual at each point, 4 wt% of PAN had been smooth fibres.
+
+    Nor had the fibres followed the concentration as those of one published laboratory do (elasticity 1.03 to 3.08, quartiles; 0.5 then).
+    """
+    found = (
+        fibre_window(load_recipe("pan-dmf"), mass_fraction=[0.02, 0.04, 0.07, 0.1, 0.14])
+        .sel(interval="median")
+        .squeeze()
+    )
+    log_d, log_c = np.log(found["fibre_diameter"].values), np.log(found["mass_fraction"].values)
+    slope = (log_d[4] - log_d[2]) / (log_c[4] - log_c[2])
+    judged = Path(__file__).parents[1] / "benchmarks" / "spindb.json"
+    low, _, high = json.loads(judged.read_text("utf-8"))["elasticities"]["concentration"]["measured"]
+    assert low < slope < high
+    assert found["regime"].values.tolist() == ["sprays", "beads", "jets", "jets", "jets"]
 
 
 def test_axes_that_cannot_be_are_refused(sheet):

@@ -13,6 +13,7 @@ from spinline.base.errors import InputError
 from spinline.recipe import Measurement, Recipe, load_recipe, predict_table, read_experiments, recipes_of
 from spinline.recipe.believe import evaporation_rate
 from spinline.recipe.predict import predict
+from spinline.recipe.recipe_file import bundled_recipes
 from spinline.rheology.solvents import mixture_density
 
 DATA = Path(__file__).parent / "data" / "spindb" / "experiments-sample.csv"
@@ -173,8 +174,6 @@ def test_a_recipe_with_everything(spinline, tmp_path):
     ],
 )
 def test_bad_recipes_are_told(spinline, tmp_path, change, words):
-    from spinline.recipe.recipe_file import bundled_recipes
-
     text = bundled_recipes()["pan-dmf"].read_text().replace(*change)
     (tmp_path / "r.toml").write_text(text)
     ran = spinline("fibre", "r.toml")
@@ -189,6 +188,16 @@ def test_the_command_needs_one_thing(spinline):
     assert "recipe" in spinline("fibre", "no-such").err
 
 
+def test_a_measured_fibre_is_asked_for_where_there_is_none(spinline):
+    file = Path("rig.toml")
+    file.write_text(
+        bundled_recipes()["pan-dmf"].read_text("utf-8") + '[measured]\nfibre_diameter = "320 nm"\n', "utf-8"
+    )
+    asked = "One measured fibre of this rig"
+    assert asked in spinline("fibre", "pan-dmf").out
+    assert asked not in spinline("fibre", str(file)).out
+
+
 def test_a_table(spinline, tmp_path):
     ran = spinline("fibre", "--table", DATA, "-o", "out.csv")
     assert ran.code == 0
@@ -199,6 +208,11 @@ def test_a_table(spinline, tmp_path):
         assert size == sorted(size)
         assert row["regime"]
         assert row["rung"] == "race"
+    assert "is kept and not used" in ran.out
+    first = {name: text for name, text in read_experiments(DATA)[0].items() if not name.startswith("fibre_diameter")}
+    bare = [",".join(first), ",".join(first.values())]
+    Path("bare.csv").write_text("\n".join(bare), "utf-8")
+    assert "is kept and not used" not in spinline("fibre", "--table", "bare.csv").out
     assert spinline("fibre", "--table", DATA, "-o", "out.csv").code == 2  # not over a file without --force
 
 

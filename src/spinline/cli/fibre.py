@@ -85,6 +85,9 @@ def _table(table: Path, out: Path | None, rung: str, json: bool, force: bool) ->
         + (f", {missed} not predicted (the reason stands in their regime)" if missed else "")
         + (f", {remarked} with something to say (in their remark)" if remarked else "")
     )
+    diameters = [name for name in rows[0] if name.startswith("fibre_diameter")]
+    if diameters:
+        say(f"{diameters[0]} is kept and not used: measured fibres sharpen the answer of a recipe, in its [measured]")
     say(f"wrote {target}")
 
 
@@ -139,6 +142,6 @@ def lines(found: "Fibre") -> list[str]:
     )
     said += [f"Not given, so taken: {key}: {words}." for key, words in found.borrowed.items()]
     said += [f"Warning: {remark}." for remark in found.remarks]
-    if found.variance_shares:
+    if found.variance_shares and "measured" not in found.variance_shares:
         said.append("One measured fibre of this rig ([measured] fibre_diameter) narrows all of it.")
     return said

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from numbers import Real
 
 import numpy as np
 
@@ -86,6 +87,7 @@ class Recipe:
 
 def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed, dict[str, str]]:
     """Medians and spreads of a recipe, and what was borrowed, in words by the recipe's own names."""
+    _possible(recipe)
     borrowed: dict[str, str] = {}
     sd = {
         **constants.sd,
@@ -164,6 +166,27 @@ def believe(recipe: Recipe, constants: Calibrated = CONSTANTS) -> tuple[Believed
         ),
         borrowed,
     )
+
+
+_SIZES = ("voltage", "gap", "flow_rate")  # needed
+_OPTIONAL = ("needle_radius", "molar_mass", "viscosity", "conductivity", "surface_tension", "current", "temperature")
+
+
+def _possible(recipe: Recipe) -> None:
+    """Refuse by name what no recipe has; NaN is not known, where that may be."""
+    for names, least, most in (
+        (_SIZES, 0.0, np.inf),
+        (_OPTIONAL, 0.0, np.inf),
+        (("mass_fraction", "usual_fraction"), 0.0, 1.0),
+        (("relative_humidity",), -1e-300, np.nextafter(1.0, 2.0)),
+    ):
+        for name in names:
+            value = getattr(recipe, name)
+            if not isinstance(value, Real):
+                raise InputError(name, "is no number", value=value, allowed="a number, in SI units")
+            if not (least < float(value) < most or (value != value and name not in _SIZES)):
+                allowed = "0 to 1" if name == "relative_humidity" else f"above {least:g}, below {most:g}"
+                raise InputError(name, "cannot be in a recipe", value=value, allowed=f"{allowed}, SI units")
 
 
 def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -> tuple[float, float]:

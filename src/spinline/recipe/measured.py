@@ -9,11 +9,11 @@ ln d_1 being what the same draw says of the measured fibres; the unevenness is d
 rule. The covariances C are sums over the unknowns of the mean changes of ln d (`sensitivities`; a normal quantity and any
 function of it have the mean slope as covariance) times what the recipes share: everything of what belongs to the
 laboratory; of the materials the cosine between the solvents' fractions, nothing where the polymer is another; of a setting
-all or nothing; of a mat nothing.
+what its neighbours within a tenth share; of a mat nothing.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from typing import Any
 from zlib import crc32
 
@@ -24,11 +24,21 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.recipe.believe import Recipe, believe
 from spinline.recipe.model import OF_MATERIALS, SCATTERED, UNKNOWNS, Believed, normals, scatter, sensitivities, spun
+from spinline.recipe.outside import outside_remarks
 
 __all__ = ["Known", "Measurement", "conditioned", "materials_in_common", "moved", "shared", "slopes"]
 
 _CELLS = 200  # of the unevenness of laboratories
 _ABOUT = 32  # draws about which the changes of ln d are taken
+_NEAR = 0.1  # of a setting's logarithm, of a share: the settings that their scatter is calibrated on mostly lie farther apart
+_KELVIN = 20.0  # over which drying changes as other settings do over an e-fold
+_WIDEST = 100.0  # sd of a logarithm
+_WIDE = 0.8  # the same, where it is as wide as its value
+_FAR = 3.0  # standard deviations, beyond which it is said
+_SETTINGS = (
+    *("voltage", "gap", "flow_rate", "mass_fraction", "needle_radius", "molar_mass"),
+    *("viscosity", "conductivity", "surface_tension", "current"),
+)
 
 
 @dataclass(frozen=True)
@@ -72,28 +82,47 @@ def _of_materials(recipes: Sequence[Recipe]) -> Directions:
     return Directions(parts / np.linalg.norm(parts, axis=1, keepdims=True), seeds)
 
 
-def _of_kinds(kinds: Sequence[int]) -> Directions:
-    return Directions(
-        np.equal.outer(np.array(kinds), np.arange(len(kinds))).astype(float), tuple(range(100, 100 + len(kinds)))
-    )
+def _of_settings(recipes: Sequence[Recipe]) -> Directions:
+    """Each by itself but for what near ones share: nothing jumps where a setting comes upon a measured one."""
+    places = [_setting(recipe) for recipe in recipes]
+    names = sorted(set().union(*places))
+    x = np.array([[place.get(name, 0.0) for name in names] for place in places])
+    # what one says and another does not keeps them apart; a solvent is there with a share of nothing
+    kinds = [
+        (r.polymer, r.ratio_known, *sorted(place.keys() - r.solvent.keys()))
+        for r, place in zip(recipes, places, strict=True)
+    ]
+    alike = np.array([[one == other for other in kinds] for one in kinds])
+    apart = np.square(x[:, np.newaxis] - x).sum(axis=-1) / _NEAR**2
+    return _each(np.exp(-0.5 * apart) * alike)
+
+
+def _each(correlations: FloatArray) -> Directions:
+    """A direction for each recipe, of which it has what those before leave of it (Cholesky; of one like them nothing)."""
+    left, vectors = correlations.copy(), np.zeros_like(correlations)
+    for i in range(len(left)):
+        if left[i, i] > 1e-9:
+            vectors[:, i] = left[:, i] / np.sqrt(left[i, i])
+            vectors[:i, i] = 0.0
+            left -= np.outer(vectors[:, i], vectors[:, i])
+    return Directions(vectors, tuple(range(100, 100 + len(left))))
 
 
 def shared(recipes: Sequence[Recipe]) -> list[Directions]:
     """What recipes of one laboratory share of each unknown, in the order of `UNKNOWNS`; a mat of its own each."""
-    settings = [_setting(recipe) for recipe in recipes]
-    same = [settings.index(one) for one in settings]
     everything = Directions(np.ones((len(recipes), 1)), (0,))
     of = dict.fromkeys(OF_MATERIALS, _of_materials(recipes)) | {
-        "setting": _of_kinds(same),
-        "repeat": _of_kinds(range(len(recipes))),
+        "setting": _of_settings(recipes),
+        "repeat": _each(np.eye(len(recipes))),
     }
     return [of.get(name, everything) for name in UNKNOWNS]
 
 
-def _setting(recipe: Recipe) -> dict[str, object]:
-    """What a recipe says of how it is spun; None where it does not, for NaN is not equal to NaN."""
-    said = {f.name: getattr(recipe, f.name) for f in fields(recipe) if f.name not in ("spread", "usual_fraction")}
-    return {name: None if value != value else value for name, value in said.items()}
+def _setting(recipe: Recipe) -> dict[str, float]:
+    """Where a recipe stands, by the name of what it says of how it is spun: logarithms, shares, and the like of them."""
+    said = {name: float(np.log(value)) for name in _SETTINGS if (value := getattr(recipe, name)) == value}
+    said |= {"temperature": recipe.temperature / _KELVIN, "humidity": recipe.relative_humidity}
+    return {name: value for name, value in said.items() if value == value} | dict(recipe.solvent)
 
 
 def materials_in_common(recipes: Sequence[Recipe]) -> FloatArray:
@@ -151,6 +180,13 @@ class Known:
         found: FloatArray = ndtri(np.interp(ndtr(drawn), chance / chance[-1], edges))
         return found
 
+    def apart(self, off: FloatArray) -> float:
+        """Standard deviations of the measured ln d that is farthest from what the other ones let expect; 0 of a single one."""
+        if len(off) < 2:
+            return 0.0
+        precision = np.linalg.inv(self._at(np.array([self.unevenness]))[0, 1:, 1:])  # the mean of the scatter's square
+        return float(np.max(np.abs(precision @ off) / np.sqrt(np.diag(precision))))
+
     def _at(self, uneven: FloatArray) -> FloatArray:
         larger = np.exp(2 * self.unevenness * uneven)[:, np.newaxis, np.newaxis]
         value: FloatArray = self.steady + larger * self.scattered + 1e-12 * np.eye(len(self.steady))
@@ -192,8 +228,9 @@ def conditioned(
     measured: Sequence[Measurement],
     rung: str,
     shift: float,
-) -> tuple[FloatArray, float]:
-    """Ln d of the draws, given what was measured; and how far that is from what was expected, in standard deviations.
+    doubt: float = 0.0,
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Ln d of the draws, given what was measured, and what is to be said of that.
 
     Parameters
     ----------
@@ -204,19 +241,24 @@ def conditioned(
     rung : str
     shift : float
         What `log_d` lacks, of the recipe and the measured ones alike.
+    doubt : float
+        Standard deviation of that.
 
     Returns
     -------
-    tuple of ndarray, (draw,), and float
+    tuple of ndarray, (draw,), and tuple of str
     """
     for one in measured:
         if not 0 < one.diameter < np.inf:
             raise InputError(
                 "measured.fibre_diameter", "is no size of a fibre", value=one.diameter, allowed="> 0 m, finite"
             )
-        if not 0 <= one.sd < np.inf:
+        if not 0 <= one.sd <= _WIDEST:
             raise InputError(
-                "measured.fibre_diameter", "has no such spread of its logarithm", value=one.sd, allowed=">= 0"
+                "measured.fibre_diameter",
+                "has no such spread of its logarithm",
+                value=one.sd,
+                allowed=f"0 to {_WIDEST:g}",
             )
     recipes = [recipe, *(one.recipe for one in measured)]
     believed = [believe(one)[0] for one in recipes]
@@ -224,10 +266,38 @@ def conditioned(
     normal = np.stack([part.drawn(z[:, i], i) for i, part in enumerate(common)], axis=-1)
     seen = [spun(b, own, rung=rung).log_diameter for b, own in zip(believed[1:], normal[1:], strict=True)]
     core = np.array([log_d, *seen]) - [scatter(b, own) for b, own in zip(believed, normal, strict=True)]
+    core += doubt * normals(len(z), seed=300)[:, 0]
     change = slopes(Believed.of(believed), rung=rung)
     error = np.array([one.sd for one in measured])
     known = Known.of(change, common, error, believed[0].sd.get("unevenness", 0.0))
+    known = replace(known, steady=known.steady + doubt**2)
     target = np.array([np.log(one.diameter) for one in measured]) - shift
-    far = float(np.max(np.abs(target - np.median(seen, axis=1)) / np.hypot(np.std(seen, axis=1), error)))
+    off = target - np.median(seen, axis=1)
+    far = float(np.max(np.abs(off) / np.sqrt(np.var(seen, axis=1) + error**2 + doubt**2)))
     drawn = np.array([sd * normals(len(z), seed=200 + i)[:, 0] for i, sd in enumerate(error)])
-    return moved(core, normal, believed, target[:, np.newaxis] - drawn, known), far
+    found = moved(core, normal, believed, target[:, np.newaxis] - drawn, known)
+    return found, (*_settings_remarks(recipe, measured), *_far_remarks(far, known.apart(off)))
+
+
+def _far_remarks(far: float, apart: float) -> tuple[str, ...]:
+    said: tuple[str, ...] = ()
+    for size, by in ((far, "its recipe lets"), (apart, "the other measured ones let")):
+        if size > _FAR:
+            said += (
+                f"a measured fibre is {size:.1f} standard deviations from what {by} expect: check its units and settings",
+            )
+    return said
+
+
+def _settings_remarks(recipe: Recipe, measured: Sequence[Measurement]) -> tuple[str, ...]:
+    """What of the measured fibres' own settings lies outside anything that is spun, and of spreads that leave nothing known."""
+    own = outside_remarks(recipe)
+    said = [
+        f"a measured fibre's settings: {words}"
+        for one in measured
+        for words in outside_remarks(one.recipe)
+        if words not in own
+    ]
+    if any(one.sd > _WIDE for one in measured):
+        said.append("a measured fibre is given with a spread wider than itself: it says little")
+    return tuple(dict.fromkeys(said))

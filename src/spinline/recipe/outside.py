@@ -3,13 +3,14 @@
 from typing import Any
 
 from spinline.recipe.believe import DAMPEST, USUAL_TEMPERATURE, Recipe, evaporation_rate
+from spinline.recipe.dissolves import solution_remarks
 
 __all__ = ["outside_remarks", "size_remarks", "watery"]
 
 _BREAKDOWN = 3e6  # V/m, of air
 _RATES = (1e-14, 1e-7)  # m3/s: 0.04 uL/hour to 0.4 L/hour
 _GAPS = (5e-3, 2.0)  # m
-_MOST_POLYMER = 0.6
+_LEAST_POLYMER, _MOST_POLYMER = 1e-3, 0.6
 # what solutions that spin have, by the recipe's fields: least, most, and the same in words
 _SPUN: dict[str, tuple[float, float, str]] = {
     "voltage": (100.0, 2e5, "{:.3g} V is out of the 100 to 200000 at which jets are spun"),
@@ -54,7 +55,7 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
     -------
     tuple of str
     """
-    said = []
+    said = [*solution_remarks(recipe)]
     field = recipe.voltage / recipe.gap
     if field > _BREAKDOWN:
         said.append(f"{field / 1e5:.3g} kV/cm between needle and collector: air breaks down at 30")
@@ -64,6 +65,8 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
         said.append(f"a gap of {100 * recipe.gap:.3g} cm is out of the usual 5 to 30: check its unit")
     if recipe.mass_fraction > _MOST_POLYMER:
         said.append(f"{100 * recipe.mass_fraction:.3g} wt% of polymer is no solution that flows through a needle")
+    if recipe.mass_fraction < _LEAST_POLYMER:
+        said.append(f"{100 * recipe.mass_fraction:.3g} wt% of polymer holds no jet together: check its unit")
     for name, (least, most, words) in _SPUN.items():
         value: Any = getattr(recipe, name)
         if value == value and not least <= value <= most:

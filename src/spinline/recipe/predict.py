@@ -13,7 +13,7 @@ from spinline.recipe.constants import CONSTANTS, TAKEN
 from spinline.recipe.measured import Measurement, conditioned
 from spinline.recipe.model import UNKNOWNS, Believed, Fibres, normals, spun
 from spinline.recipe.outside import outside_remarks, size_remarks, watery
-from spinline.recipe.regime import Regime, regime_of
+from spinline.recipe.regime import regime_of
 
 __all__ = ["RUNGS", "Fibre", "predict"]
 
@@ -121,18 +121,19 @@ def predict(
     """
     if rung not in RUNGS:
         raise InputError("rung", "is not known", value=rung, allowed=", ".join(RUNGS))
-    recipe, measured = _one_laboratory(recipe, measured)
+    recipe, measured = one_laboratory(recipe, measured)
     believed, borrowed = believe(recipe)
     z = normals(draws)
     about: tuple[str, ...] = ()
-    shift = 0.0
+    shift = doubt = 0.0
     if rung == "lagrangian":
-        about, shift = _spun_by_beads(believed)
+        about, shift, doubt = _spun_by_beads(believed)
     law = "race" if rung == "lagrangian" else rung
     found = spun(believed, z, rung=law)
-    log_d, far = found.log_diameter, 0.0
+    log_d = found.log_diameter
+    compared: tuple[str, ...] = ()
     if measured:
-        log_d, far = conditioned(found.log_diameter, z, recipe, measured, law, shift)
+        log_d, compared = conditioned(log_d, z, recipe, measured, law, shift, doubt)
     log_d = log_d + shift
     low95, low68, median, high68, high95 = np.exp(np.quantile(log_d, _QUANTILES))
     orientation = _orientation(found, believed, z)
@@ -165,7 +166,8 @@ def predict(
             *outside_remarks(recipe),
             *size_remarks(float(median)),
             *about,
-            *_remarks(regime, far),
+            *regime.remarks,
+            *compared,
             *_pores(recipe, believed),
         ),
         landing_fraction=float(np.median(found.thinning.volume_fraction)),
@@ -191,8 +193,8 @@ def _trade(believed: Believed, z: FloatArray, found: Fibres, rung: str, law: str
     return {name: float(dry * np.median(by[name])) for name in RUNGS if name in by and name != rung}
 
 
-def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float]:
-    """What a chain of the medians laid, in words, and ln of its fibre over the race's at the medians."""
+def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float, float]:
+    """What a chain of the medians laid, in words; ln of its fibre over the race's there, and how much that may miss."""
     from spinline.recipe.lagrangian import TOO_THICK, laid
 
     chain = laid(believed)
@@ -204,18 +206,21 @@ def _spun_by_beads(believed: Believed) -> tuple[tuple[str, ...], float]:
         f"would bring, a bound from the thick side (published fibres came out {TOO_THICK} times too thick); interval, "
         "regime and orientation are those of the race"
     )
-    return (words,), float(np.log(chain.fibre_diameter / (2 * np.sqrt(believed.volume_fraction) * alone)))
+    alone *= 2 * np.sqrt(believed.volume_fraction)
+    return (words,), float(np.log(chain.fibre_diameter / alone)), float(np.log(TOO_THICK))
 
 
-def _one_laboratory(recipe: Recipe, measured: Sequence[Measurement]) -> tuple[Recipe, list[Measurement]]:
-    """The recipes with the fraction about which they are spun in common."""
+def one_laboratory(recipe: Recipe, measured: Sequence[Measurement]) -> tuple[Recipe, list[Measurement]]:
+    """The recipes with the fraction about which they are spun in common: the recipe's, else the mean of all."""
     alike = [one.recipe for one in measured if one.recipe.polymer == recipe.polymer]
-    if not alike or recipe.usual_fraction == recipe.usual_fraction:
+    if not alike:
         return recipe, list(measured)
-    given = [r.mass_fraction for r in (recipe, *alike) if r.mass_fraction == r.mass_fraction]
-    usual = float(np.exp(np.mean(np.log(given)))) if given else float("nan")
+    usual = recipe.usual_fraction
+    if usual != usual:
+        given = [r.mass_fraction for r in (recipe, *alike) if 0 < r.mass_fraction < 1]
+        usual = float(np.exp(np.mean(np.log(given)))) if given else float("nan")
     shared = [
-        replace(one, recipe=replace(one.recipe, usual_fraction=usual)) if one.recipe in alike else one
+        replace(one, recipe=replace(one.recipe, usual_fraction=usual)) if one.recipe.polymer == recipe.polymer else one
         for one in measured
     ]
     return replace(recipe, usual_fraction=usual), shared
@@ -289,12 +294,3 @@ def _pores(recipe: Recipe, believed: Believed) -> tuple[str, ...]:
     if believed.evaporation > _VOLATILE and humid and not watery(recipe):
         return ("pores on the fibres are likely: a volatile solvent, in air of more than 30 % relative humidity",)
     return ()
-
-
-def _remarks(regime: Regime, far: float) -> tuple[str, ...]:
-    said = list(regime.remarks)
-    if far > 3:
-        said.append(
-            f"a measured fibre is {far:.1f} standard deviations from what its recipe lets expect: check its units and settings"
-        )
-    return tuple(said)

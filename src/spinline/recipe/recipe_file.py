@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 from spinline.base.errors import InputError
 from spinline.base.units import Measured, parse
 from spinline.recipe.believe import USUAL_TEMPERATURE, Recipe
+from spinline.recipe.elsewhere import elsewhere
 from spinline.recipe.measured import Measurement
 from spinline.recipe.predict import Fibre, predict
 from spinline.recipe.table import GAUGES
@@ -119,6 +120,8 @@ class MeasuredOfRecipe(Section):
     flow_rate: FlowRate | None = None
     concentration: Concentration | None = None
     relative_humidity: Fraction | None = None
+    viscosity: Viscosity | None = None
+    current: Current | None = None
 
 
 class RecipeSheet(Sheet):
@@ -171,7 +174,7 @@ class RecipeSheet(Sheet):
             current=_value(j.current),
             temperature=kelvin,
             relative_humidity=_value(air.relative_humidity),
-            spread={name: _log_sd(m) for name, m in given.items() if m is not None and m.std > 0 and m.value > 0},
+            spread=_spreads(given),
         )
 
     def measurements(self) -> list[Measurement]:
@@ -185,14 +188,19 @@ class RecipeSheet(Sheet):
                 "gap": one.gap,
                 "flow_rate": one.flow_rate,
                 "relative_humidity": one.relative_humidity,
+                "viscosity": one.viscosity,
+                "current": one.current,
             }
             changes: dict[str, Any] = {name: value.value for name, value in names.items() if value is not None}
             if one.concentration is not None:
                 changes["mass_fraction"] = _mass_fraction(
                     one.concentration, recipe.polymer, recipe.solvent, recipe.temperature, "measured"
                 )
+            given = {name: m for name in ("viscosity", "current") if (m := names[name]) is not None}
+            spread = {name: value for name, value in (recipe.spread or {}).items() if name not in given}
+            changes["spread"] = {**spread, **_spreads(given)}
             size = one.fibre_diameter
-            found.append(Measurement(replace(recipe, **changes), size.value, max(_log_sd(size), 0.02)))
+            found.append(Measurement(elsewhere(recipe, **changes), size.value, max(_log_sd(size), 0.02)))
         return found
 
 
@@ -220,7 +228,13 @@ def _value(measured: Measured | None) -> float:
 
 def _log_sd(measured: Measured) -> float:
     """Standard deviation of the logarithm of what has this mean and this standard deviation, if it is log-normal."""
-    return math.sqrt(math.log1p((measured.std / measured.value) ** 2))
+    ratio = measured.std / measured.value
+    # of 1e150 and more the square is out of range
+    return math.sqrt(math.log1p(ratio**2) if ratio < 1e9 else 2 * math.log(ratio))
+
+
+def _spreads(given: Mapping[str, Measured | None]) -> dict[str, float]:
+    return {name: _log_sd(m) for name, m in given.items() if m is not None and m.std > 0 and m.value > 0}
 
 
 def _named(name: str, table: Any, field: str, remedy: str = "") -> str:

@@ -1,7 +1,8 @@
 """Operating window of a recipe: fibre, orientation and regime against voltage, gap, flow rate and concentration.
 
-The recipe's other settings, its priors and its measured fibres hold at every point; the draws are the same everywhere, so that
-neighbours differ by what was changed and not by chance.
+The recipe's other settings, its priors and its measured fibres hold at every point; what was given of viscosity and current
+follows the laws (`spinline.recipe.elsewhere`), and all concentrations are tried about the recipe's own. The draws are the same
+everywhere, so that neighbours differ by what was changed and not by chance.
 """
 
 from collections.abc import Callable
@@ -16,8 +17,9 @@ from spinline.base.checks import FloatArray, real
 from spinline.base.errors import InputError
 from spinline.base.version import __version__
 from spinline.base.words import label
+from spinline.recipe.elsewhere import elsewhere
 from spinline.recipe.outside import outside_remarks, size_remarks
-from spinline.recipe.predict import Fibre, predict
+from spinline.recipe.predict import Fibre, one_laboratory, predict
 from spinline.recipe.recipe_file import RecipeSheet
 from spinline.recipe.regime import REGIMES
 
@@ -82,7 +84,7 @@ def fibre_window(
     """
     import xarray as xr
 
-    recipe, measured = sheet.recipe(), sheet.measurements()
+    recipe, measured = one_laboratory(sheet.recipe(), sheet.measurements())
     given = {"voltage": voltage, "gap": gap, "flow_rate": flow_rate, "mass_fraction": mass_fraction}
     axes = {name: _axis(name, getattr(recipe, name) if values is None else values) for name, values in given.items()}
     shape = tuple(values.size for values in axes.values())
@@ -94,9 +96,9 @@ def fibre_window(
     for done, (place, values) in enumerate(zip(np.ndindex(shape), product(*axes.values()), strict=True)):
         changes: dict[str, Any] = {name: float(x) for name, x in zip(axes, values, strict=True)}
         at = (slice(None), *place)
-        here = replace(recipe, **changes)
-        remark[at] = "; ".join(outside_remarks(here))
+        remark[at] = "; ".join(outside_remarks(replace(recipe, **changes)))
         try:
+            here = elsewhere(recipe, **changes)
             one = predict(here, measured, rung=rung, draws=_DRAWS, shares=False)
         except InputError as error:
             reason[at] = str(error)
