@@ -13,7 +13,7 @@ import xarray as xr
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import iter_jetspin, read_jetspin
-from spinline.jetprofile.jetspin import read_parameters, read_statistics, write_jet
+from spinline.jetprofile.jetspin import read_parameters, read_statistics, sources, write_jet, xyz
 
 DATA = Path(__file__).parent / "data" / "jetspin"
 BUNDLED = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
@@ -365,3 +365,25 @@ def test_no_file_of_a_run_is_opened_often(runs, source, monkeypatch):
     beads = {path.name for path in (runs / "pvp3d").glob(source)}
     assert +opened == dict.fromkeys({"log.txt", "input.dat", "statout.dat", *beads}, 1)
     assert data.sizes["time"] > 0
+
+
+@pytest.mark.parametrize("name", [name for name in RUNS if name != "ex1_1d_single"])  # of which no table is kept here
+def test_the_way_of_the_first_bead_is_that_of_the_whole_table(runs, name):
+    track, table = sources.statistics_track(runs / name), read_statistics(runs / name / "statout.dat")
+    np.testing.assert_array_equal(track.time, table.time)
+    np.testing.assert_array_equal(track.x, table.x)
+    assert track.refined == bool("refinements" in table and (table.refinements > 0).any())
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_few_rows_are_read_once_and_say_the_same_as_a_sample(runs, name, monkeypatch):
+    """The length unit is looked for in 16 frames, whether all have been read for it or those alone."""
+    calls, plain = [], xyz.parse_rows
+    monkeypatch.setattr(xyz, "parse_rows", lambda *given: calls.append(given) or plain(*given))
+    once = quiet(runs / name / "traj.xyz")
+    many, rows = once.sizes["time"] > 32, (runs / name / "traj.xyz").read_bytes().count(b"\nC ")
+    assert len(calls) == (2 if many and rows > sources._FEW else 1)
+    calls.clear()
+    monkeypatch.setattr(sources, "_FEW", 0)
+    xr.testing.assert_identical(quiet(runs / name / "traj.xyz"), once)
+    assert len(calls) == (2 if many else 1)

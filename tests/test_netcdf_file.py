@@ -178,3 +178,14 @@ def test_rows_are_read_as_if_spelt_out(damage) -> None:
             np.testing.assert_array_equal(out[:, :used].T, np.array(2 * values).reshape(-1, 3))
             assert status[:used].tolist() == 2 * flags
             assert [tuple(one[1:]) for one in chains] == 2 * [tuple(chain[1:])]
+
+
+@pytest.mark.parametrize("times", [np.array([0.5, 1.5]), np.int32([3, 4]), np.array([True, False]), np.zeros(0)])
+def test_times_of_every_kind_are_the_index_that_xarray_makes(times) -> None:
+    data = {"x": (("t", "q"), np.ones((len(times), 3)), {"units": "m"}), "n": ((), 2.0)}
+    coordinates = {"t": ("t", times, {"units": "s"})}
+    made, whole = NamedArrays(data, coordinates, {"a": 1}).dataset(), xr.Dataset(data, coordinates, {"a": 1})
+    xr.testing.assert_identical(made, whole)
+    assert made.sizes == whole.sizes
+    assert made.indexes["t"].identical(whole.indexes["t"])
+    assert made.indexes["t"].dtype == whole.indexes["t"].dtype

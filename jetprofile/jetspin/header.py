@@ -65,7 +65,7 @@ _FACTORS = {
     for field, unit in [*((field, rule[2]) for field, rule in _VALUES.items()), *_INTERNAL.values()]
 }
 _NAMES = [re.compile("|".join(f"(?P<{field}>{re.escape(rule[k])})" for field, rule in _VALUES.items())) for k in (0, 1)]
-_NUMBER = re.compile(r"(?<!\S)[+-]?\.?\d[^ ]*")
+_NUMBER = re.compile(r"(?:[^ ]* )*?([+-]?\.?\d[^ ]*)")  # the first word that begins as one
 _MARKS = ("Start ", "Finish ", "The 'resolution'")
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
 _SWITCH_NAMES = tuple(_SWITCHES)
@@ -143,10 +143,10 @@ def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
             ended = True
             break
         _switch(found, line)
-        number = _NUMBER.search(line)
+        number = _NUMBER.match(line)
         field = _named(line, 1) if number is not None else None
         if number is not None and field is not None:
-            pairs.append((field, number[0]))
+            pairs.append((field, number[1]))
     return _finish(found, pairs, source, ended, notes)
 
 

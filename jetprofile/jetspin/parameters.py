@@ -69,7 +69,7 @@ class RunParameters:
         return math.pi * self.nozzle_radius**2 * self.resolution
 
 
-_NUMBERS = [field.name for field in fields(RunParameters) if field.name not in ("source", "complete", "version")]
+_FIELDS = [field.name for field in fields(RunParameters) if field.name not in ("source", "complete", "version")]
 
 
 def with_internal_units(params: RunParameters, notes: Notes) -> RunParameters:
@@ -110,32 +110,30 @@ def merge_parameters(sets: Iterable[RunParameters], notes: Notes) -> RunParamete
         if merged is None:
             merged = params
             continue
-        taken: dict[str, object] = {}
-        for field in fields(RunParameters):
-            mine, other = getattr(merged, field.name), getattr(params, field.name)
-            if field.name in ("source", "complete") or other is None:
-                continue
-            if field.name == "version":
-                taken["version"] = mine or other
+        taken: dict[str, object] = {
+            "version": merged.version or params.version,
+            "source": f"{merged.source}, {params.source}",
+            "complete": merged.complete or params.complete,
+        }
+        for name in _FIELDS:
+            mine, other = getattr(merged, name), getattr(params, name)
+            if other is None or mine == other:
                 continue
             if mine is None:
-                both = merged.complete and params.complete and field.name == "xyz_rescale"
-                differs = both
-                if not both:
-                    taken[field.name] = other
+                differs = merged.complete and params.complete and name == "xyz_rescale"
+                if not differs:
+                    taken[name] = other
             else:
                 differs = abs(float(mine) - float(other)) > 1e-6 * max(abs(float(mine)), abs(float(other)))
             if differs:
                 notes.add(
-                    f"{merged.source} and {params.source} disagree about {field.name.replace('_', ' ')} "
+                    f"{merged.source} and {params.source} disagree about {name.replace('_', ' ')} "
                     f"({mine} and {other}, SI); {merged.source} is believed"
                 )
-        taken["source"] = f"{merged.source}, {params.source}"
-        taken["complete"] = merged.complete or params.complete
         merged = replace(merged, **taken)  # type: ignore[arg-type]
     return merged
 
 
 def tells_anything(params: RunParameters) -> bool:
     """Whether a set of parameters holds any."""
-    return any(getattr(params, name) not in (None, False) for name in _NUMBERS)
+    return any(getattr(params, name) not in (None, False) for name in _FIELDS)

@@ -18,7 +18,8 @@ from spinline.jetprofile.jetspin.xyz import XyzSource
 
 __all__ = ["Track", "choose_files", "open_xyz", "statistics_track"]
 
-_SAMPLES = 16
+_SAMPLES = 16  # frames
+_FEW = 8192  # rows
 
 
 @dataclass(frozen=True)
@@ -89,12 +90,15 @@ def open_xyz(
             remedy="read another file of the run",
         )
     kept = order_frames(source.time, Notes(""))
-    if len(kept) > 2 * _SAMPLES:  # of few frames all: they are read once for this and for good
-        kept = kept[np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))]
-    sample = source.look(kept)
-    time, x = sample.time, sample.values["x"][sample.first]
+    sample = np.arange(len(kept))
+    if len(kept) > 2 * _SAMPLES:
+        sample = np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))
+    if source.weight[kept].sum() > _FEW:  # of few rows all: they are read once for this and for good
+        kept, sample = kept[sample], np.arange(len(sample))
+    block = source.look(kept)
+    time, x = block.time[sample], block.values["x"][block.first[sample]]
     name = files[0].name.lower()
-    padded = bool((source.weight[kept] > sample.length).any())
+    padded = bool((source.weight[kept] > block.length)[sample].any())
     kind: str | None = None
     if padded or len(source.time) > len(files):
         kind = "traj"

@@ -151,9 +151,9 @@ def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[s
     rows: list[str] = []
     width = torn = 0
     for raw in BytesIO(content):
-        if raw.startswith(b"#***") or not raw.strip():
+        if raw.startswith(b"#***") or raw.isspace():
             continue
-        line = raw[:4096].decode("utf-8", errors="replace").rstrip("\r\n")
+        line = raw[:4096].decode("utf-8", errors="replace").rstrip()
         if line.lstrip().startswith("#"):
             header = _columns(line)
             if columns is None:
@@ -164,7 +164,7 @@ def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[s
             continue
         if columns is None:
             raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
-        if width - 5 <= len(line.rstrip()) <= width and raw.endswith(b"\n"):
+        if width - 5 <= len(line) <= width and raw.endswith(b"\n"):
             rows.append(line)
         else:
             torn += 1
@@ -177,7 +177,8 @@ def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[s
     ]
     table = np.empty((len(rows), len(taken)))
     for number, (*_, stop) in enumerate(taken):
-        table[:, number] = to_floats([row[max(stop - _WIDTH, 0) : stop] for row in rows])
+        begin = max(stop - _WIDTH, 0)
+        table[:, number] = to_floats([row[begin:stop] for row in rows])
     notes.add("{n} values cannot be read and are NaN", int(np.isnan(table).sum()))
     return table, [one[:4] for one in taken]
 
@@ -185,7 +186,7 @@ def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[s
 def _columns(line: str) -> list[Column]:
     """Names and units from a header line, in fields of 20 characters behind the step number."""
     found = [_STEP]
-    for at in range(10, len(line.rstrip()), _WIDTH):
+    for at in range(10, len(line), _WIDTH):
         label = line[at : at + _WIDTH].strip()
         key, _, unit = label.partition("(")
         key, unit = key.strip(), unit.rstrip(") ")

@@ -16,7 +16,7 @@ _ROW = 38  # bytes of a row without its end
 _BLOCK = 8192  # rows at a time, so that their columns stay in the cache
 _HEAD = np.frombuffer(b"C       ", np.uint8)[:, None]
 _ENDS = {len(end): np.frombuffer(end, np.uint8)[:, None] for end in (b"\n", b"\r\n")}
-_WIDTH, _LEADING, _DECIMALS = 10, 4, 5
+_WIDTH, _LEADING = 10, 4
 _UNIT = 1e5
 
 Bytes = NDArray[np.uint8]
@@ -138,7 +138,7 @@ def _valued(columns: Bytes, flags: Bytes) -> tuple[NDArray[np.float64], Bytes]:
     faults = _faults(fields, plain, minus)
     digits[:, :_LEADING] *= plain[:, :_LEADING]
     # two digits, then four, of those before the point and behind it, in the narrowest integers that hold them
-    fours = digits.reshape(3, 2, _DECIMALS, -1)[:, :, :4]
+    fours = digits.reshape(3, 2, _WIDTH // 2, -1)[:, :, :4]
     pairs = 10 * fours[:, :, ::2] + fours[:, :, 1::2]
     four = np.multiply(pairs[:, :, 0], 100, dtype=np.uint16) + pairs[:, :, 1]
     value = np.multiply(four[:, 0], 100_000, dtype=np.int32)

@@ -93,7 +93,7 @@ class NamedArrays:
         for name, one in self.variables.items():
             for dim, size in zip(one.dims, one.values.shape, strict=True):
                 if sizes.setdefault(dim, size) != size:
-                    raise ValueError(f"{name} has {size} values along {dim}, others have {sizes[dim]}")
+                    raise ValueError(f"conflicting sizes: {name} has {size} along {dim}, others have {sizes[dim]}")
         return sizes
 
     @property
