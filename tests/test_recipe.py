@@ -216,6 +216,14 @@ def test_a_table(spinline, tmp_path):
     assert spinline("fibre", "--table", DATA, "-o", "out.csv").code == 2  # not over a file without --force
 
 
+def test_decimal_commas_of_measured_diameters_are_points_too(tmp_path):
+    file = tmp_path / "t.csv"
+    head = "polymer;solvent;voltage_kV;flow_rate_mL_per_h;distance_cm;fibre_diameter_nm"
+    file.write_text(f"{head}\nPAN;DMF;15,5;1,0;15;320,5\n", "utf-8")
+    row = read_experiments(file)[0]
+    assert (row["voltage_kV"], row["fibre_diameter_nm"]) == ("15.5", "320.5")
+
+
 def test_rows_that_cannot_be_say_why():
     rows = read_experiments(DATA)[:1]
     for key, value in (

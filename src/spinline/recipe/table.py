@@ -88,7 +88,7 @@ def _cell(value: str | None, key: str, mark: str) -> str:
     text = (value or "").strip()
     if text.lower() in _NOTHING:
         return ""
-    return text.replace(",", ".") if mark != "," and key.endswith(_UNITS) else text
+    return text.replace(",", ".") if mark != "," and key.endswith((*_UNITS, "_nm")) else text
 
 
 def recipes_of(rows: Sequence[Mapping[str, str]]) -> list[Recipe | str]:
