@@ -2,7 +2,7 @@
 
 Nonsolvents at room temperature: Fuchs, "Solvents and non-solvents for polymers", Polymer Handbook (4th ed.), those that are
 beyond doubt. Air's water that a solvent takes up sets a polymer that it does not dissolve: De Vrieze et al., J. Mater. Sci. 44,
-1357 (2009); Huang et al., Langmuir 27, 9 (2011).
+1357 (2009); Pai et al., Macromolecules 42, 2102 (2009); Huang et al., J. Polym. Sci. B 49, 1734 (2011).
 """
 
 from spinline.recipe.believe import USUAL_TEMPERATURE, Recipe
