@@ -313,3 +313,9 @@ def test_recipes_from_python_that_cannot_be_are_refused_by_their_field(name, val
     if name != "usual_fraction":  # that is the recipe's
         with pytest.raises(InputError, match=name):
             predict(KNOWN, [Measurement(wrong, 3e-7)], shares=False)
+
+
+@pytest.mark.parametrize("draws", [-1, 0, 1, 99, float("nan")])
+def test_draws_too_few_for_an_interval_are_refused(draws):
+    with pytest.raises(InputError, match="draws"):
+        predict(KNOWN, draws=draws)

@@ -25,6 +25,7 @@ RUNGS = {
     "lagrangian": "bead by bead to the collector, at the recipe's medians: a minute",
 }
 _DRAWS = 2048
+_FEWEST = 100
 _INERT = 0.2  # of ln d, between envelope and race, beyond which it is said
 _QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 
@@ -121,6 +122,8 @@ def predict(
     """
     if rung not in RUNGS:
         raise InputError("rung", "is not known", value=rung, allowed=", ".join(RUNGS))
+    if not draws >= _FEWEST:
+        raise InputError("draws", "are too few for edges of 95 %", value=draws, allowed=f"{_FEWEST} or more")
     recipe, measured = one_laboratory(recipe, measured)
     believed, borrowed = believe(recipe)
     z = normals(draws)
