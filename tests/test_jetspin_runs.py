@@ -1,6 +1,6 @@
 """The six real runs: units, numbering, radii against the volumes JETSPIN keeps."""
 
-import io
+import os
 import shutil
 import warnings
 from collections import Counter
@@ -13,7 +13,10 @@ import xarray as xr
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.jetprofile import iter_jetspin, read_jetspin
-from spinline.jetprofile.jetspin import read_parameters, read_statistics, sources, write_jet, xyz
+from spinline.jetprofile.jetspin import read_parameters, read_statistics, sources, stats, write_jet, xyz
+from spinline.jetprofile.jetspin.detect import file_kind
+from spinline.jetprofile.jetspin.folder import Folder
+from spinline.jetprofile.jetspin.notes import Notes
 
 DATA = Path(__file__).parent / "data" / "jetspin"
 BUNDLED = Path(str(files("spinline"))) / "data" / "scenes" / "pvp3d"
@@ -349,27 +352,114 @@ def test_parameters_of_the_quasi_newtonian_run(runs):
     assert (p.xyz_rescale, p.refinement, p.dimension, p.removing) == (1.0, False, 3, True)
 
 
-@pytest.mark.parametrize("source", ["traj.dat", "traj.xyz", "frame*.xyz", "save.dat"])
-def test_no_file_of_a_run_is_opened_often(runs, source, monkeypatch):
-    """Each file of beads, the set-up and the table that tells the unit: once."""
-    opened = Counter()
-    plain = io.open
+def asked_of_the_system(function, monkeypatch):
+    """What is opened, listed and asked after while a function runs: names of files by kind."""
+    asked = {kind: Counter() for kind in ("open", "scandir", "listdir", "stat")}
+    for kind, counted in asked.items():
+        plain = getattr(os, kind)
 
-    def counted(path, *args, **options):
-        opened[Path(path).name] += Path(path).is_relative_to(runs)
-        return plain(path, *args, **options)
+        def spy(path=".", *args, plain=plain, counted=counted, **options):
+            counted[Path(path).name] += 1
+            return plain(path, *args, **options)
 
-    monkeypatch.setattr(io, "open", counted)  # what pathlib calls
-    monkeypatch.setattr("builtins.open", counted)
-    data = quiet(runs / "pvp3d", source=source)
-    beads = {path.name for path in (runs / "pvp3d").glob(source)}
-    assert +opened == dict.fromkeys({"log.txt", "input.dat", "statout.dat", *beads}, 1)
-    assert data.sizes["time"] > 0
+        monkeypatch.setattr(os, kind, spy)
+    monkeypatch.setattr("builtins.open", lambda *args, **options: pytest.fail(f"opened as a file object: {args}"))
+    try:
+        function()
+    finally:
+        monkeypatch.undo()
+    return asked
+
+
+@pytest.mark.parametrize("source", [None, "traj.dat", "traj.xyz", "frame*.xyz", "save.dat"])
+def test_of_a_run_each_file_is_opened_once_and_the_folder_listed_once(runs, source, monkeypatch):
+    """Each file of beads, the set-up and the table that tells the unit."""
+    run = runs / "pvp3d"
+    beads = {path.name for path in run.glob(source or "traj.dat")}
+    quiet(run, source=source)  # the imports look for files, too
+    asked = asked_of_the_system(lambda: quiet(run, source=source), monkeypatch)
+    read = dict.fromkeys({"log.txt", "input.dat", "statout.dat", *beads}, 1)
+    assert asked["open"] == read
+    assert asked["scandir"] == {"pvp3d": 1}
+    assert asked["listdir"] == {}
+    # every file just before it is opened, the path itself twice at most, and what was named as source
+    named = {source: 1} if source in ("traj.dat", "traj.xyz", "save.dat") else {}
+    assert asked["stat"] - Counter(read) - Counter(named) <= Counter({"pvp3d": 2})
+
+
+def test_beside_a_single_file_three_names_are_asked_after_and_no_folder_is_listed(runs, monkeypatch):
+    path = runs / "pvp3d" / "traj.xyz"
+    quiet(path)
+    asked = asked_of_the_system(lambda: quiet(path), monkeypatch)
+    assert asked["open"] == dict.fromkeys(("traj.xyz", "log.txt", "input.dat", "statout.dat"), 1)
+    assert asked["scandir"] == asked["listdir"] == {}
+    assert asked["stat"] <= Counter({"traj.xyz": 2, "log.txt": 2, "input.dat": 2, "statout.dat": 2})
+
+
+def test_the_kind_of_a_large_file_is_told_by_its_head(runs, tmp_path, monkeypatch):
+    (tmp_path / "traj.xyz").write_bytes((runs / "pvp3d" / "traj.xyz").read_bytes() * 10)
+    sizes, plain = [], os.read
+    monkeypatch.setattr(os, "read", lambda file, size: sizes.append(size) or plain(file, size))
+    assert file_kind(tmp_path / "traj.xyz") == "xyz"
+    assert sizes == [1 << 16]
+
+
+def test_a_folder_that_cannot_be_listed_still_gives_the_file_that_is_named(runs, tmp_path, monkeypatch):
+    whole = quiet(runs / "quasi_newtonian_kv", source="traj.xyz")
+
+    def closed(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(os, "scandir", closed)
+    xr.testing.assert_identical(quiet(runs / "quasi_newtonian_kv", source="traj.xyz"), whole)
+    with pytest.raises(InputError, match="cannot be listed"):
+        quiet(runs / "quasi_newtonian_kv")
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
+@pytest.mark.parametrize("name", ["ex1_1d_single", "ex2_1d_insert", "pvp3d"])
+def test_frames_alike_are_found_at_once_as_one_by_one(runs, name, end, monkeypatch):
+    """Whatever stands in one of them."""
+    content = (runs / name / "traj.xyz").read_bytes() * 2
+    at = content.index(b"frame at time", len(content) // 3)
+    damaged = [
+        content[: at + k] + new + content[at + k + len(new) :]
+        for k in (-12, -1, 12, 20, 33, 42, 43)
+        for new in (b"*", b"\n", b"C")
+    ]
+    damaged += [content[:at] + content[at + 1 :], content[: at + 100], content[:-1]]
+    for text in [content, *damaged]:
+        text, notes = text.replace(b"\n", end), (Notes(""), Notes(""))
+        monkeypatch.setattr(xyz, "_MANY", 0)
+        many = xyz.scan_frames(text, notes[0])
+        monkeypatch.setattr(xyz, "_MANY", 1 << 30)
+        single = xyz.scan_frames(text, notes[1])
+        np.testing.assert_array_equal(np.array(many.time), np.array(single.time))
+        assert (many.offset, many.rows, many.extra) == (single.offset, single.rows, single.extra)
+        assert (notes[0].warnings, notes[0].dropped) == (notes[1].warnings, notes[1].dropped)
+
+
+@pytest.mark.parametrize(
+    "change", [(b"E-03", b"D-03"), (b"E-03", b"e_03"), (b"0.2", b"***"), (b" \n", b"\n"), (b"", b"")]
+)
+def test_rows_of_one_length_are_read_as_any_others(runs, change, tmp_path, monkeypatch):
+    path = tmp_path / "statout.dat"
+    path.write_bytes((runs / "ex2_1d_insert" / "statout.dat").read_bytes().replace(*change, 1 if change[0] else 0))
+    evenly = stats.read_columns(path, at_once := Notes(""))
+    monkeypatch.setattr(stats, "_even_rows", lambda *_: None)
+    singly = stats.read_columns(path, one_by_one := Notes(""))
+    assert [column for column, _ in evenly] == [column for column, _ in singly]
+    for (_, values), (_, others) in zip(evenly, singly, strict=True):
+        np.testing.assert_array_equal(values, others)
+    assert (at_once.warnings, at_once.dropped) == (one_by_one.warnings, one_by_one.dropped)
 
 
 @pytest.mark.parametrize("name", [name for name in RUNS if name != "ex1_1d_single"])  # of which no table is kept here
 def test_the_way_of_the_first_bead_is_that_of_the_whole_table(runs, name):
-    track, table = sources.statistics_track(runs / name), read_statistics(runs / name / "statout.dat")
+    track, table = (
+        sources.statistics_track(Folder(runs / name, listed=True)),
+        read_statistics(runs / name / "statout.dat"),
+    )
     np.testing.assert_array_equal(track.time, table.time)
     np.testing.assert_array_equal(track.x, table.x)
     assert track.refined == bool("refinements" in table and (table.refinements > 0).any())

@@ -44,21 +44,26 @@ def check_positions(
     odd = np.isnan(x) & there
     deposited = np.zeros(x.shape, dtype=np.bool_)
     limit = 1e3 if collector is None else FAR * collector
-    lost = (np.abs(bead) > limit).any(axis=0)
-    if lost.any():
+    # most runs need none of what follows; of NaN alone these are NaN, which is within no bounds
+    low, high = (extreme.reduce(bead, axis=(1, 2)).tolist() for extreme in (np.fmin, np.fmax))
+    if not all(-limit <= first and last <= limit for first, last in zip(low, high, strict=True)):
+        lost = (np.abs(bead) > limit).any(axis=0)
         shown = f"{limit:.4g} m" if collector is None else f"{FAR:.0f} collector distances"
         notes.add(f"{{n}} beads farther than {shown} from the nozzle have NaN positions", np.count_nonzero(lost))
         bead[:, lost] = np.nan
         odd |= lost
-    if collector is not None:
+    if collector is not None and not high[0] < collector - error - 1e-6 * collector:
         deposited = x >= collector - error - 1e-6 * collector
         if parameters.removing is not False:
             beyond = x > collector + 2 * error + 1e-6 * collector
             notes.add("{n} beads beyond the collector, taken as deposited", np.count_nonzero(beyond))
-    behind = (x < -error - 1e-9) & there
-    behind[:, 0] = False
-    notes.add("{n} beads behind the nozzle (x < 0); the elements beside them are not valid", np.count_nonzero(behind))
-    odd |= behind
+    if not low[0] >= -error - 1e-9:
+        behind = (x < -error - 1e-9) & there
+        behind[:, 0] = False
+        notes.add(
+            "{n} beads behind the nozzle (x < 0); the elements beside them are not valid", np.count_nonzero(behind)
+        )
+        odd |= behind
     return deposited, odd
 
 
@@ -107,6 +112,8 @@ def find_strays(bead: Floats, length: Floats, deposited: Flags, around: tuple[fl
     peak = np.empty(len(kink) + 2)
     peak[0], peak[-1] = around
     kink.max(axis=1, initial=1.0, out=peak[1:-1])
+    if peak[1:-1].max(initial=1.0) <= KINK:  # no frame allows less
+        return np.zeros(kink.shape, dtype=np.bool_)
     known = np.fmax(peak[:-2], peak[2:])
     allowed = np.where(np.isnan(known), LONE_KINK, KINK * known)
     stray: Flags = kink > allowed[:, None]

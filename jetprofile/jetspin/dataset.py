@@ -80,23 +80,23 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
     is NaN.
     """
     pad = Padder(block)
-    there = pad.there
     bead = pad.positions()
     bad = pad.bad()
     p = meaning.parameters
-    deposited, odd = check_positions(bead, there, meaning.position_error, p, notes)
+    deposited, odd = check_positions(bead, pad.there, meaning.position_error, p, notes)
     length = distance(bead, 1)
     bad |= odd | find_strays(bead, length, deposited, around, notes)
-    whole = there[:, 1:]
-    coincident = (length <= 0) & whole
-    notes.add(
-        "{n} elements of no length (coincident beads) have no radius",
-        np.count_nonzero(coincident),
-        warn=False,
-        dropped=True,
-    )
-    notes.add("{n} elements of no length away from the collector", np.count_nonzero(coincident > deposited[:, 1:]))
-    safe = np.where(coincident, np.nan, length)
+    coincident, safe = length <= 0, length
+    if coincident.any():
+        notes.add(
+            "{n} elements of no length (coincident beads) have no radius",
+            np.count_nonzero(coincident),
+            warn=False,
+            dropped=True,
+        )
+        away = np.count_nonzero(coincident > deposited[:, 1:])
+        notes.add("{n} elements of no length away from the collector", away)
+        safe = np.where(coincident, np.nan, length)
     volume = pad("volume")[:, 1:] if "volume" in pad else None
     if volume is not None:
         bad |= check_content(pad, p, notes)
@@ -128,7 +128,7 @@ def build_dataset(block: Block, meaning: Meaning, around: tuple[float, float], n
         if name in pad:
             out[name] = pad(name)
     out["deposited"] = deposited
-    out["valid_element"] = whole & ~invalid & np.isfinite(length)
+    out["valid_element"] = np.isfinite(length) > invalid  # and of no other beads than are there
     out["n_bead"] = block.length.astype(np.int32)
     out["nozzle_missing"] = ~block.reaches_nozzle
     if block.inserted is not None:

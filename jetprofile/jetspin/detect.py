@@ -1,16 +1,15 @@
 """What a file of a JETSPIN run is: by its content, by its name where the content is damaged."""
 
-import os
 import re
 from pathlib import Path
 
 from spinline.base.errors import InputError
-from spinline.jetprofile.jetspin.content import Content, content_of
+from spinline.jetprofile.jetspin.content import Content, head_of
 from spinline.jetprofile.jetspin.fortran import record_sizes
 
-__all__ = ["file_kind", "frame_files", "kind_of"]
+__all__ = ["file_kind", "kind_of"]
 
-_FRAME = re.compile(r"frame(\d+)\.xyz", re.IGNORECASE)
+_HEAD = 1 << 16  # bytes that tell it
 _NAMES = (
     (re.compile(r"(traj.*|frame\d+)\.xyz", re.I), "xyz"),
     (re.compile(r"(traj|save|restart).*\.dat", re.I), "beads"),
@@ -35,12 +34,12 @@ def file_kind(path: Path) -> str:
     InputError
         If it cannot be opened, is empty, is none of them, or is a PDB or PSF file.
     """
-    return kind_of(path, content_of(path))
+    return kind_of(path, head_of(path, _HEAD))
 
 
 def kind_of(path: Path, content: Content) -> str:
     """`file_kind` of a file that has been opened."""
-    head = bytes(content[: 1 << 16])
+    head = bytes(content[:_HEAD])
     if not head:
         raise InputError(
             str(path),
@@ -90,13 +89,3 @@ def _by_content(head: bytes) -> str | None:
     if b"\0" not in head and len(_DIRECTIVES.findall(head)) >= 2:
         return "setup"
     return None
-
-
-def frame_files(folder: Path) -> list[Path]:
-    """The ``frame*.xyz`` of a directory in order of their number."""
-    numbered = []
-    for name in os.listdir(folder):
-        match = _FRAME.fullmatch(name)
-        if match is not None:
-            numbered.append((int(match[1]), folder / name))
-    return [path for _, path in sorted(numbered)]

@@ -69,7 +69,10 @@ class Padder:
 
     def bad(self) -> NDArray[np.bool_]:
         """Padded marks of rows that could not be read."""
-        return np.concatenate((self._block.bad, [False])).take(self._row)
+        bad = self._block.bad
+        if not bad.any():
+            return np.zeros(self.there.shape, dtype=np.bool_)
+        return np.append(bad, False).take(self._row)
 
 
 class FrameSource(Protocol):
@@ -99,6 +102,21 @@ class FrameList:
         self.offset.append(offset)
         self.rows.append(rows)
         self.extra.append(extra)
+
+    def repeat(self, times: Floats, apart: int) -> None:
+        """Append frames that are like the last one, at other times and so many bytes apart."""
+        count, last = len(times), self.offset[-1]
+        self.time.frombytes(times.tobytes())
+        self.offset.extend(range(last + apart, last + apart * count + 1, apart))
+        self.rows.extend(self.rows[-1:] * count)
+        self.extra.extend(self.extra[-1:] * count)
+
+    def join(self, other: "FrameList") -> None:
+        """Append those of another file."""
+        self.time += other.time
+        self.offset += other.offset
+        self.rows += other.rows
+        self.extra += other.extra
 
 
 def order_frames(time: Floats, notes: Notes) -> Integers:

@@ -3,7 +3,6 @@
 The XYZ files do not say which length unit they are in, nor the nozzle radius: both come from here.
 """
 
-import os
 import re
 from collections.abc import Callable
 from functools import lru_cache
@@ -13,6 +12,7 @@ from typing import Any
 
 from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.content import content_of
+from spinline.jetprofile.jetspin.folder import Folder
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import (
     RunParameters,
@@ -66,6 +66,8 @@ _FACTORS = {
 }
 _NAMES = [re.compile("|".join(f"(?P<{field}>{re.escape(rule[k])})" for field, rule in _VALUES.items())) for k in (0, 1)]
 _NUMBER = re.compile(r"(?:[^ ]* )*?([+-]?\.?\d[^ ]*)")  # the first word that begins as one
+_VERSION = re.compile(r"Version\s+([0-9][^\s(]*)")
+_RUN = "\nStart simulation"
 _MARKS = ("Start ", "Finish ", "The 'resolution'")
 _SWITCHES = {"dynamic refinement": "refinement", "inserting": "inserting", "removing": "removing"}
 _SWITCH_NAMES = tuple(_SWITCHES)
@@ -100,15 +102,15 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
     """Read the set-up JETSPIN echoes to the terminal."""
     found: _Values = {}
     pairs: list[tuple[str, str]] = []
-    version = re.search(r"Version\s+([0-9][^\s(]*)", text)
+    version = _VERSION.search(text)
     if version is not None:
         found["version"] = version[1]
     inside = ended = False
-    run = text.find("\nStart simulation")
-    for line in (text if run < 0 else text[:run]).splitlines():
-        if line[:1] in "*":  # empty, or of the banner
+    for line in text[: _end_of_setup(text)].splitlines():
+        first = line[:1]
+        if first in "*":  # empty, or of the banner
             continue
-        if line.startswith(_MARKS):
+        if first in "SFT" and line.startswith(_MARKS):
             if line.startswith("Start simulation"):
                 break
             if line.startswith("Start printing input"):
@@ -119,17 +121,25 @@ def parse_log(text: str, source: str, notes: Notes) -> RunParameters:
                 value = line[34:].split()
                 if value and line[34].isspace():
                     pairs.append(("resolution", value[0]))
+        elif not inside and " unit" not in line:  # as all internal units end
+            continue
         name, equals, rest = line.partition("=")
-        words = rest.split(None, 1) if equals else None
-        if words:
-            name = name.strip()
-            internal = _INTERNAL.get(name)
-            field = internal[0] if internal is not None else _named(name, 0) if inside else None
-            if field is not None:
-                pairs.append((field, words[0]))
-        elif inside:
+        field = _printed(name, inside) if equals else None
+        words = None if field is None else rest.split(None, 1)
+        if field is not None and words:
+            pairs.append((field, words[0]))
+        elif inside and not rest.strip():
             _switch(found, line)
     return _finish(found, pairs, source, ended, notes)
+
+
+def _end_of_setup(text: str) -> int:
+    """Where the first line "Start simulation" begins, or the end; the table below it is long, and begins with a #."""
+    table = text.find("#")
+    run = text.rfind(_RUN, 0, table) if table >= 0 else -1
+    if run < 0:
+        run = text.find(_RUN)
+    return run if run >= 0 else len(text)
 
 
 def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
@@ -143,9 +153,9 @@ def parse_input(text: str, source: str, notes: Notes) -> RunParameters:
             ended = True
             break
         _switch(found, line)
-        number = _NUMBER.match(line)
-        field = _named(line, 1) if number is not None else None
-        if number is not None and field is not None:
+        field = _named(line, 1)
+        number = _NUMBER.match(line) if field is not None else None
+        if field is not None and number is not None:
             pairs.append((field, number[1]))
     return _finish(found, pairs, source, ended, notes)
 
@@ -155,6 +165,14 @@ def _named(name: str, column: int) -> str | None:
     """Field of a name in ``log.txt`` (column 0) or ``input.dat`` (1); runs of one program repeat them."""
     known = _NAMES[column].match(name)
     return None if known is None else known.lastgroup
+
+
+@lru_cache(maxsize=512)
+def _printed(name: str, inside: bool) -> str | None:
+    """Field of what stands before a "=" in ``log.txt``; outside the echoed input only internal units."""
+    name = name.strip()
+    internal = _INTERNAL.get(name)
+    return internal[0] if internal is not None else _named(name, 0) if inside else None
 
 
 def _switch(found: _Values, line: str) -> None:
@@ -206,7 +224,7 @@ def read_parameters(path: str | PathLike[str]) -> RunParameters:
     """
     path = Path(path)
     notes = Notes(str(path))
-    params = find_parameters(path, notes) if path.is_dir() else parse_file(path, notes)
+    params = find_parameters(Folder(path, listed=False), notes) if path.is_dir() else parse_file(path, notes)
     if params is None or not tells_anything(params):
         raise InputError(str(path), "no JETSPIN set-up found", remedy="give log.txt, input.dat or their directory")
     notes.emit()
@@ -230,8 +248,8 @@ def read_text(path: Path, limit: int = 2_000_000) -> str:
     return bytes(content_of(path)[:limit]).decode("utf-8", errors="replace")
 
 
-def find_parameters(folder: Path, notes: Notes) -> RunParameters | None:
+def find_parameters(folder: Folder, notes: Notes) -> RunParameters | None:
     """Set-up of the run in `folder`, from ``log.txt`` and ``input.dat``."""
-    there = (folder / name for name in ("log.txt", "input.dat"))
-    sets = [parse_file(path, notes) for path in there if os.path.isfile(path)]
+    there = (folder.file(name) for name in ("log.txt", "input.dat"))
+    sets = [parse_file(path, notes) for path in there if path is not None]
     return merge_parameters([params for params in sets if tells_anything(params)], notes)

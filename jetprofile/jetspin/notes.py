@@ -42,6 +42,11 @@ class Notes:
         entry = self._entries.setdefault(text, _Entry(0, warn, dropped))
         entry.count += number
 
+    def include(self, other: "Notes") -> None:
+        """Count all that `other` has counted."""
+        for text, entry in other._entries.items():
+            self.add(text, entry.count, warn=entry.warn, dropped=entry.dropped)
+
     def _texts(self, *, warn: bool, dropped: bool) -> list[str]:
         return [
             text.replace("{n}", str(entry.count))

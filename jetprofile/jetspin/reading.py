@@ -14,9 +14,10 @@ from spinline.base.errors import InputError
 from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.binary import BinarySource
 from spinline.jetprofile.jetspin.checks import peak_kink
-from spinline.jetprofile.jetspin.content import content_of
+from spinline.jetprofile.jetspin.content import Content, content_of
 from spinline.jetprofile.jetspin.dataset import Meaning, build_dataset
 from spinline.jetprofile.jetspin.detect import kind_of
+from spinline.jetprofile.jetspin.folder import Folder
 from spinline.jetprofile.jetspin.frames import FrameSource, Integers, order_frames, select_frames
 from spinline.jetprofile.jetspin.header import find_parameters
 from spinline.jetprofile.jetspin.notes import Notes
@@ -56,7 +57,11 @@ class Reading:
                 yield self.frames[begin : begin + chunk_frames]
             return
         begin, widest = 0, 0
-        for position, rows in enumerate(self.source.weight[self.frames].tolist()):
+        weight = self.source.weight[self.frames]
+        if int(weight.max(initial=0)) * len(weight) <= _ROWS:
+            yield self.frames
+            return
+        for position, rows in enumerate(weight.tolist()):
             if begin < position and max(widest, rows) * (position + 1 - begin) > _ROWS:
                 yield self.frames[begin:position]
                 begin, widest = position, 0
@@ -83,32 +88,38 @@ class Reading:
 
 
 def open_reading(
-    path: str | PathLike[str], *, source: str | None = None, time: Time = None, unit: Unit = None
+    path: str | PathLike[str],
+    *,
+    source: str | None = None,
+    time: Time = None,
+    unit: Unit = None,
+    content: Content | None = None,
 ) -> Reading:
-    """Find the frames of a file or run and what is needed to understand them."""
+    """Find the frames of a file or run and what is needed to understand them; `content` is the file's, if that was read."""
     path = Path(path)
-    if not os.path.isdir(path):
-        if not os.path.exists(path):
+    notes = Notes(str(path))
+    if content is not None or not os.path.isdir(path):
+        if content is None and not os.path.exists(path):
             raise InputError(str(path), "does not exist", remedy="give a file or directory of a JETSPIN run")
         if source is not None:
             raise InputError("source", "only for a directory", value=source, remedy="give the file itself as path")
-        notes = Notes(str(path))
-        return _open([path], path, time, unit, notes, _beside(path.parent, notes))
-    notes = Notes(str(path))
-    beside = _beside(path, notes)
-    choices = choose_files(path, source, refined=_refined(*beside))
-    if source is None and choices and choices[0][0].name == "save.dat" and len(choices) > 1:
+        beside = _beside(Folder(path.parent, listed=False), notes)
+        return _open([path], path, time, unit, notes, beside, content)
+    folder = Folder(path, listed=True)
+    beside = _beside(folder, notes)
+    choices = choose_files(folder, source, refined=_refined(*beside))
+    if source is None and choices and choices[0] == ["save.dat"] and len(choices) > 1:
         notes.add(
             "the run used dynamic refinement, so save.dat is read: it holds the volumes, of its last moment only "
-            f"({choices[1][0].name} has more times, but no radius: source asks for it)"
+            f"({choices[1][0]} has more times, but no radius: source asks for it)"
         )
-    for number, files in enumerate(choices):
+    for number, names in enumerate(choices):
         try:
-            return _open(files, path, time, unit, notes, beside)
+            return _open([path / name for name in names], path, time, unit, notes, beside)
         except InputError as error:
             if number + 1 == len(choices) or error.field in ("time", "unit"):
                 raise
-            notes.add(f"{files[0].name} is not usable and another file is read ({error})")
+            notes.add(f"{names[0]} is not usable and another file is read ({error})")
     raise InputError(
         str(path),
         "no traj.dat, frame*.xyz, traj.xyz or save.dat in it",
@@ -119,7 +130,7 @@ def open_reading(
 Beside = tuple[RunParameters | None, Track | None]
 
 
-def _beside(folder: Path, notes: Notes) -> Beside:
+def _beside(folder: Folder, notes: Notes) -> Beside:
     """What stands beside the frames: the parameters of the run, and the way of its first bead."""
     return find_parameters(folder, notes), statistics_track(folder)
 
@@ -129,9 +140,18 @@ def _refined(parameters: RunParameters | None, track: Track | None) -> bool:
     return bool(parameters and parameters.refinement) or bool(track and track.refined)
 
 
-def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes, known: Beside) -> Reading:
+def _open(
+    files: list[Path],
+    given: Path,
+    time: Time,
+    unit: Unit,
+    notes: Notes,
+    known: Beside,
+    content: Content | None = None,
+) -> Reading:
     beside, track = known
-    content = content_of(files[0])
+    if content is None:
+        content = content_of(files[0])
     kind = kind_of(files[0], content)
     frames: BinarySource | XyzSource
     if kind == "beads":
@@ -150,7 +170,7 @@ def _open(files: list[Path], given: Path, time: Time, unit: Unit, notes: Notes, 
     parameters = merge_parameters(sets, notes) or RunParameters()
     if parameters.refinement is None and track is not None and track.refined:
         parameters = replace(parameters, refinement=True)
-    kept = order_frames(frames.time, notes)
+    kept = frames.order(notes) if isinstance(frames, XyzSource) else order_frames(frames.time, notes)
     if len(kept) == 0:
         raise InputError(str(files[0]), "holds no whole frame", remedy="read another file of the run")
     chosen = select_frames(frames.time[kept], time, files[0].name)

@@ -10,7 +10,8 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.base.named_arrays import NamedArrays
-from spinline.jetprofile.jetspin.detect import file_kind
+from spinline.jetprofile.jetspin.content import content_of
+from spinline.jetprofile.jetspin.detect import kind_of
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.reading import Reading, Time, Unit, open_reading
 from spinline.jetprofile.jetspin.stats import read_landed, read_setup, read_table
@@ -93,9 +94,11 @@ def read_jetspin(
     laid down, damaged, beside a damaged bead) are kept where they exist. Numbers wrong by less than a kink
     in the jet cannot be told from right ones.
     """
+    content = None
     if os.path.isfile(path):
         given = Path(path)
-        kind = file_kind(given)
+        content = content_of(given)
+        kind = kind_of(given, content)
         if kind not in ("xyz", "beads") and (time is not None or unit is not None or source is not None):
             raise InputError("path", f"{given.name} holds no beads: no source, time or unit applies", value=str(path))
         reader = {
@@ -109,7 +112,7 @@ def read_jetspin(
             table = reader(given, notes)
             notes.emit()
             return table.dataset()
-    reading = open_reading(path, source=source, time=time, unit=unit)
+    reading = open_reading(path, source=source, time=time, unit=unit, content=content)
     data = _join([reading.arrays(frames) for frames in reading.pieces(None)])
     reading.sign(data)
     reading.notes.emit()

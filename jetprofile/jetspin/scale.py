@@ -48,7 +48,7 @@ def length_scale(
     unit : "cm", "internal", float or None
         Unit the caller vouches for.
     track : (times, x) or None
-        Position of the first bead in ``statout.dat``, m.
+        Position of the first bead in ``statout.dat`` in order of time, m.
     first : (times, x)
         The same from the file, in its unit.
     """
@@ -100,26 +100,26 @@ def _given(name: str, unit: str | float, internal: float | None) -> Scale:
 
 
 def _ratio(track: tuple[Floats, Floats], first: tuple[Floats, Floats]) -> float | None:
-    """Metres per unit from positions of the same bead at the same times."""
+    """Metres per unit from positions of the same bead at the same times; `track` is in order of time."""
     times, positions = track
     own_times, own = first
     if len(times) == 0 or len(own_times) == 0:
         return None
-    order = np.argsort(times, kind="stable")
-    times, positions = times[order], positions[order]
-    near = np.clip(np.searchsorted(times, own_times), 1, max(len(times) - 1, 1)) - 1
-    near = np.minimum(near, len(times) - 1)
-    following = np.minimum(near + 1, len(times) - 1)
+    last = len(times) - 1
+    near = np.minimum(np.maximum(times.searchsorted(own_times), 1), max(last, 1)) - 1
+    following = np.minimum(near + 1, last)
     closer = np.abs(times[following] - own_times) < np.abs(times[near] - own_times)
-    near = np.where(closer, following, near)
+    near[closer] = following[closer]
+    there = positions[near]
     same = np.abs(times[near] - own_times) <= 1e-6 * np.abs(own_times)
-    same &= np.isfinite(own) & (own > 1e-3) & np.isfinite(positions[near]) & (positions[near] > 0)
-    if not same.any():
+    same &= np.isfinite(own) & (own > 1e-3) & np.isfinite(there) & (there > 0)
+    ratios = np.sort(there[same] / own[same])
+    count = len(ratios)
+    if count == 0:
         return None
-    ratios = positions[near][same] / own[same]
-    middle = float(np.median(ratios))
+    middle = 0.5 * float(ratios[(count - 1) // 2] + ratios[count // 2])
     agree = np.abs(ratios - middle) < 1e-2 * middle
-    return middle if agree.sum() > 0.5 * len(ratios) else None
+    return middle if np.count_nonzero(agree) > 0.5 * count else None
 
 
 def check_scale(metres: float, track: tuple[Floats, Floats] | None, first: tuple[Floats, Floats], notes: Notes) -> str:

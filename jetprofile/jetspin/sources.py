@@ -1,6 +1,5 @@
 """The files of a run: which hold the beads, and what stands beside them."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,18 +7,19 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.jetprofile.jetspin.content import Content
-from spinline.jetprofile.jetspin.detect import frame_files
-from spinline.jetprofile.jetspin.frames import Floats, order_frames
+from spinline.jetprofile.jetspin.folder import Folder
+from spinline.jetprofile.jetspin.frames import Floats
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters
 from spinline.jetprofile.jetspin.scale import check_scale, length_scale
-from spinline.jetprofile.jetspin.stats import read_table
+from spinline.jetprofile.jetspin.stats import read_columns
 from spinline.jetprofile.jetspin.xyz import XyzSource
 
 __all__ = ["Track", "choose_files", "open_xyz", "statistics_track"]
 
 _SAMPLES = 16  # frames
 _FEW = 8192  # rows
+_TRACK = ("time", "x", "refinements")
 
 
 @dataclass(frozen=True)
@@ -31,45 +31,43 @@ class Track:
     refined: bool
 
 
-def choose_files(folder: Path, source: str | None, *, refined: bool = False) -> list[list[Path]]:
-    """Files to read, the best ones first; of a refined run those with volumes go before those without."""
+def choose_files(folder: Folder, source: str | None, *, refined: bool = False) -> list[list[str]]:
+    """Names of files to read, the best ones first; of a refined run those with volumes go before those without."""
     if source is None:
         order = ("traj.dat", "save.dat", "frame*.xyz", "traj.xyz")
         if not refined:
             order = ("traj.dat", "frame*.xyz", "traj.xyz", "save.dat")
-        found = (frame_files(folder) if name == "frame*.xyz" else [folder / name] for name in order)
-        return [files for files in found if files and os.path.isfile(files[0])]
+        found = (folder.frames() if name == "frame*.xyz" else [name] for name in order)
+        return [names for names in found if names and folder.has(names[0])]
     if source in ("frame*.xyz", "frame.xyz", "frames"):
-        frames = frame_files(folder)
+        frames = folder.frames()
         if not frames:
-            raise InputError("source", f"no frame*.xyz in {folder}", value=source, remedy=_there(folder))
+            raise InputError("source", f"no frame*.xyz in {folder.path}", value=source, remedy=_there(folder))
         return [frames]
-    path = folder / source
-    if not path.is_file():
-        raise InputError("source", f"not in {folder}", value=source, remedy=_there(folder))
-    return [[path]]
+    if not (folder.path / source).is_file():
+        raise InputError("source", f"not in {folder.path}", value=source, remedy=_there(folder))
+    return [[source]]
 
 
-def _there(folder: Path) -> str:
-    names = [files[0].name if len(files) == 1 else "frame*.xyz" for files in choose_files(folder, None)]
+def _there(folder: Folder) -> str:
+    names = [names[0] if len(names) == 1 else "frame*.xyz" for names in choose_files(folder, None)]
     return f"there is {', '.join(names)}" if names else "there is no file with beads"
 
 
-def statistics_track(folder: Path) -> Track | None:
+def statistics_track(folder: Folder) -> Track | None:
     """Position of the first bead in time from ``statout.dat``, where it was printed."""
-    path = folder / "statout.dat"
-    if not os.path.isfile(path) or path.stat().st_size == 0:
+    path = folder.file("statout.dat")
+    if path is None:
         return None
     try:
-        table = read_table(path, Notes(path.name), ("time", "x", "refinements"))
+        columns = {column[0]: values for column, values in read_columns(path, Notes(path.name), _TRACK)}
     except InputError:
         return None
-    if "time" not in table:  # printed without units, or not at all: there is nothing to place a bead by
+    time = columns.get("time")
+    if time is None:  # printed without units, or not at all: there is nothing to place a bead by
         return None
-    time = np.asarray(table["time"].values, dtype=np.float64)
-    refined = bool((table["refinements"] > 0).any()) if "refinements" in table else False
-    x = np.asarray(table["x"].values, dtype=np.float64) if "x" in table else np.full(len(time), np.nan)
-    return Track(time, x, refined)
+    refined = bool((columns["refinements"] > 0).any()) if "refinements" in columns else False
+    return Track(time, columns["x"] if "x" in columns else np.full(len(time), np.nan), refined)
 
 
 def open_xyz(
@@ -89,16 +87,17 @@ def open_xyz(
             "after the directive `print xyz rescale`)",
             remedy="read another file of the run",
         )
-    kept = order_frames(source.time, Notes(""))
+    kept = source.order(Notes(""))
     sample = np.arange(len(kept))
     if len(kept) > 2 * _SAMPLES:
-        sample = np.unique(np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64))
-    if source.weight[kept].sum() > _FEW:  # of few rows all: they are read once for this and for good
-        kept, sample = kept[sample], np.arange(len(sample))
+        sample = np.linspace(0, len(kept) - 1, _SAMPLES).astype(np.int64)
+    weight = source.weight[kept]
+    if weight.sum() > _FEW:  # of few rows all: they are read once for this and for good
+        kept, weight, sample = kept[sample], weight[sample], np.arange(len(sample))
     block = source.look(kept)
     time, x = block.time[sample], block.values["x"][block.first[sample]]
     name = files[0].name.lower()
-    padded = bool((source.weight[kept] > block.length)[sample].any())
+    padded = bool((weight > block.length)[sample].any())
     kind: str | None = None
     if padded or len(source.time) > len(files):
         kind = "traj"

@@ -14,17 +14,20 @@ from spinline.base.errors import InputError
 from spinline.base.named_arrays import NamedArrays
 from spinline.jetprofile.jetspin.content import Content, content_of
 from spinline.jetprofile.jetspin.detect import file_kind, kind_of
+from spinline.jetprofile.jetspin.folder import Folder
 from spinline.jetprofile.jetspin.frames import Floats, order_frames
 from spinline.jetprofile.jetspin.header import find_parameters, is_log, parse_file, read_text
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.observables import BY_KEY, OBSERVABLES
-from spinline.jetprofile.jetspin.units import si_unit, to_floats
+from spinline.jetprofile.jetspin.units import floats_of, si_unit, to_floats
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["read_landed", "read_setup", "read_statistics", "read_table"]
+__all__ = ["read_columns", "read_landed", "read_setup", "read_statistics", "read_table"]
 
+Column = tuple[str, float, str, str]  # name, factor to SI, unit, meaning
+_STEP: Column = ("step", 1.0, "1", "number of the time step")
 _WIDTH = 20
 _UNITS = {
     "system": "",
@@ -82,33 +85,36 @@ def read_statistics(path: str | PathLike[str]) -> "xr.Dataset":
     return table.dataset()
 
 
-def read_table(path: Path, notes: Notes, wanted: Collection[str] = ()) -> NamedArrays:
-    """Observables of one file along time; of a text nothing but `step` and the `wanted` ones, if any are named."""
-    content = content_of(path)
-    if kind_of(path, content) == "statdat":
-        rows, columns = _binary_table(content, notes)
-    else:
-        rows, columns = _text_table(path, content, notes, wanted)
-    if len(rows) == 0:
-        raise InputError(str(path), "holds no whole row", remedy="read another file of the run")
-    names = [name for name, _, _, _ in columns]
+def read_table(path: Path, notes: Notes) -> NamedArrays:
+    """Observables of one file along time."""
     data: dict[str, Any] = {}
-    at = names.index("time") if "time" in names else 0
-    keep = order_frames(rows[:, at].copy(), notes)
-    rows = rows[keep]
-    infinite = np.isinf(rows).sum()
-    notes.add("{n} values are infinite (radius of coincident beads), now NaN", int(infinite), warn=False)
-    for number, (name, factor, unit, text) in enumerate(columns):
-        values = rows[:, number] * factor
-        values[np.isinf(values)] = np.nan
-        data[name] = ("time" if "time" in names else "step", values, {"units": unit, "long_name": text})
+    found = read_columns(path, notes)
+    dim = "time" if any(column[0] == "time" for column, _ in found) else "step"
+    for (name, _, unit, text), values in found:
+        data[name] = (dim, values, {"units": unit, "long_name": text})
     coords: dict[str, Any] = {name: data.pop(name) for name in ("time", "step") if name in data}
     attrs = {"source_files": path.name, "dropped": notes.dropped, "warnings": notes.warnings}
     return NamedArrays(data, coords, attrs)
 
 
-Column = tuple[str, float, str, str]
-_STEP: Column = ("step", 1.0, "1", "number of the time step")
+def read_columns(path: Path, notes: Notes, wanted: Collection[str] = ()) -> list[tuple[Column, Floats]]:
+    """Columns of one file in order of time; of a text nothing but time (or `step`) and the `wanted` ones, if any are named."""
+    content = content_of(path)
+    if kind_of(path, content) == "statdat":
+        table, columns = _binary_table(content, notes)
+    else:
+        table, columns = _text_table(path, content, notes, wanted)
+    if table.shape[1] == 0:
+        raise InputError(str(path), "holds no whole row", remedy="read another file of the run")
+    names = [name for name, _, _, _ in columns]
+    keep = order_frames(table[names.index("time") if "time" in names else 0], notes)
+    if len(keep) < table.shape[1]:
+        table = table[:, keep]
+    infinite = np.count_nonzero(np.isinf(table))
+    notes.add("{n} values are infinite (radius of coincident beads), now NaN", infinite, warn=False)
+    values = table * np.array([[factor] for _, factor, _, _ in columns])
+    values[np.isinf(values)] = np.nan
+    return list(zip(columns, values, strict=True))
 
 
 def _binary_table(content: Content, notes: Notes) -> tuple[Floats, list[Column]]:
@@ -128,9 +134,9 @@ def _binary_table(content: Content, notes: Notes) -> tuple[Floats, list[Column]]
     values = numbers.view("<f4").astype(np.float64)
     values[broken] = np.nan
     _check_record(values, notes)
-    rows = np.column_stack([words[:, 1].view("<i4").astype(np.float64), values])
+    table = np.vstack([words[:, 1].view("<i4").astype(np.float64), values.T])
     columns = [_STEP] + [(name, *si_unit(unit), text) for _, name, unit, text in OBSERVABLES]
-    return rows, columns
+    return table, columns
 
 
 def _check_record(values: Floats, notes: Notes) -> None:
@@ -147,10 +153,13 @@ def _check_record(values: Floats, notes: Notes) -> None:
 
 
 def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[str]) -> tuple[Floats, list[Column]]:
+    """Numbers (column, row) of a text, and what its columns are."""
     columns: list[Column] | None = None
     rows: list[str] = []
-    width = torn = 0
+    even: NDArray[np.uint8] | None = None
+    at = width = torn = 0
     for raw in BytesIO(content):
+        at += len(raw)
         if raw.startswith(b"#***") or raw.isspace():
             continue
         line = raw[:4096].decode("utf-8", errors="replace").rstrip()
@@ -164,6 +173,10 @@ def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[s
             continue
         if columns is None:
             raise InputError(str(path), "its header is missing or damaged", remedy="read statdat.dat instead")
+        if not rows and not torn:
+            even = _even_rows(content, at - len(raw), len(raw), width)
+            if even is not None:
+                break
         if width - 5 <= len(line) <= width and raw.endswith(b"\n"):
             rows.append(line)
         else:
@@ -171,16 +184,32 @@ def _text_table(path: Path, content: Content, notes: Notes, wanted: Collection[s
     notes.add("{n} cut or damaged rows left out", torn, dropped=True)
     if columns is None:
         raise InputError(str(path), "has no header", remedy="read statdat.dat instead")
+    needed = (*wanted, "time" if any(one[0] == "time" for one in columns) else "step")
     stops = range(10, width + 1, _WIDTH)
-    taken = [
-        (*one, stop) for one, stop in zip(columns, stops, strict=True) if not wanted or one[0] in ("step", *wanted)
-    ]
-    table = np.empty((len(rows), len(taken)))
-    for number, (*_, stop) in enumerate(taken):
+    taken = [(one, stop) for one, stop in zip(columns, stops, strict=True) if not wanted or one[0] in needed]
+    table = np.empty((len(taken), len(rows if even is None else even)))
+    for number, (_, stop) in enumerate(taken):
         begin = max(stop - _WIDTH, 0)
-        table[:, number] = to_floats([row[begin:stop] for row in rows])
-    notes.add("{n} values cannot be read and are NaN", int(np.isnan(table).sum()))
-    return table, [one[:4] for one in taken]
+        table[number] = to_floats([row[begin:stop] for row in rows]) if even is None else floats_of(even[:, begin:stop])
+    notes.add("{n} values cannot be read and are NaN", np.count_nonzero(np.isnan(table)))
+    return table, [one for one, _ in taken]
+
+
+def _even_rows(content: Content, start: int, length: int, width: int) -> NDArray[np.uint8] | None:
+    """Characters (row, column) from `start` to the end if all are rows of one length, plain and whole; else None."""
+    count, rest = divmod(len(content) - start, length)
+    if rest or not width < length <= 4096 or content.find(b"#", start) >= 0 or content.find(b"_", start) >= 0:
+        return None
+    rows = np.frombuffer(content, np.uint8, offset=start).reshape(count, length)
+    text, blank = rows[:, :-1], ord(" ")
+    if (
+        (rows[:, -1] != ord("\n")).any()
+        or text.min() < blank
+        or text.max() > ord("~")
+        or (text[:, width:] != blank).any()
+    ):
+        return None
+    return text if (text[:, width - 6 : width] != blank).any(axis=1).all() else None
 
 
 def _columns(line: str) -> list[Column]:
@@ -199,7 +228,7 @@ def _columns(line: str) -> list[Column]:
 
 def read_landed(path: Path, notes: Notes) -> NamedArrays:
     """Beads that reached the collector (``bead.dat``), in the order of their landing."""
-    p = find_parameters(path.parent, notes)
+    p = find_parameters(Folder(path.parent, listed=False), notes)
     needed = (
         "length_unit",
         "time_unit",

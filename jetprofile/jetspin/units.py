@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from contextlib import suppress
 from functools import lru_cache
 
-__all__ = ["CM", "STATCOULOMB", "STATVOLT", "si_unit", "to_float", "to_floats"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["CM", "STATCOULOMB", "STATVOLT", "floats_of", "si_unit", "to_float", "to_floats"]
 
 CM = 0.01
 STATCOULOMB = 3.3356409519815204e-10  # C; 1/(10 c) with c in m/s
@@ -71,15 +74,18 @@ def to_float(text: str) -> float:
     text = text.strip()
     if not text.isascii() or "_" in text:
         return math.nan
+    if "d" not in text and "D" not in text:  # with one, neither of these is a number
+        try:
+            return float(text)
+        except ValueError:
+            pass
+        match = _SHORT_EXPONENT.match(text)
+        if match is not None:
+            return float(f"{match[1]}e{match[2]}")
+    if text[-1:] in ("d", "D", "e", "E"):
+        text = text[:-1]
     try:
-        return float(text)
-    except ValueError:
-        pass
-    match = _SHORT_EXPONENT.match(text)
-    if match is not None:
-        return float(f"{match[1]}e{match[2]}")
-    try:
-        return float(re.sub("[dD]", "e", re.sub("[dDeE]$", "", text), count=1))
+        return float(text.replace("D", "d").replace("d", "e", 1))
     except ValueError:
         return math.nan
 
@@ -91,3 +97,12 @@ def to_floats(texts: Sequence[str]) -> list[float]:
         with suppress(ValueError):
             return list(map(float, texts))
     return [to_float(text) for text in texts]
+
+
+def floats_of(characters: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """`to_float` of every row of characters, which are plain ones without underscores."""
+    words = np.ascontiguousarray(characters).view(f"S{characters.shape[1]}")[:, 0]
+    try:
+        return words.astype(np.float64)
+    except ValueError:  # some are not written as in C
+        return np.array([to_float(word.decode()) for word in words.tolist()], dtype=np.float64)

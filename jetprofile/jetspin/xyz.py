@@ -13,15 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spinline.jetprofile.jetspin.content import Content, content_of, forget_pages
-from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers
+from spinline.jetprofile.jetspin.frames import Block, Floats, FrameList, Integers, order_frames
 from spinline.jetprofile.jetspin.notes import Notes
 from spinline.jetprofile.jetspin.parameters import RunParameters
-from spinline.jetprofile.jetspin.units import to_float
+from spinline.jetprofile.jetspin.units import floats_of, to_float
 from spinline.jetprofile.jetspin.xyz_rows import DAMAGED, OVERFLOW, UNREADABLE, parse_rows
 
 __all__ = ["XyzSource", "scan_frames"]
 
 _HEADER = re.compile(rb" {0,20}([0-9]{1,10})\r?\nframe at time([ 0-9.+\-EeDd*]{20})[ 0-9*]{10}\r?\n")
+_TIME, _NUMBER = (np.isin(np.arange(256), list(known)) for known in (b" 0123456789.+-EeDd*", b" 0123456789*"))
+_LINE = 38  # bytes of a row without its end
+_LIKE, _MANY = 8, 32  # frames in a row alike, and frames that are left, for which others like them are looked for
 _Read = tuple[Block, Floats, NDArray[np.uint8], Integers]
 _KEEP = 64 << 20  # bytes of small files kept after the first pass
 
@@ -31,7 +34,7 @@ def scan_frames(content: Content, notes: Notes) -> FrameList:
     found = FrameList()
     size = len(content)
     at = _next_header(content, 0, notes)
-    released = 0
+    released = apart = alike = 0
     while at < size:
         head = _HEADER.match(content, at)
         count = int(head[1]) if head is not None else 0
@@ -57,11 +60,42 @@ def scan_frames(content: Content, notes: Notes) -> FrameList:
                 continue
             stride = 0
         found.add(_time(head[2]), first, count, stride)
+        alike = alike + 1 if stride == 39 and stop - at == apart else 0
+        apart = stop - at
+        if alike >= _LIKE and size - stop > _MANY * apart:  # they are looked at in one go
+            times = _repeats(content, at, head, apart, 16 * alike)
+            found.repeat(times, apart)
+            alike = alike + len(times) if len(times) == 16 * alike else 0
+            stop += len(times) * apart
         at = stop
         if at - released > _KEEP:
             forget_pages(content)
             released = at
     return found
+
+
+def _repeats(content: Content, begin: int, head: "re.Match[bytes]", apart: int, limit: int) -> Floats:
+    """Times of the frames behind one at `begin`, as long as they are like it and whole, and no more than so many."""
+    first, after = head.end() - begin, begin + apart
+    count = min(limit, (len(content) - after) // apart, _KEEP // apart)
+    if count < 1 or content[begin + first + _LINE] != ord("\n"):
+        return np.empty(0)
+    own = np.frombuffer(content, np.uint8, apart, begin)
+    frames = np.frombuffer(content, np.uint8, count * apart, after).reshape(count, apart)
+    header = frames[:, :first]
+    same = header == own[:first]
+    middle = head.end(2) - begin
+    time, number = slice(middle - 20, middle), slice(middle, middle + 10)
+    same[:, time] = _TIME.take(header[:, time])
+    same[:, number] = _NUMBER.take(header[:, number])
+    for at in (first + _LINE, apart - 1):  # the ends of the first row and of the last
+        same[:, 0] &= frames[:, at] == own[at]
+    whole = same.all(axis=1)
+    if not whole.all():
+        count = int(whole.argmin())
+    if not _ends_here(content, after + count * apart):
+        count -= 1
+    return floats_of(header[: max(count, 0), time])
 
 
 def _time(text: bytes) -> float:
@@ -145,6 +179,7 @@ class XyzSource:
         self.scale = 1.0
         self._content: dict[int, Content] = {0: first}
         self._looked: tuple[Integers, _Read] | None = None
+        self._order: tuple[Integers, Notes] | None = None
         frames = FrameList()
         owner: list[int] = []
         kept = 0
@@ -152,10 +187,7 @@ class XyzSource:
             content = self._open(number)
             found = scan_frames(content, notes)
             owner += [number] * len(found.time)
-            frames.time += found.time
-            frames.offset += found.offset
-            frames.rows += found.rows
-            frames.extra += found.extra
+            frames.join(found)
             kept += len(content)
             if len(self.paths) > 1 and kept > _KEEP:
                 self._content.pop(number, None)
@@ -196,6 +228,14 @@ class XyzSource:
         joined.flags.writeable = False
         return joined, self._offset[frames] + moved
 
+    def order(self, notes: Notes) -> Integers:
+        """Numbers of the frames to keep (`order_frames`), found once."""
+        if self._order is None:
+            found = Notes("")
+            self._order = order_frames(self.time, found), found
+        notes.include(self._order[1])
+        return self._order[0]
+
     def look(self, frames: Integers) -> Block:
         """Beads in the unit of the file, before its scale is known; what was read is kept for a `load` of the same frames."""
         self._looked = frames, self._read(frames)
@@ -204,7 +244,7 @@ class XyzSource:
     def load(self, frames: Integers, notes: Notes) -> Block:
         """Beads of the frames with these numbers, m."""
         looked, self._looked = self._looked, None
-        if looked is None or not np.array_equal(looked[0], frames):
+        if looked is None or looked[0].tobytes() != frames.tobytes():
             looked = frames, self._read(frames)
         block, positions, status, padding = looked[1]
         positions *= self.scale  # the block holds them by axis

@@ -14,8 +14,9 @@ UNREADABLE, OVERFLOW, DAMAGED = 1, 2, 4
 
 _ROW = 38  # bytes of a row without its end
 _BLOCK = 8192  # rows at a time, so that their columns stay in the cache
-_HEAD = np.frombuffer(b"C       ", np.uint8)[:, None]
-_ENDS = {len(end): np.frombuffer(end, np.uint8)[:, None] for end in (b"\n", b"\r\n")}
+_HEAD = np.frombuffer(b"C       ", np.uint8)
+_HEAD_WORD = _HEAD.view(np.uint64)  # the same in one word
+_END_WORDS = {_ROW + len(end): np.frombuffer(end, f"u{len(end)}") for end in (b"\n", b"\r\n")}
 _WIDTH, _LEADING = 10, 4
 _UNIT = 1e5
 
@@ -45,37 +46,32 @@ def parse_rows(
         before = count[begin - 1] if begin else 0
         stop = max(begin + 1, int(count.searchsorted(before + _BLOCK, side="right")))
         frames = offsets[begin:stop], rows[begin:stop], strides[begin:stop]
-        characters = _grid(buffer, *frames)
-        if characters is None:
-            values, flags = _numbers(buffer, *_lines(buffer, *frames))
-        else:
-            values, flags = _even_numbers(characters)
+        values, flags = _even_numbers(buffer, *frames) or _numbers(buffer, *_lines(buffer, *frames))
         used += _keep(values, flags, rows[begin:stop], used, (out, status, chains[begin:stop]))
         begin = stop
     return used
 
 
-def _grid(
+def _even_numbers(
     buffer: Bytes, offsets: NDArray[np.int64], rows: NDArray[np.int64], strides: NDArray[np.int64]
-) -> Bytes | None:
-    """Characters (line, n) of whole frames of one shape at even distances, as the program writes them; else None."""
+) -> tuple[NDArray[np.float64], Bytes] | None:
+    """`_numbers` of whole frames of one shape at even distances, as the program writes them; None of others."""
     count, stride, first = int(rows[0]), int(strides[0]), int(offsets[0])
-    apart = int(offsets[1]) - first if len(offsets) > 1 else 0
+    steps = offsets[1:] - offsets[:-1]
     even = stride > 0 and int(offsets[-1]) + count * stride <= len(buffer)
-    if not even or (rows != count).any() or (strides != stride).any() or (offsets[1:] - offsets[:-1] != apart).any():
+    if not even or not _alike(rows) or not _alike(strides) or not _alike(steps):
         return None
-    lines = np.ndarray((stride, len(rows), count), np.uint8, buffer, first, (1, apart, stride))
-    return lines.reshape(stride, -1)
+    shape, apart = (len(rows), count), (int(steps[0]) if len(steps) else 0, stride)
+    bad = np.ndarray(shape, np.uint64, buffer, first, apart) != _HEAD_WORD
+    end = _END_WORDS[stride]
+    bad |= np.ndarray(shape, end.dtype, buffer, first + _ROW, apart) != end
+    fields = np.ndarray((_WIDTH, 3, *shape), np.uint8, buffer, first + len(_HEAD), (1, _WIDTH, *apart))
+    return _valued(fields.reshape(_WIDTH, 3, -1), bad.ravel() * np.uint8(DAMAGED))
 
 
-def _even_numbers(characters: Bytes) -> tuple[NDArray[np.float64], Bytes]:
-    """`_numbers` of lines that are all as long."""
-    flags = np.zeros(characters.shape[1], np.uint8)
-    end = _ENDS[len(characters) - _ROW]
-    head_bad, end_bad = characters[: len(_HEAD)] != _HEAD, characters[_ROW:] != end
-    if head_bad.any() or end_bad.any():
-        flags[head_bad.any(axis=0) | end_bad.any(axis=0)] = DAMAGED
-    return _valued(characters, flags)
+def _alike(numbers: NDArray[np.int64]) -> bool:
+    """Whether all are the same; by their bytes, which of few takes a fifth of the time."""
+    return numbers.tobytes() == numbers[:1].tobytes() * len(numbers)
 
 
 def _lines(
@@ -110,12 +106,13 @@ def _numbers(buffer: Bytes, start: NDArray[np.int64], end: NDArray[np.int64]) ->
     short = width < _ROW
     columns = _columns(buffer, np.where(short, 0, start)) if len(buffer) >= _ROW else np.zeros((_ROW, len(start)), "u1")
     last = buffer[np.maximum(end, 1) - 1] == ord("\n")
-    bad = (columns[: len(_HEAD)] != _HEAD).any(axis=0)
+    bad = (columns[: len(_HEAD)] != _HEAD[:, None]).any(axis=0)
     returned = buffer[np.minimum(start + _ROW, len(buffer) - 1)] == ord("\r")
     bad |= (width > _ROW + 1) & ~((width == _ROW + 2) & returned)
     unfinished = (end == len(buffer)) & (width == _ROW)  # the last line of the text, whole but for its end
     flags = (bad | ~(last | unfinished)) * np.uint8(DAMAGED)
-    values, flags = _valued(columns, flags)
+    fields = columns[len(_HEAD) :].reshape(3, _WIDTH, -1).swapaxes(0, 1)
+    values, flags = _valued(np.ascontiguousarray(fields), flags)
     if short.any():
         flags[short] = UNREADABLE | DAMAGED
         values[:, short] = np.nan
@@ -128,39 +125,31 @@ def _columns(buffer: Bytes, start: NDArray[np.int64]) -> Bytes:
     return np.ascontiguousarray(windows[start].T)
 
 
-def _valued(columns: Bytes, flags: Bytes) -> tuple[NDArray[np.float64], Bytes]:
-    """Values (3, n) of rows by their characters, NaN where they have none, and their flags with those of the fields."""
-    fields = columns[len(_HEAD) : _ROW].reshape(3, _WIDTH, -1)
+def _valued(fields: Bytes, flags: Bytes) -> tuple[NDArray[np.float64], Bytes]:
+    """Values (3, n) of fields by their characters (10, 3, n), NaN where they have none, and flags with those of the fields."""
     digits = fields - np.uint8(ord("0"))  # 10 and more for what is no digit
-    plain = digits <= 9
-    plain[:, _LEADING] = fields[:, _LEADING] == ord(".")
-    minus = fields[:, :_LEADING] == ord("-")
-    faults = _faults(fields, plain, minus)
-    digits[:, :_LEADING] *= plain[:, :_LEADING]
+    sound: Flags = digits <= 9
+    sound[_LEADING] = fields[_LEADING] == ord(".")
+    leading, minus, blank = sound[:_LEADING], fields[:_LEADING] == ord("-"), fields[:_LEADING] == ord(" ")
+    digits[:_LEADING] *= leading.view(np.uint8)
+    behind = leading[1:] | blank[:-1]  # a sign or a blank stands behind blanks alone
+    leading |= blank
+    leading |= minus
+    leading[1:] &= behind
     # two digits, then four, of those before the point and behind it, in the narrowest integers that hold them
-    fours = digits.reshape(3, 2, _WIDTH // 2, -1)[:, :, :4]
-    pairs = 10 * fours[:, :, ::2] + fours[:, :, 1::2]
-    four = np.multiply(pairs[:, :, 0], 100, dtype=np.uint16) + pairs[:, :, 1]
-    value = np.multiply(four[:, 0], 100_000, dtype=np.int32)
-    value += np.multiply(four[:, 1], 10, dtype=np.int32)
-    value += digits[:, -1]
-    values = np.negative(value, out=value, where=minus.any(axis=1)) / _UNIT
-    if faults is not None:
-        flags |= faults[0] | faults[1] | faults[2]
+    fours = digits.reshape(2, _WIDTH // 2, 3, -1)[:, :4]
+    pairs = 10 * fours[:, ::2] + fours[:, 1::2]
+    four = np.multiply(pairs[:, 0], 100, dtype=np.uint16) + pairs[:, 1]
+    value = np.multiply(four[0], 100_000, dtype=np.int32)
+    value += np.multiply(four[1], 10, dtype=np.int32)
+    value += digits[-1]
+    values = np.negative(value, out=value, where=minus.any(axis=0)) / _UNIT
+    if not sound.all():
+        faults = np.logical_not(sound.all(axis=0)).view(np.uint8)
+        faults[(fields == ord("*")).all(axis=0)] = OVERFLOW
+        flags |= np.bitwise_or.reduce(faults, axis=0)
         values[:, (flags & (UNREADABLE | OVERFLOW)) != 0] = np.nan
     return values, flags
-
-
-def _faults(fields: Bytes, plain: Flags, minus: Flags) -> Bytes | None:
-    """Faults (3, n) of fields (3, 10, n) in which `plain` marks digits and points, `minus` signs; None of sound ones."""
-    blank, leading, rest = fields[:, :_LEADING] == ord(" "), plain[:, :_LEADING], plain[:, _LEADING:]
-    sound = leading | blank | minus
-    sound[:, 1:] &= leading[:, 1:] | blank[:, :-1]  # a sign or a blank stands behind blanks alone
-    if rest.all() and sound.all():
-        return None
-    faults: Bytes = (~(sound.all(axis=1) & rest.all(axis=1))).astype(np.uint8)
-    faults[(fields == ord("*")).all(axis=1)] = OVERFLOW
-    return faults
 
 
 def _keep(
@@ -172,23 +161,25 @@ def _keep(
 ) -> int:
     """Put rows up to the nozzle's, which is zero, behind those that are `used`; the number of rows kept."""
     out, status, chains = results
+    count, faulty = len(flags), flags.any()
     after = rows.cumsum()
     first = after - rows
-    zero = (values == 0.0).all(axis=0)
+    zero = np.ones(count + 1, np.bool_)  # one more behind the last
+    np.logical_not(values.any(axis=0), out=zero[:-1])
     nozzles = zero.nonzero()[0]
-    nozzle = np.append(nozzles, len(zero))[nozzles.searchsorted(first)]  # the first one in the frame or behind it
+    nozzle = nozzles[nozzles.searchsorted(first)]  # the first one in the frame or behind it
     stop = np.minimum(nozzle + 1, after)
     length = stop - first
-    kept = np.arange(len(zero)) < stop.repeat(rows)
-    expected = kept | (zero > flags)  # padding is zeros without a fault
+    kept = np.arange(count) < stop.repeat(rows)
     total = int(length.sum())
     values.compress(kept, axis=1, out=out[:, used : used + total])
-    status[used : used + total] = flags[kept]
+    status[used : used + total] = flags[kept] if faulty else 0
     chains[:, 0] = used + length.cumsum() - length
     chains[:, 1] = length
-    chains[:, 2] = nozzle < after
+    chains[:, 2] = met = nozzle < after
     chains[:, 3] = 0
-    if not expected.all():
-        before = np.concatenate([[0], np.cumsum(~expected)])
+    if faulty or count - total != len(nozzles) - 1 - np.count_nonzero(met):  # not all that is left out is zero
+        padding = zero[:-1] > flags  # zeros without a fault
+        before = np.concatenate([[0], np.cumsum(~(kept | padding))])
         chains[:, 3] = before[after] - before[first]
     return total

@@ -146,14 +146,14 @@ class NamedArrays:
         import xarray as xr
         from xarray.indexes import Index, PandasIndex
 
-        made = {
-            name: xr.Variable(one.dims, one.values, one.attrs, fastpath=True) for name, one in self.variables.items()
-        }
+        made = {}
+        for name, one in self.variables.items():
+            made[name] = xr.Variable(one.dims, one.values, one.attrs, fastpath=True)
         indexes: dict[Any, Index] = {}
         for name in [name for name, one in self.variables.items() if one.dims == (name,)]:
             values = self.variables[name].values
             # as `from_variables` does it, which first makes two copies to name them
-            indexes[name] = index = PandasIndex(pd.Index(values, name=name), name, values.dtype)
+            indexes[name] = index = PandasIndex(pd.Index(values, name=name), name, values.dtype, fastpath=True)
             made[name] = index.create_variables({name: made[name]})[name]
         names = {*self.coords, *indexes}
         return xr.Dataset._construct_direct(made, names, self.sizes, dict(self.attrs), indexes)
