@@ -3,14 +3,20 @@
 Frames of the bundled PVP run are repeated with perturbed numbers, as text and as binary, and read in pieces.
 Plain numpy reads the same numbers on a slice of the text, in the same run, without looking for damage.
 
-    python benchmarks/bench_jetspin.py [MEGABYTES] [--frames] [--keep DIR]
+    python benchmarks/bench_jetspin.py [MEGABYTES] [--memory] [--keep DIR]
     python benchmarks/bench_jetspin.py --sizes 0.01 0.03 0.1 1 10 100 --runs RUN...   # writes bench_jetspin.json
 
-The second measures, in processor time and against ``numpy.loadtxt`` on nothing but the rows of numbers of the same file (and
-of those not the ones whose columns touch, which it cannot read):
+The second measures, in processor time:
 
 * `read`: `read_jetspin`, which parses the run's log, finds frames and units, looks for damage and makes a Dataset of
-  thirteen variables, against loadtxt; they take turns (hundreds of them where the file is small);
+  thirteen variables. `megabytes` and `read_mb_s` count the trajectory alone, `megabytes_read` and `all_mb_s` all files
+  that are read: the log is larger than a small trajectory, and nobody else reads it here;
+* `filtered`: what a user can do instead, ``numpy.loadtxt`` over the file's own lines by a generator that leaves out what is
+  no row of three numbers. The rows whose columns touch (450.57551-103.59328) are left out with them;
+* `fixed`: ``numpy.genfromtxt`` with fixed widths over the file's own rows, which reads those too;
+* `loadtxt`: nothing a user can do, ``numpy.loadtxt`` on rows that somebody has already cut out of the file (and of those not
+  the ones whose columns touch, which it cannot read). It and the above take turns, hundreds of them where the file is
+  small; `fixed` of 12 MB and more once;
 * `floor`: nothing but opening the run's files, reading their bytes and making that Dataset of arrays that are there, in the
   quickest way known (xarray's constructor takes longer). No reader that returns it is faster, whatever it does between: where
   `floor_over_loadtxt` is below 1, none is as fast as loadtxt;
@@ -19,7 +25,7 @@ of those not the ones whose columns touch, which it cannot read):
 * `process`: ``spinline import-jet`` from start to end, against a Python that does the same.
 
 `--runs` adds real runs under their names: `read_jetspin` of their traj.xyz (with what stands beside it), and of the directory
-with traj.xyz as its source, against loadtxt on the same rows.
+with traj.xyz as its source, against the same.
 """
 
 import argparse
@@ -168,6 +174,36 @@ def load(path):
     return np.loadtxt(path, usecols=(1, 2, 3))
 
 
+def filtered(path):
+    """Three columns of a traj.xyz as it is, by loadtxt; what is no row of three separate numbers is left out."""
+    with open(path, encoding="ascii") as file:
+        rows = (line for line in file if line.startswith("C ") and len(line.split()) == 4)
+        return np.loadtxt(rows, usecols=(1, 2, 3))
+
+
+def fixed(path):
+    """Three columns of a traj.xyz as it is, by genfromtxt and the widths of its fields."""
+    with open(path, encoding="ascii") as file:
+        rows = (line for line in file if line.startswith("C "))
+        return np.genfromtxt(rows, delimiter=(8, 10, 10, 10), usecols=(1, 2, 3))
+
+
+def turns(repeats, path, rows, *ours):
+    """Shortest times of our functions, and of theirs by name, s."""
+    many = path.stat().st_size < 12e6
+    theirs = [lambda: load(rows), lambda: filtered(path), *([lambda: fixed(path)] if many else [])]
+    seconds = least(repeats, *ours, *theirs)
+    if not many:
+        seconds += least(1, lambda: fixed(path))
+    return seconds[: len(ours)], dict(zip(("loadtxt", "filtered", "fixed"), seconds[len(ours) :], strict=True))
+
+
+def all_read(folder):
+    """Megabytes of the files that are read for the beads of a traj.xyz."""
+    there = [folder / name for name in ("traj.xyz", "log.txt", "input.dat", "statout.dat")]
+    return sum(path.stat().st_size for path in there if path.exists()) / 1e6
+
+
 def named(data):
     """The arrays of a Dataset."""
     tuples = {str(name): (one.dims, one.values, one.attrs) for name, one in data.variables.items()}
@@ -227,22 +263,28 @@ def plain_rows(path):
 
 
 def real(folder, repeats=300):
-    """Reading a real run, by its traj.xyz and by its directory, against loadtxt."""
+    """Reading a real run, by its traj.xyz and by its directory."""
     path = folder / "traj.xyz"
     with tempfile.TemporaryDirectory() as temporary:
         text, rows = plain_rows(path), str(Path(temporary) / "rows.txt")
         Path(rows).write_bytes(text)
-        seconds = least(
-            repeats, lambda: read_jetspin(path), lambda: read_jetspin(folder, source="traj.xyz"), lambda: load(rows)
+        (file, directory), theirs = turns(
+            repeats, path, rows, lambda: read_jetspin(path), lambda: read_jetspin(folder, source="traj.xyz")
         )
     megabytes = path.stat().st_size / 1e6
-    loadtxt = len(text) / 1e6 / seconds[2]
+    rate = {name: (len(text) / 1e6 if name == "loadtxt" else megabytes) / s for name, s in theirs.items()}
+    seconds = {"file": file, "directory": directory, **theirs}
+    over = {
+        f"{what}_over_{name}": megabytes / seconds[what] / rate[name] for what in ("file", "directory") for name in rate
+    }
     return {
         "run": folder.name,
         "megabytes": round(megabytes, 3),
-        "seconds": {name: round(s, 5) for name, s in zip(("file", "directory", "loadtxt"), seconds, strict=True)},
-        "file_over_loadtxt": round(megabytes / seconds[0] / loadtxt, 2),
-        "directory_over_loadtxt": round(megabytes / seconds[1] / loadtxt, 2),
+        "megabytes_read": round(all_read(folder), 3),
+        "seconds": {name: round(s, 5) for name, s in seconds.items()},
+        "file_mb_s": round(megabytes / file, 1),
+        "all_mb_s": round(all_read(folder) / file, 1),
+        **{name: round(ratio, 2) for name, ratio in over.items()},
     }
 
 
@@ -255,8 +297,8 @@ def measured(folder, repeats):
     columns = load(plain)
     save(columns, other)
     sources, arrays = [folder / "log.txt", folder / "traj.xyz"], named(read_jetspin(folder))
-    read, loadtxt, floor = least(
-        repeats, lambda: read_jetspin(folder), lambda: load(plain), lambda: nothing_but(sources, arrays)
+    (read, floor), others = turns(
+        repeats, folder / "traj.xyz", plain, lambda: read_jetspin(folder), lambda: nothing_but(sources, arrays)
     )
     write, to_netcdf, npy = least(
         min(repeats, 20),
@@ -266,7 +308,7 @@ def measured(folder, repeats):
     )
     seconds = {
         "read": read,
-        "loadtxt": loadtxt,
+        **others,
         "floor": floor,
         "write": write,
         "saved": to_netcdf,
@@ -276,14 +318,18 @@ def measured(folder, repeats):
         "process_npy": children(["-c", PLAIN, plain, saved], min(repeats, 5)),
     }
     rate = {
-        name: (megabytes if name in ("read", "floor", "write", "process") else theirs) / s
+        name: (megabytes if name in ("read", "filtered", "fixed", "floor", "write", "process") else theirs) / s
         for name, s in seconds.items()
     }
     return {
         "megabytes": round(megabytes, 3),
+        "megabytes_read": round(all_read(folder), 3),
         "seconds": {name: round(s, 5) for name, s in seconds.items()},
         "read_mb_s": round(rate["read"], 1),
+        "all_mb_s": round(all_read(folder) / read, 1),
         "loadtxt_mb_s": round(rate["loadtxt"], 1),
+        "read_over_filtered": round(rate["read"] / rate["filtered"], 2),
+        "read_over_fixed": round(rate["read"] / rate["fixed"], 2),
         "read_over_loadtxt": round(rate["read"] / rate["loadtxt"], 2),
         "floor_over_loadtxt": round(rate["floor"] / rate["loadtxt"], 2),
         "write_over_saved": round(rate["write"] / rate["saved"], 2),

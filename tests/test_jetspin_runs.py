@@ -440,7 +440,15 @@ def test_frames_alike_are_found_at_once_as_one_by_one(runs, name, end, monkeypat
 
 
 @pytest.mark.parametrize(
-    "change", [(b"E-03", b"D-03"), (b"E-03", b"e_03"), (b"0.2", b"***"), (b" \n", b"\n"), (b"", b"")]
+    "change",
+    [
+        (b"E-03", b"D-03"),
+        (b"0.2", b"0_2"),
+        (b"\n      4000", b"\n     #4000"),
+        (b"0.2", b"***"),
+        (b" \n", b"\n"),
+        (b"", b""),
+    ],
 )
 def test_rows_of_one_length_are_read_as_any_others(runs, change, tmp_path, monkeypatch):
     path = tmp_path / "statout.dat"
