@@ -437,6 +437,7 @@ def bent(turn: float):
     return bead_path(jet, flow_rate=FAST.flow_rate)
 
 
+@pytest.mark.slow
 def test_a_bending_jet_dries_in_its_cross_flow() -> None:
     still, blown = bent(0.0), bent(1.0)
     v = Volatile.build("ethanol", ROOM, chi=0.5)
@@ -493,6 +494,7 @@ def test_axis_fraction_is_second_order() -> None:
     assert means[0] / means[1] < 3.0 < errors[0] / errors[1]
 
 
+@pytest.mark.slow
 def test_a_sample_of_the_box_is_replayed() -> None:
     """1,000 cases of the 100,000 of benchmarks/heat_box.py: no failure, and every letter the committed one."""
     import importlib.util

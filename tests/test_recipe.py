@@ -59,6 +59,7 @@ def test_settings_move_it_the_way_experiments_say(name, values, sign):
     assert (sign * np.diff(sizes) > 0).all()
 
 
+@pytest.mark.slow
 def test_no_jump_where_a_setting_sweeps():
     for name, values in (
         ("voltage", np.geomspace(5e3, 4e4, 24)),
@@ -198,6 +199,7 @@ def test_a_measured_fibre_is_asked_for_where_there_is_none(spinline):
     assert asked not in spinline("fibre", str(file)).out
 
 
+@pytest.mark.slow
 def test_a_table(spinline, tmp_path):
     ran = spinline("fibre", "--table", DATA, "-o", "out.csv")
     assert ran.code == 0
