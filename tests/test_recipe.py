@@ -226,6 +226,31 @@ def test_decimal_commas_of_measured_diameters_are_points_too(tmp_path):
     assert (row["voltage_kV"], row["fibre_diameter_nm"]) == ("15.5", "320.5")
 
 
+@pytest.mark.parametrize(
+    ("polymer", "solvent"),
+    [
+        ("PCL", "chloroform-methanol"),
+        ("PCL", "trifluoroethanol"),
+        ("PVP", "MeOH"),
+        ("PVB", "2-propanol"),
+        ("PS", "butanone"),
+        ("PS", "1,2-dichloroethane"),
+        ("PS", "chlorobenzene-DMF"),
+        ("PLA", "1,4-dioxane"),
+        ("PLGA", "acetonitrile"),
+        ("PMMA", "ethyl acetate"),
+        ("gelatin", "2,2,2-trifluoroethanol"),
+    ],
+)
+def test_fibres_of_usual_solutions_are_usual(polymer, solvent):
+    """Solvents that papers name often: fibres of a tenth to a few micrometres, with the interval of any other."""
+    row = {"polymer": polymer, "solvent": solvent, "concentration_wt_percent": "10", "voltage_kV": "15"}
+    (answer,) = predict_table([{**row, "flow_rate_mL_per_h": "1", "distance_cm": "15"}])
+    assert answer["regime"] in ("jets", "beads")
+    assert 100 < answer["predicted_nm"] < 3000
+    assert 1.3 < answer["high68_nm"] / answer["predicted_nm"] < 4
+
+
 def test_rows_that_cannot_be_say_why():
     rows = read_experiments(DATA)[:1]
     for key, value in (
