@@ -117,7 +117,7 @@ def solvent_density(name: str, temperature: float, field: str = "solvent") -> fl
     Returns
     -------
     float
-        Within 0.2 % of measured values near room temperature (HFIP 1.5 %).
+        Within 0.2 % of measured values near room temperature (methanol 0.4 %, TFE 1 %, HFIP 1.5 %).
 
     Raises
     ------

@@ -5,18 +5,15 @@ conductivity.
 property              source
 ====================  ==================================================================================================
 vapour pressure       `vapour.vapour_pressure`; beyond its range by Clausius and Clapeyron with the slope at its end:
-HFIP
-                      below 294 K, water below the triple point (supercooled, not ice), acids below their melting points
-heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 %; HFIP, DMAc, NMP, TFA and TFE from the slope
-of their
-                      vapour pressure, within 12 %
+                      HFIP below 294 K, water below the triple point (supercooled, not ice), acids, DMSO and dioxane
+                      below their melting points
+heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 % (isopropanol 3 %); HFIP, DMAc, NMP, TFA
+                      and TFE from the slope of their vapour pressure, within 12 %
 heat capacity         of the liquid near 298 K, CRC Handbook (97th ed.), 2 %; HFIP, TFA and TFE estimates, within 20 %
 ... of the vapour     Poling, Prausnitz, O'Connell, 5th ed., 298 K; DMF, DMSO, DMAc, NMP, TFA, TFE and HFIP estimates by
-group
-                      contributions, within 15 %: it enters the small Ackermann correction alone
+                      group contributions, within 15 %: it enters the small Ackermann correction alone
 association           formic acid: Coolidge, J. Am. Chem. Soc. 50, 2166 (1928); acetic acid: MacDougall, J. Am. Chem.
-Soc. 58, 2585
-                      (1936); `dimer_share`
+                      Soc. 58, 2585 (1936); `dimer_share`
 conductivity of air   U.S. Standard Atmosphere (1976), 1 %
 ====================  ==================================================================================================
 """
