@@ -209,12 +209,9 @@ def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
         reason = "nested too deeply"
     except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
         reason = str(error)
-        hint = _toml_hint(text, reason)
-        if hint:
-            raise InputError(name, f"is not a TOML {noun} ({reason})", remedy=hint) from None
-    remedy = "see `spinline scenes --copy`"
+    remedy = _toml_hint(text, reason) or "see `spinline scenes --copy`"
     if noun.startswith("scene") and name.lower().endswith((".csv", ".tsv", ".txt", ".dat")):
-        remedy = f'a table is named in a scene, [jet] profile = "table", path = "{name}"; {remedy}'
+        remedy = f'a table is named in a scene, [jet] profile = "table", path = "{name}"; see `spinline scenes --copy`'
     raise InputError(name, f"is not a TOML {noun} ({reason})", remedy=remedy)
 
 

@@ -106,17 +106,14 @@ def _bare_gauge(given: Any) -> Any:
     """The number of "21G", "G21", "21 gauge"."""
     form = r"\s*(?:G\s*(?P<behind>\d\d)|(?P<before>\d\d)[\s-]*(?:G|ga|gauge)?)\s*"
     named = re.fullmatch(form, given, re.IGNORECASE) if isinstance(given, str) else None
-    if named:
-        return int(named["behind"] or named["before"])
-    if isinstance(given, float) and given == round(given):
-        given = int(given)
-    if isinstance(given, bool) or not isinstance(given, int) or given not in GAUGES:
+    number = int(named["behind"] or named["before"]) if named else given
+    if isinstance(number, bool) or not isinstance(number, int | float) or number not in GAUGES:
         words = {
             "allowed": f"{min(GAUGES)} to {max(GAUGES)}",
             "remedy": 'gauge = 21, or radius = "0.26 mm", the inner one',
         }
         raise PydanticCustomError("quantity", "is no gauge of a needle that is known", words)
-    return given
+    return int(number)
 
 
 class JetOfRecipe(Section):
