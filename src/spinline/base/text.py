@@ -4,6 +4,7 @@ import os
 import re
 import stat
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ __all__ = ["LONGEST_TEXT", "csv_rows", "decoded", "parsed_toml", "read_text", "r
 _DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+# the micro sign of µm there: no two letters that Western text has side by side
+_EAST_ASIAN = ((b"\xa6\xccm", "gb18030", "GB 18030"), (b"\x83\xcam", "shift_jis", "Shift JIS"))
 _BINARY = (
     (HDF5_HEAD, "an HDF5 file, as netCDF files are"),
     (b"CDF\x01", "a netCDF 3 file"),
@@ -75,6 +78,10 @@ def decoded(data: bytes, name: str, binary: str = "give a text file, or save it 
     try:
         return data.decode("utf-8"), "UTF-8"
     except UnicodeDecodeError:
+        for micro, codec, encoding in _EAST_ASIAN:
+            if micro in data:
+                with suppress(UnicodeDecodeError):
+                    return data.decode(codec), encoding
         text = _as(data, "cp1252", name)
         if any(ord(letter) < 32 and letter not in "\t\n\r\f\v" for letter in text):
             raise InputError(name, "is not text", remedy="save it as text, UTF-8") from None
