@@ -477,7 +477,7 @@ def test_keys_as_people_call_them(tmp_path):
         load_recipe(_notes(tmp_path, solution__Mw="280 kg/mol"))
     with pytest.raises(InputError, match="take it out"):  # not: see another kind of scene
         load_recipe(_notes(tmp_path, jet__permittivity=30))
-    with pytest.raises(InputError, match=r"by mass, for example { DMF = 0.5, acetone = 0.5 }"):
+    with pytest.raises(InputError, match=r"by mass: solvent = { DMF = 0.6, acetone = 0.4 }"):
         load_recipe(_notes(tmp_path, solution__solvent="DMF:acetone 3:2")).recipe()
     assert load_recipe(_notes(tmp_path, jet__gauge="21 G")).recipe().needle_radius == 0.26e-3
     with pytest.raises(InputError, match=r"jet\.gauge"):

@@ -30,7 +30,8 @@ _ALSO = {
     "PLLA": "PLA",
 }
 _NEEDED = ("polymer", "solvent", "voltage_kV", "flow_rate_mL_per_h", "distance_cm")
-# inner radius of a needle by its gauge, m (ISO 9626, regular wall)
+# inner radius of a needle by its gauge, m: half the nominal inner diameter of regular walls in suppliers' charts (0.413 mm of
+# 22 G; 0.00525, 0.00425, 0.00425 and 0.00325 inch of 31 to 34 G); ISO 9626 has the least inner diameters of metric tubes
 GAUGES = {
     14: 0.80e-3,
     15: 0.69e-3,
@@ -47,7 +48,12 @@ GAUGES = {
     26: 0.13e-3,
     27: 0.105e-3,
     28: 0.09e-3,
+    29: 0.09e-3,
     30: 0.08e-3,
+    31: 0.0665e-3,
+    32: 0.054e-3,
+    33: 0.054e-3,
+    34: 0.0413e-3,
 }
 
 
