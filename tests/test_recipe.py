@@ -348,6 +348,10 @@ def test_one_known_is_as_good_as_the_model_lets_expect():
     known, drawn = COMMITTED["one known"]["rows"], floor["drawn from the model"]
     assert floor["papers"] == known["papers"]
     assert drawn["as calibrated"]["2.5"] < known["chain"] < drawn["as calibrated"]["97.5"]
+    mean = {name: one["mean"] for name, one in floor["measured"].items()}
+    others = [value for name, value in mean.items() if name.startswith("changes between settings")]
+    assert len(others) == 4
+    assert mean["linear"] < min(others)
     assert floor["measured"]["linear"]["factor"] < drawn["as calibrated"]["84"]
     assert floor["measured"]["linear"]["factor"] == pytest.approx(known["chain"], rel=0.015)
     assert floor["measured"]["a fit of its own"]["factor"] < drawn["no answers of a laboratory beyond the laws"]["50"]
