@@ -251,6 +251,49 @@ def test_fibres_of_usual_solutions_are_usual(polymer, solvent):
     assert 1.3 < answer["high68_nm"] / answer["predicted_nm"] < 4
 
 
+@pytest.mark.parametrize(
+    ("solvent", "same"),
+    [
+        ("N,N-DIMETHYLFORMAMIDE-ACETONE", "DMF-ACETONE"),
+        ("DMF_ACETONE", "DMF-ACETONE"),
+        ("DMF + acetone", "DMF-ACETONE"),
+        ("DMF, acetone", "DMF-ACETONE"),
+        ("dimethylformamide (DMF) and acetone", "DMF-ACETONE"),
+        ("1,4-dioxane-acetone", "DIOXANE-ACETONE"),
+        ("2-PROPANOL-WATER", "WATER-ISOPROPANOL"),
+        ("ACETIC_ACID-FORMIC_ACID", "FORMIC ACID;ACETIC ACID"),
+        ("AC-DMF", "ACETONE-DMF"),
+    ],
+)
+def test_mixtures_as_tables_name_them(solvent, same):
+    row = {"polymer": "PVDF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
+    one, other = predict_table([{**row, "distance_cm": "15", "solvent": text} for text in (solvent, same)])
+    assert one["predicted_nm"] == pytest.approx(other["predicted_nm"], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("solvent", "words"),
+    [
+        ("DMF-xylene", "solvent = 'xylene': is not in the library; allowed: DCE"),
+        ("DMF/acetone (6:4)", "name the parts alone: tables hold no shares"),
+        ("NaN", "solvent: is missing"),
+    ],
+)
+def test_mixtures_that_are_none_say_why(solvent, words):
+    row = {"polymer": "PVDF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
+    (answer,) = predict_table([{**row, "distance_cm": "15", "solvent": solvent}])
+    assert words in answer["regime"]
+
+
+def test_a_polymer_that_is_not_in_the_library_is_said():
+    row = {"solvent": "DMF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
+    names = ("polyacrylonitrile (PAN)", "PVFD", "PU")
+    known, near, other = predict_table([{**row, "distance_cm": "15", "polymer": name} for name in names])
+    assert "library" not in known["remark"]
+    assert "PVFD is not in the library (did you mean PVDF?)" in near["remark"]
+    assert "PU is not in the library: a usual chain is taken" in other["remark"]
+
+
 def test_rows_that_cannot_be_say_why():
     rows = read_experiments(DATA)[:1]
     for key, value in (
