@@ -6,6 +6,7 @@ row of units below the header, decimal commas (only where something else separat
 """
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,11 +14,17 @@ import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.base.text import read_text
+from spinline.base.text import csv_rows, read_text
 
 __all__ = ["Header", "TextTable", "read_table_text"]
 
 _MARKS = ("#", "%", "!")
+_UNIT = r"""(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]|/\s*(?P<over>[^\s,;"]+))?"?\s*"""
+_CELL = re.compile(
+    r"""\s*"?(?P<name>[^\W\d](?:[\w .-]*\w)?)\s*""" + _UNIT
+)  # where something else than blanks separates
+_ERRORS = ("#n/a", "#div/0!", "#value!", "#num!", "#ref!", "#name?", "#null!")  # of spreadsheets: a cell's, no comments
+_NOTHING = ("", "na", "n/a", "-", "--", "---", "null", "none", "?", *_ERRORS)
 _TOKEN = re.compile(
     r"""\s*"?(?P<name>[^\W\d][\w]*)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]|/\s*(?P<over>[^\s,;"]+))?"?\s*"""
 )
@@ -83,7 +90,7 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
             raise InputError(
                 name, f"is not a CSV table: it {error.problem}", allowed=allowed, remedy=error.remedy
             ) from None
-        lines, kind = text.splitlines(), f"text table, {encoding}"
+        lines, kind = text.rstrip("\x1a").replace("\u2212", "-").splitlines(), f"text table, {encoding}"
     return _parse(lines, name, kind, allowed)
 
 
@@ -134,19 +141,27 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
         )
     headers, mark = _headers(title, name, kind, allowed)
     body = [(i, line) for i, line in enumerate(lines[start:], start + 1) if line.strip() and not _comment(line)]
+    headers = _of_several_words(headers, mark, title, body)
     if body and _is_units(body[0][1], mark, len(headers)):
         units = _fields(body[0][1], mark)
         headers = tuple(Header(h.name, h.unit or u.strip(" []()\"'")) for h, u in zip(headers, units, strict=False))
         body = body[1:]
+        if len(body) > 1 and _is_units(body[0][1], mark, len(headers)):  # a third line of words, as Origin's comments
+            body = body[1:]
     seen = f"{kind}, {_NAMES[mark]} between {len(headers)} columns"
     if not body:
         raise InputError(name, f"holds no numbers ({seen})", remedy="give at least one row below the header")
     columns = _numbers(body, mark, headers, name, seen)
-    return TextTable(headers, columns, seen)
+    for i, (header, column) in enumerate(zip(headers, columns, strict=True), 1):
+        if not header.name and not (np.diff(column) == 1.0).all():  # a column that counts the rows may have no name
+            raise InputError(name, f"has no name over column {i} ({seen})", remedy="give every column a name")
+    kept = [i for i, header in enumerate(headers) if header.name]
+    return TextTable(tuple(headers[i] for i in kept), tuple(columns[i] for i in kept), seen)
 
 
 def _comment(line: str) -> bool:
-    return line.lstrip().startswith(_MARKS)
+    bare = line.lstrip()
+    return bare.startswith(_MARKS) and not bare.lower().startswith(_ERRORS)
 
 
 def _first_row(lines: list[str]) -> tuple[int | None, str | None]:
@@ -200,18 +215,17 @@ def _tokens(text: str) -> tuple[list[Header], str] | None:
 def _headers(title: str, name: str, kind: str, allowed: str) -> tuple[tuple[Header, ...], str | None]:
     mark = next((m for m in ("\t", ";", ",") if m in re.sub(r"[\[(].*?[\])]", "", title)), None)
     headers = []
-    for part in _fields(title, mark) if mark else []:
-        match = _TOKEN.fullmatch(part)
+    for part in _fields(title.rstrip(mark + " "), mark) if mark else []:
+        match = _CELL.fullmatch(part)
         if part.strip() and match is None:
             raise InputError(
                 name,
                 f"has a column that is not known ({kind})",
                 value=part.strip(),
                 allowed=allowed,
-                remedy="a header is a name and its unit, z [mm]",
+                remedy="a header is a name and its unit, z [mm]; begin lines above it with #",
             )
-        if match is not None:
-            headers.append(Header(match["name"], match["unit"] or match["over"] or ""))
+        headers.append(_header(match) if match else Header("", ""))
     if mark is None:
         tokens = _tokens(title)
         if tokens is None:
@@ -220,15 +234,34 @@ def _headers(title: str, name: str, kind: str, allowed: str) -> tuple[tuple[Head
                 f"is not a CSV table ({kind}): its first line is no header",
                 value=title,
                 allowed=allowed,
-                remedy="give columns with units in the header",
+                remedy="give columns with units in the header, between commas, semicolons, tabs or blanks; begin others with #",
             )
         headers = tokens[0]
     return tuple(headers), mark
 
 
+def _header(match: re.Match[str]) -> Header:
+    return Header(re.sub(r"[\s.-]+", "_", match["name"]), match["unit"] or match["over"] or "")
+
+
+def _of_several_words(
+    headers: tuple[Header, ...], mark: str | None, title: str, body: list[tuple[int, str]]
+) -> tuple[Header, ...]:
+    """Headers that several blanks part, where the columns between blanks are as many: "Arc length (mm)   radius (um)"."""
+    parts = re.split(r"\s{2,}", title.strip())
+    if mark is not None or not body or len(parts) == len(headers) or len(parts) != len(body[0][1].split()):
+        return headers
+    found = [_CELL.fullmatch(part) for part in parts]
+    return tuple(_header(match) for match in found if match) if all(found) else headers
+
+
 def _fields(line: str, mark: str | None) -> list[str]:
     if mark is None:
         return line.split()
+    if '"' in line:
+        with suppress(InputError):
+            rows = csv_rows([line], mark, "", skipinitialspace=True)
+            return [part.strip() for part in rows[0]] if rows else []
     return [part.strip().strip('"') for part in line.split(mark)]
 
 
@@ -237,7 +270,10 @@ def _is_units(line: str, mark: str | None, count: int) -> bool:
     return (
         len(fields) == count
         and any(fields)
-        and not any(_NUMBER.fullmatch(f) or _COMMA.fullmatch(f) for f in fields if f)
+        and not any(
+            re.match(r"[-+]?[.\d](?!/)", f) or _NUMBER.fullmatch(f) for f in fields
+        )  # 1/s is a unit, 0.55 mm is none
+        and not any(f.lower() in _NOTHING and f not in ("", "-") for f in fields)
     )
 
 
@@ -247,9 +283,11 @@ def _numbers(
     count = len(headers)
     quick = _at_once([line for _, line in body], mark, count)
     if quick is not None:
+        _no_thousands([(i, _fields(line, mark)) for i, line in body[:_LOOKED_AT]], headers, name, seen)
         return tuple(quick.T.copy())
     rows = _even([(i, _fields(line, mark)) for i, line in body], mark, count, name, seen)
-    commas = mark != "," and any(_COMMA.fullmatch(field) for _, fields in rows for field in fields)
+    _no_thousands(rows, headers, name, seen)
+    commas = any(_COMMA.fullmatch(field) for _, fields in rows for field in fields)  # between commas: in quotes
     if commas and any("." in field for _, fields in rows for field in fields):
         line = next(i for i, fields in rows if any("." in field for field in fields))
         raise InputError(
@@ -265,7 +303,14 @@ def _numbers(
         except ValueError:
             line, text = next((rows[i][0], text) for i, text in enumerate(texts) if not _readable(text))
             problem = f"holds text among its numbers ({seen}): line {line}, column {header.name}"
-            raise InputError(name, problem, value=text, remedy="write a number, or leave the field empty") from None
+            spread = re.search(r"±|\+/-|\+-", text)
+            own = f"{header.name}_std" if header.name else "a column of its own"
+            remedy = (
+                f"put what stands behind the {spread[0]} into {own}"
+                if spread
+                else "write a number, or leave the field empty"
+            )
+            raise InputError(name, problem, value=text, remedy=remedy) from None
         columns.append(column)
     return tuple(columns)
 
@@ -299,13 +344,36 @@ def _even(
         more = len(fields) > count
         problem = f"has {'more' if more else 'fewer'} fields in line {line} ({len(fields)}) than the header has names"
         if not more:
-            remedy = "leave a field empty between separators"
-        elif mark == "," and len(fields) == 2 * count:
-            remedy = "if its decimals are commas, separate the columns by semicolons"
+            other = len(fields) == 1 and re.search(r"[,;\t ]", fields[0])
+            remedy = (
+                f"part rows as the header, by {_NAMES[mark]}" if other else "leave a field empty between separators"
+            )
+        elif mark == ",":
+            remedy = "if its decimals are commas, separate the columns by semicolons; else give every column a name"
         else:
             remedy = "give every column a name"
         raise InputError(name, f"{problem} ({count}; {seen})", value=(mark or " ").join(fields), remedy=remedy)
     return rows
+
+
+_LOOKED_AT = 1000  # rows: marks of thousands show in the first
+
+
+def _no_thousands(rows: list[tuple[int, list[str]]], headers: tuple[Header, ...], name: str, seen: str) -> None:
+    """Refuse a column of whole numbers of three digits and of such as 1.550: no program writes a thousandth's nought so."""
+    for j, header in enumerate(headers):
+        texts = [(line, fields[j]) for line, fields in rows[:_LOOKED_AT] if j < len(fields) and fields[j]]
+        marked = [(line, text) for line, text in texts if re.search("[.,]", text)]
+        whole = [text for _, text in texts if re.fullmatch(r"[-+]?\d{3}", text)]
+        grouped = [(line, text) for line, text in marked if re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:[.,]\d{3})+", text)]
+        nought = next((pair for pair in grouped if pair[1].endswith("0")), None)
+        if whole and nought and len(grouped) == len(marked):
+            raise InputError(
+                name,
+                f"has numbers that may have marks between their thousands ({seen}): line {nought[0]}, column {header.name}",
+                value=nought[1],
+                remedy="write no marks between thousands; if these are decimals, write all numbers of the column with them",
+            )
 
 
 def _floats(texts: list[str]) -> FloatArray:
@@ -316,7 +384,7 @@ def _floats(texts: list[str]) -> FloatArray:
 
 
 def _number(text: str) -> float:
-    if not text or text.lower() in ("na", "n/a", "-", "null", "none"):
+    if text.lower() in _NOTHING:
         return float("nan")
     try:
         return float(text)

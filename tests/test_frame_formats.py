@@ -7,9 +7,10 @@ import pytest
 from frame_readers import FRAMES, FrameReaderContract
 
 from spinline.base.errors import InputError
+from spinline.images.file_names import natural
 from spinline.images.formats import Account, formats, register
 from spinline.images.formats import base as formats_base
-from spinline.images.stacks import natural, open_stack
+from spinline.images.stacks import open_stack
 
 
 class TestNpy(FrameReaderContract):

@@ -223,6 +223,7 @@ def test_decoding_says_the_encoding():
     assert decoded(b"", "x") == ("", "UTF-8")
 
 
+@pytest.mark.slow
 def test_a_million_rows(tmp_path):
     file = tmp_path / "long.csv"
     z = np.linspace(1e-3, 10.0, 1_000_000)
@@ -255,3 +256,83 @@ def test_x_is_the_axis_where_it_is_no_coordinate(tmp_path):
     file.write_text("z [mm],radius\n1,2\n2,1\n", "utf-8")
     with pytest.raises(InputError, match="commas between 2 columns"):
         read_columns(file, {"z": "length", "radius": "length"})
+
+
+def rows(header, line="{},{}\n", zs=Z * 1e3, rs=R * 1e6):
+    return header + "\n" + "".join(line.format(a, b) for a, b in zip(zs, rs, strict=True))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        rows('"z [mm]","radius [um]"', '"{}","{}"\n').replace(".", ","),  # decimal commas in quotes
+        ",z [mm],radius [um]\n"
+        + "".join(f"{i},{1e3 * a},{1e6 * b}\n" for i, (a, b) in enumerate(zip(Z, R, strict=True))),
+        " ,z [mm],radius [um]\n"
+        + "".join(f"{i},{1e3 * a},{1e6 * b}\n" for i, (a, b) in enumerate(zip(Z, R, strict=True), 1)),
+        rows("distance from nozzle [mm],jet radius [um]"),
+        rows("% Arc length (mm)    radius (um)", "{}   {}\n"),
+        rows("Distance\tRadius\nmm\tum\nalong the jet\tmean of three", "{}\t{}\n"),  # Origin: name, unit, comment
+        rows("z [mm],radius [um]") + "\x1a",
+        rows("z [mm];Ø [um]", "{};{}\n", rs=2e6 * R),
+    ],
+)
+def test_other_hands(tmp_path, text):
+    same(read(tmp_path, text))
+
+
+@pytest.mark.parametrize("encoding", ["gb18030", "shift_jis"])
+def test_the_micro_sign_of_east_asian_code_pages(tmp_path, encoding):
+    same(read(tmp_path, rows("z [mm];radius [μm]", "{};{}\n"), encoding))
+
+
+@pytest.mark.parametrize("cell", ["#N/A", "#DIV/0!", "#VALUE!", "--", "---", "?", "NA", "null", ""])
+def test_what_spreadsheets_write_for_nothing(tmp_path, cell):
+    found = read(tmp_path, rows("z [mm],radius [um]") + f"9,{cell}\n")
+    assert np.isnan(found["radius"][-1])
+    first = read(tmp_path, rows("radius [um],z [mm]", zs=R * 1e6, rs=Z * 1e3) + f"{cell or '-'},9\n")
+    assert first["z"].size == 11  # no comment, though it begins as one
+
+
+@pytest.mark.parametrize(
+    ("zs", "rs"),
+    [
+        (
+            ["550", "950", "1.550", "2.050"],
+            ["62.299", "48.186", "38.282", "33.568"],
+        ),  # nm and um with points for thousands
+        (["550", "950", "1,550", "2,050"], ["62,299", "48,186", "38,282", "33,568"]),
+        (["950", "1.050", "999", "1.000.100"], ["4", "3", "2", "1"]),
+    ],
+)
+def test_marks_between_thousands_are_no_decimals(tmp_path, zs, rs):
+    """They had been read as decimals without a word: 1.550 um behind 950 um."""
+    with pytest.raises(InputError, match=r"marks between their thousands.*column z"):
+        read(tmp_path, rows("z [um];radius [nm]", "{};{}\n", zs, rs))
+
+
+def test_decimals_of_three_digits_stay_decimals(tmp_path):
+    for zs in (
+        ["0.550", "0.950", "1.550"],
+        ["550.000", "950.500", "1.550"],
+        ["1", "2", "3.550"],
+        ["550", "950", "1.555"],
+    ):
+        found = read(tmp_path, rows("z [um];radius [nm]", "{};{}\n", zs, ["3", "2", "1"]))
+        assert found["z"] == pytest.approx([1e-6 * float(z) for z in zs], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("z [mm],radius [um]\n1,48,19\n", "if its decimals are commas"),
+        ("z,radius\n0.55 mm,62 um\n0.95,48\n", "line 2, column z"),  # no row of units
+        ("z [mm];radius [um]\n0.55,62.3\n", "part rows as the header, by semicolons"),
+        ("z [mm],,radius [um]\n1,7,3\n2,7,2\n", "no name over column 2"),
+        ("z [mm],radius [um]\n1,62.3 ± 0.5\n", "into radius_std"),
+        ("Jet of 5 wt% PEO\nz [mm],radius [um]\n1,2\n", "begin others with #"),
+    ],
+)
+def test_refusals_say_what_to_write(tmp_path, text, words):
+    with pytest.raises(InputError, match=words):
+        read(tmp_path, text)

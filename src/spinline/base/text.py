@@ -1,8 +1,10 @@
 """Text files as people's programs write them: with or without a byte order mark, UTF-8, UTF-16, or a Windows code page."""
 
 import os
+import re
 import stat
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,8 @@ __all__ = ["LONGEST_TEXT", "csv_rows", "decoded", "parsed_toml", "read_text", "r
 _DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+# the micro sign of µm there: no two letters that Western text has side by side
+_EAST_ASIAN = ((b"\xa6\xccm", "gb18030", "GB 18030"), (b"\x83\xcam", "shift_jis", "Shift JIS"))
 _BINARY = (
     (HDF5_HEAD, "an HDF5 file, as netCDF files are"),
     (b"CDF\x01", "a netCDF 3 file"),
@@ -74,6 +78,10 @@ def decoded(data: bytes, name: str, binary: str = "give a text file, or save it 
     try:
         return data.decode("utf-8"), "UTF-8"
     except UnicodeDecodeError:
+        for micro, codec, encoding in _EAST_ASIAN:
+            if micro in data:
+                with suppress(UnicodeDecodeError):
+                    return data.decode(codec), encoding
         text = _as(data, "cp1252", name)
         if any(ord(letter) < 32 and letter not in "\t\n\r\f\v" for letter in text):
             raise InputError(name, "is not text", remedy="save it as text, UTF-8") from None
@@ -208,10 +216,44 @@ def parsed_toml(text: str, name: str, noun: str) -> dict[str, Any]:
         reason = "nested too deeply"
     except ValueError as error:  # TOMLDecodeError is one; numbers of thousands of digits are others
         reason = str(error)
-    remedy = "see `spinline scenes --copy`"
+    remedy = _toml_hint(text, reason) or "see `spinline scenes --copy`"
     if noun.startswith("scene") and name.lower().endswith((".csv", ".tsv", ".txt", ".dat")):
-        remedy = f'a table is named in a scene, [jet] profile = "table", path = "{name}"; {remedy}'
+        remedy = f'a table is named in a scene, [jet] profile = "table", path = "{name}"; see `spinline scenes --copy`'
     raise InputError(name, f"is not a TOML {noun} ({reason})", remedy=remedy)
+
+
+def _toml_hint(text: str, reason: str) -> str:
+    """What to write in the line that TOML stops at, "" where that is not plain."""
+    if "\r" in text.replace("\r\n", "") and "\n" not in text:
+        return "its lines end as on old Macs: save it with line ends of Unix or Windows"
+    first = next((line.strip() for line in text.splitlines() if line.strip()), "")
+    if first.startswith("{") or re.fullmatch(r"\w+:", first):
+        return "it looks like JSON or YAML: in TOML a section is [jet] and a line in it key = value"
+    where = re.search(r"at line (\d+)", reason)
+    lines = re.split(r"\r?\n", text)
+    line = lines[int(where[1]) - 1].strip() if where and 0 < int(where[1]) <= len(lines) else ""
+    if not line or len(line) > 200:
+        return ""
+    if re.search("[\u201c\u201d\u201e\u201f\u00ab\u00bb\u2018\u2019]", line):
+        return f'write plain quotes, ", in {line}'
+    key, equals, value = (part.strip() for part in line.partition("="))
+    if not equals:
+        colon = re.fullmatch(r"([\w.-]+)\s*:\s*(.+)", line)
+        return (
+            f'write "=" behind the key: {colon[1]} = {colon[2]}'
+            if colon
+            else f"a line is [section], or key = value: {line}"
+        )
+    strange = not re.fullmatch(r"[A-Za-z0-9_.\-\s\"']+", key) or re.search(r"[\w]\s+\w", key)
+    if strange and value[:1] not in "{[":
+        return f"a key is of letters, digits and _: {line}"
+    if re.fullmatch(r"[-+]?\d+,\d+", value):
+        return f"write a decimal point: {key} = {value.replace(',', '.')}"
+    if value[:1] not in "\"'[{":
+        return f'write it in quotes: {key} = "{value}"'
+    if value[:1] == "{":
+        return f"names of other than letters, digits, _ and - stand in quotes: {line}"
+    return f"look at {line}"
 
 
 def _depth(data: Any) -> int:

@@ -5,13 +5,15 @@ number of at most 9. What follows a ``/`` up to the next sign is below the line:
 table are left to pint (`spinline.base.units`), within the same grammar.
 """
 
+import itertools
 import math
 import re
 from fractions import Fraction
+from functools import lru_cache
 
 from spinline.base.constants import EPS0
 
-__all__ = ["LONGEST", "Factor", "factors", "scale_and_dimension"]
+__all__ = ["LONGEST", "Factor", "factors", "scale_and_dimension", "spelled_otherwise"]
 
 LONGEST = 80  # characters of a unit
 _MOST = 16  # names in one
@@ -113,6 +115,36 @@ def _known(name: str) -> tuple[Fraction | float, Dimension] | None:
     return None
 
 
+def spelled_otherwise(unit: str) -> list[str]:
+    """Units that differ from this text in capitals and small letters only, at most 64."""
+    names = list(dict.fromkeys(re.findall(r"[A-Za-zµΩÅ]+", unit)))
+    choices = [[name, *sorted(_by_letters().get(name.casefold(), ()))] for name in names]
+    if not names or math.prod(map(len, choices)) > 64:
+        return []
+    found = []
+    for taken in itertools.product(*choices):
+        text = _swapped(unit, dict(zip(names, taken, strict=True)))
+        if text != unit and text not in found:
+            found.append(text)
+    return found
+
+
+def _swapped(unit: str, names: dict[str, str]) -> str:
+    return re.sub(r"[A-Za-zµΩÅ]+", lambda match: names[match[0]], unit)
+
+
+@lru_cache(maxsize=1)
+def _by_letters() -> dict[str, set[str]]:
+    """Names with and without prefix, by their small letters."""
+    every = set(_UNITS)
+    for bases, long in ((_SHORT, False), (_LONG, True)):
+        every |= {prefix + base for prefix in _PREFIXES if (len(prefix) > 2) == long for base in bases}
+    found: dict[str, set[str]] = {}
+    for name in every:
+        found.setdefault(name.casefold(), set()).add(name)
+    return found
+
+
 def _of(**powers: int) -> Dimension:
     return tuple(Fraction(powers.get(axis, 0)) for axis in _AXES)
 
@@ -164,7 +196,7 @@ _add("t tonne tonnes", _F(1000), _of(kg=1))
 _add("Da dalton daltons", _DALTON, _of(kg=1), "p")
 _add("s sec second seconds", _F(1), _of(s=1), "p")
 _add("min minute minutes", _F(60), _of(s=1))
-_add("h hr hour hours", _F(3600), _of(s=1))
+_add("h hr hrs hour hours", _F(3600), _of(s=1))
 _add("d day days", _F(86400), _of(s=1))
 _add("Hz hertz", _F(1), _of(s=-1), "p")
 _add("l L liter liters litre litres", _F(1, 1000), _of(m=3), "p")

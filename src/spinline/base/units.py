@@ -2,7 +2,8 @@
 
 A quantity is text with its unit: "125 um", "3.2 mL/hour", "25 degC", "5 wt%", "600 kDa", "125 +/- 3 um". Gaussian CGS is
 understood where it means something else than SI: "270 1/s" as a conductivity, "44000 statC/cm3", "30 statV",
-"2 statV/cm". A bare number where a unit is due is an error that says which unit.
+"2 statV/cm". A bare number where a unit is due is an error that says which unit. How numbers, ``+/-`` and units stand in
+the text: `spinline.base.quantity_text`.
 """
 
 import re
@@ -14,7 +15,8 @@ import numpy as np
 
 from spinline.base.constants import AVOGADRO, EPS0
 from spinline.base.errors import InputError
-from spinline.base.unit_table import factors, scale_and_dimension
+from spinline.base.quantity_text import PERCENT, Written, trouble, written
+from spinline.base.unit_table import factors, scale_and_dimension, spelled_otherwise
 
 __all__ = ["QUANTITIES", "Measured", "Quantity", "parse", "parse_unit"]
 
@@ -81,20 +83,14 @@ QUANTITIES = {
 }
 _FRACTIONS = {"mass fraction": "wt%", "volume fraction": "vol%", "fraction": "%", "number": ""}
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf(?:inity)?|nan)"
-_TEXT = re.compile(
-    rf"\s*(?P<value>{_NUMBER})\s*(?:(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER}))?\s*(?P<unit>.*?)\s*", re.IGNORECASE
+# "% w/v", "(w/v) %", "% m/v", "g/100 mL"
+_WEIGHT_BY_VOLUME = re.compile(
+    r"%\s*\(?(?:wt?|m)/vo?l?\)?|\(?(?:wt?|m)/vo?l?\)?\s*%|g\s*(?:/|per)\s*100\s*(?:ml|cm\^?3|cm³|cc)", re.IGNORECASE
 )
-_WEIGHT_BY_VOLUME = re.compile(r"%\s*\(?wt?/vo?l?\)?|\(?wt?/vo?l?\)?\s*%", re.IGNORECASE)  # "% w/v", "w/v %"
 _LONGEST = 200  # characters of a quantity
-_SPELLED = {"°C": "degC", "℃": "degC", "°F": "degF", "℉": "degF", "μ": "µ", "·": "*", "⋅": "*", "⁻": "-", "−": "-"} | {
-    raised: str(i) for i, raised in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")
-}
-_PRINTED = str.maketrans({"−": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " "})
-_TWICE = re.compile(
-    rf"\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+\-±]\S*)\s*(?:\+/-|\+-|±)\s*(?P<std>{_NUMBER})\s*(?P<again>\S+)\s*",
-    re.IGNORECASE,
-)
+_SPELLED = {"℃": "degC", "℉": "degF", "μ": "µ", "ℓ": "l", "∕": "/", "⁄": "/"} | dict.fromkeys("·⋅∙•", "*")
+_SPELLED |= dict.fromkeys("⁻−", "-") | {raised: str(i) for i, raised in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")}
+_DEGREES = re.compile(r"(?:[°º˚]|deg(?:rees?)?)\s*(?P<scale>[CF])|(?P<name>celsius|fahrenheit)", re.IGNORECASE)
 _OFFSET = {"degC": (1.0, 273.15), "celsius": (1.0, 273.15), "degF": (5 / 9, 459.67 * 5 / 9)}
 _PER_SECOND: Any = (0, 0, -1, 0, 0, 0)  # powers of kg, m, s, A, K, mol
 _MASS: Any = (1, 0, 0, 0, 0, 0)
@@ -135,28 +131,76 @@ def parse(text: Any, kind: str, field: str) -> Measured:
         if not np.isfinite(text):
             raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
         return Measured(float(text), 0.0, str(text))
-    match = _TEXT.fullmatch(_said_once(text.translate(_PRINTED))) if len(text) <= _LONGEST else None
-    if match is None:
-        raise InputError(field, "is not a number with a unit", value=text, remedy=_example(quantity))
-    value, unit = float(match["value"]), match["unit"]
-    std = float(match["std"]) if match["std"] else 0.0
-    if not np.isfinite(value):
+    found = written(text) if len(text) <= _LONGEST else None
+    if found is None:
+        problem, remedy = (trouble(text) if len(text) <= _LONGEST else None) or ("", "")
+        starts = len(text) <= _LONGEST and text.strip().lstrip("(+-")[:1].isdigit()
+        problem = problem or f"is not {'one' if starts else 'a'} number with a unit"
+        raise InputError(field, problem, value=text, remedy=remedy or _example(quantity))
+    if not np.isfinite(found.value):
         raise InputError(field, "is not finite", value=text, remedy=_example(quantity))
-    if unit[:1].isdigit() and not unit.startswith("1/"):
-        raise InputError(field, "is not one number with a unit", value=text, remedy=_example(quantity))
-    if not (0 <= std < np.inf):
+    if not (0 <= found.std < np.inf):
         raise InputError(field, "has no usable uncertainty", value=text, remedy=_example(quantity))
-    if kind == "concentration" and _WEIGHT_BY_VOLUME.fullmatch(unit):
-        return Measured(10 * value, 10 * std, text)  # grams in 100 mL
-    if not quantity.unit:
-        scale = _fraction_scale(unit, kind, text, field)
-        return Measured(value * scale, std * scale, text)
-    if not unit:
+    if found.std_unit == "":
+        both = f"{found.value:g} +/- {found.std:g} {found.unit}"
         raise InputError(
-            field, f"needs a unit, as {quantity.article} {kind} has", value=text, remedy=_example(quantity)
+            field, "has an uncertainty without a unit", value=text, remedy=f'write "{both}", if that is meant'
         )
-    scale, offset = parse_unit(unit, kind, field, text)
-    return Measured(value * scale + offset, std * abs(scale), text)
+    share = quantity.unit == "" or (kind == "concentration" and PERCENT in found.unit)
+    value, std = (_share if share else _dimensional)(found, kind, text, field)
+    return Measured(value, std, text)
+
+
+def _share(found: Written, kind: str, text: str, field: str) -> tuple[float, float]:
+    """A pure number or a share, or a concentration in per cent: per cent behind ``+/-`` may be points or a part of it."""
+    own = found.std_unit
+    if kind == "number" and PERCENT in (found.unit, own) and found.std > 0:  # "1 +/- 5 %": a number has no points
+        unit = "" if own is None else found.unit
+        return found.value * _scale_of_share(unit, kind, text, field), 0.01 * found.std * abs(found.value)
+    scale = _scale_of_share(found.unit, kind, text, field)
+    if own is None and PERCENT in found.unit and 0 < found.value < 1 < found.std:
+        shares, points = f"{100 * found.value:g} +/- {found.std:g} %", f"{found.value:g} % +/- {found.std:g} %"
+        problem = "may be a share with per cent points, or below one per cent"
+        raise InputError(field, problem, value=text, remedy=f'write "{shares}", or "{points}"')
+    if own == PERCENT != found.unit:
+        points, part = f"{found.std:g}", f"{0.01 * found.std * abs(found.value):.3g}"
+        remedy = f'write "{found.value:g} +/- {points} {found.unit}", or "{found.value:g} +/- {part} {found.unit}"'
+        raise InputError(field, "has an uncertainty of points or of a part of it", value=text, remedy=remedy)
+    return found.value * scale, found.std * (scale if own is None else _scale_of_share(own, kind, text, field))
+
+
+def _scale_of_share(unit: str, kind: str, text: str, field: str) -> float:
+    if kind == "concentration":
+        if _WEIGHT_BY_VOLUME.fullmatch(unit):
+            return 10.0  # grams in 100 mL
+        return parse_unit(unit, kind, field, text)[0]
+    return _fraction_scale(unit, kind, text, field)
+
+
+def _dimensional(found: Written, kind: str, text: str, field: str) -> tuple[float, float]:
+    """What has a unit, in SI: ``+/-`` is in that unit, in another one of the kind, or per cent of the value."""
+    quantity, own = QUANTITIES[kind], found.std_unit
+    if own is None and found.unit == PERCENT and found.std > 0:
+        unit = quantity.example.split(" ", 1)[1]
+        remedy = f'write for example "{found.value:g} {unit} +/- {found.std:g} %"'
+        raise InputError(
+            field, f"needs a unit before its +/-, as {quantity.article} {kind} has", value=text, remedy=remedy
+        )
+    if not found.unit:
+        problem = f"needs a unit, as {quantity.article} {kind} has"
+        raise InputError(field, problem, value=text, remedy=_example(quantity))
+    if kind == "concentration" and _WEIGHT_BY_VOLUME.fullmatch(found.unit):
+        scale, offset = 10.0, 0.0
+    else:
+        scale, offset = parse_unit(found.unit, kind, field, text)
+    if own == PERCENT:
+        if offset:
+            degrees = f'"{found.value:g} +/- {0.01 * found.std * abs(found.value):.2g} {found.unit}"'
+            problem = "has per cent of a temperature that does not count from absolute zero"
+            raise InputError(field, problem, value=text, remedy=f"write degrees, for example {degrees}")
+        return found.value * scale, 0.01 * found.std * abs(found.value * scale)
+    other = scale if own is None or own == found.unit else parse_unit(own, kind, field, text)[0]
+    return found.value * scale + offset, found.std * abs(other)
 
 
 def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tuple[float, float]:
@@ -188,16 +232,30 @@ def parse_unit(unit: str, kind: str, field: str, text: str | None = None) -> tup
             words.get(problem, f"is not {quantity.article} {kind}"),
             value=unit if text is None else text,
             allowed=f"units of {quantity.unit}",
-            remedy=_example(quantity),
+            remedy=_meant(_spell(unit), kind) or _example(quantity),
         )
     return found
+
+
+def _meant(unit: str, kind: str) -> str:
+    """What a unit of the kind is written like that differs in capitals only: KV."""
+    if kind == "temperature" and unit.upper() in ("C", "F"):
+        return f"write deg{unit.upper()}"
+    if kind == "viscosity" and unit.lower() in ("cps", "cpoise"):
+        return "write cP"
+    if kind == "velocity" and unit in ("rpm", "1/min", "min^-1", "min-1", "rev/min"):
+        return (
+            "write m/s, pi times the diameter times the turns: a drum of 10 cm at 3000 rpm has 15.7 m/s at its surface"
+        )
+    others = [one for one in spelled_otherwise(unit) if not _converted(one, kind)[1]]
+    return f"units keep capitals and small letters apart: write {' or '.join(others[:3])}" if others else ""
 
 
 @lru_cache(maxsize=256)
 def _converted(unit: str, kind: str) -> tuple[tuple[float, float], str]:
     """Scale and offset, and what is wrong: "", the text is no "unit", a "name" is not known, the unit is of an "other" kind."""
     nothing = (1.0, 0.0)
-    parts = factors(unit)
+    parts = None if PERCENT in unit else factors(unit)
     if parts is None:
         return nothing, "unit"
     if kind == "temperature" and unit.startswith("delta"):
@@ -257,31 +315,32 @@ def _plain(registry: Any, unit: Any, target: str) -> float:
         return float(one.to(target).magnitude)
 
 
-def _said_once(text: str) -> str:
-    """Text such as "125 um +/- 3 um" as "125 +/- 3 um"; other text as it is."""
-    match = _TWICE.fullmatch(text)
-    if match is None or match["unit"] != match["again"]:
-        return text
-    return f"{match['value']} +/- {match['std']} {match['unit']}"
-
-
-# how else people write them, without blanks, brackets and points
+# how else people write them, in small letters without blanks, brackets, points and hyphens
 _ALSO_PERCENT = {
-    **dict.fromkeys(("%w/w", "w/w%", "%wt", "%m/m", "m/m%", "wt/wt%", "%wt/wt"), "wt%"),
-    **dict.fromkeys(("%v/v", "v/v%", "%vol"), "vol%"),
+    symbol: own
+    for own, symbols in (
+        ("wt%", "wt% w% w/w% m% m/m% wt/wt% mass% gew% ma% weight%"),
+        ("wt%", "%wt %w %w/w %m %m/m %wt/wt %mass %byweight %bymass weightpercent wtpercent wtpct masspercent"),
+        ("vol%", "vol% v% v/v% vol/vol% volume% %vol %v %v/v %vol/vol %byvolume volumepercent"),
+        ("%", "% percent percents pct"),
+    )
+    for symbol in symbols.split()
 }
+_HUMID = ("%rh", "rh%", "%relativehumidity", "%humidity")
 
 
 def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
     own = _FRACTIONS[kind]
-    unit = re.sub(r"^(wt|vol)\.\s*%$", r"\1%", unit)
-    unit = _ALSO_PERCENT.get(re.sub(r"[\s().]", "", unit), unit)
+    short = re.sub(r"[\s().-]", "", unit).lower().replace("percentby", "%by")
+    unit = _ALSO_PERCENT.get(short, unit)
     if not unit:
         return 1.0
-    if own and unit in ("%", own, own.replace("%", " %")):
+    if own and (unit in (PERCENT, own) or (kind == "fraction" and short in _HUMID)):
         return 0.01
     other = next((name for name, symbol in _FRACTIONS.items() if symbol == unit), None)
-    if kind == "mass fraction" and re.search(r"[gwt]\s*/\s*(100\s*)?(v|m?l|d?l|cm|m\^?3)", unit.lower()):
+    if kind == "mass fraction" and re.search(
+        r"[gwt]\s*/\s*(100\s*)?(v|m?l|d?l|cm|m\^?3)", unit.lower().replace("m/v", "w/v")
+    ):
         raise InputError(
             field,
             "is mass in a volume of solution, not a mass fraction",
@@ -292,10 +351,15 @@ def _fraction_scale(unit: str, kind: str, text: str, field: str) -> float:
     raise InputError(field, problem, value=text, remedy=_example(QUANTITIES[kind]))
 
 
+@lru_cache(maxsize=256)
 def _spell(unit: str) -> str:
     for old, new in _SPELLED.items():
         unit = unit.replace(old, new)
-    return re.sub(r"^([mkµu]?Pa)s$", r"\1*s", unit)  # mPas, as rheometers print it
+    degrees = _DEGREES.fullmatch(unit)
+    if degrees:
+        return f"deg{(degrees['scale'] or degrees['name'])[0].upper()}"
+    unit = re.sub(r"^/", "1/", re.sub(r"\s+per\s+", "/", unit))
+    return re.sub(r"^([mkµu]?Pa)-?s$", r"\1*s", unit)  # mPas, as rheometers print it
 
 
 def _example(quantity: Quantity) -> str:

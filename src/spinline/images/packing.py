@@ -17,6 +17,8 @@ from spinline.images.formats.base import Array
 
 __all__ = ["Packing", "packing_of"]
 
+# other conventions' names, with the number at which they do nothing: which law they mean is not said, so they are not obeyed
+_FOREIGN = {"scaling_factor": 1.0, "slope": 1.0, "bscale": 1.0, "intercept": 0.0, "offset": 0.0, "bzero": 0.0}
 _NAMES = ("scale_factor", "add_offset", "_FillValue", "missing_value", "valid_min", "valid_max", "valid_range")
 
 
@@ -79,8 +81,9 @@ def packing_of(attribute: Callable[[str], Any], key: str, source: str) -> Packin
     Raises
     ------
     InputError
-        For an attribute that is no number, or a scale of 0.
+        For an attribute that is no number, a scale of 0, or an attribute by which another convention packs.
     """
+    _no_foreign(attribute, key, source)
     word = attribute("_Unsigned")
     word = word.decode() if isinstance(word, bytes) else word
     unsigned = str(word).strip().lower() in ("true", "1")
@@ -102,6 +105,25 @@ def packing_of(attribute: Callable[[str], Any], key: str, source: str) -> Packin
         numbers.get("valid_max", span[-1:])[0],
         unsigned,
     )
+
+
+def _no_foreign(attribute: Callable[[str], Any], key: str, source: str) -> None:
+    """Refuse numbers that another convention packs."""
+    for name, idle in _FOREIGN.items():
+        for spelled in (name, name.upper(), name.capitalize()):
+            value = attribute(spelled)
+            try:
+                number = float(np.ravel(value)[0]) if value is not None and np.size(value) == 1 else idle
+            except (TypeError, ValueError):
+                number = idle
+            if number != idle:
+                raise InputError(
+                    key,
+                    f"has an attribute {spelled}, which may pack its numbers in a way that is not known here",
+                    value=f"{source}: {number:g}",
+                    allowed="scale_factor and add_offset, as in netCDF",
+                    remedy="rename it to one of those, or write the unpacked numbers without it",
+                )
 
 
 def _numbers(name: str, value: Any, key: str, source: str) -> list[float]:

@@ -4,19 +4,18 @@ A stack is (frame, z, x), the jet running along z; `transpose` swaps z and x. Fi
 numbers in their names, each with as many frames as it holds. Nothing is loaded before it is asked for.
 """
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from spinline.base.errors import InputError
+from spinline.images.file_names import gaps, in_order, kinds, no_file
 from spinline.images.formats.base import Account, Array, FrameReader, open_file, split_source
 
-__all__ = ["Stack", "natural", "open_stack"]
+__all__ = ["Stack", "open_stack"]
 
 _AT_ONCE = 24_000_000  # bytes of frames in one read
 _MANY_OPEN = 64  # files that are held open
@@ -192,11 +191,6 @@ def open_stack(
     return stack
 
 
-def natural(name: str) -> list[tuple[int, int, str]]:
-    """Key that sorts names by the numbers in them: frame_2 before frame_10."""
-    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in re.split(r"(\d+)", name) if part]
-
-
 def _first_line(error: Exception) -> str:
     return str(error).splitlines()[0] if str(error) else type(error).__name__
 
@@ -210,40 +204,22 @@ def _open(source: str, key: str, folder: Path) -> FrameReader:
             if absolute
             else folder.glob(name)
         )
-        files = sorted((file for file in found if file.is_file()), key=lambda file: natural(str(file)))
+        files = in_order([file for file in found if file.is_file()])
         if not files:
-            raise InputError(key, "matches no file", value=source, remedy="paths start from the images file's folder")
-        return open_file(files[0], inside, key) if len(files) == 1 else _Files(files, inside, key)
+            raise InputError(key, "matches no file", value=source, remedy=no_file(name, source))
+        return open_file(files[0], inside, key) if len(files) == 1 else _Files(files, inside, key, name)
     path = folder / name
     if not path.is_file():
         what = "is a folder" if path.is_dir() else "is not a file"
-        remedy = f'write "{source}/*.tif"' if path.is_dir() else "paths start from the images file's folder"
+        remedy = f'write "{source}/*.tif"' if path.is_dir() else no_file(name, source)
         raise InputError(key, what, value=source, remedy=remedy)
     return open_file(path, inside, key)
-
-
-def _gaps(names: list[str], key: str) -> list[str]:
-    """What is said where names count up by ones, and a few of their numbers are not there."""
-    split = [re.split(r"(\d+)", name) for name in names]
-    first, last = split[0], split[-1]
-    apart = [i for i in range(1, len(first), 2) if i < len(last) and int(first[i]) != int(last[i])]
-    if len(apart) != 1 or any(len(parts) != len(first) for parts in split):
-        return []
-    numbers = [int(parts[apart[0]]) for parts in split]
-    steps = np.diff(np.asarray(numbers, dtype=np.float64))
-    gone = int((steps - 1.0).clip(0.0).sum())
-    if gone == 0 or 2 * int((steps == 1.0).sum()) < steps.size or gone > len(names):
-        return []
-    lost = next(a + 1 for a, b in pairwise(numbers) if b > a + 1)
-    return [
-        f"{key}: names of the files count from {numbers[0]} to {numbers[-1]}, and {gone} are not there, the first {lost}"
-    ]
 
 
 class _Files:
     """Many files one after the other."""
 
-    def __init__(self, files: list[Path], inside: str | None, key: str) -> None:
+    def __init__(self, files: list[Path], inside: str | None, key: str, pattern: str) -> None:
         self.files, self.inside, self.key = files, inside, key
         self.open: dict[int, FrameReader] = {}
         first = self._reader(0)
@@ -265,7 +241,8 @@ class _Files:
             self.dtype = np.result_type(self.dtype, reader.dtype)
             missing += [sum(counts) + j for j in reader.account.missing]
             counts.append(reader.shape[0])
-        remarks += _gaps([file.name for file in files], key)
+        names = [file.name for file in files]
+        remarks += [*gaps(names, key), *kinds(names, key, pattern)]
         self.bounds = np.cumsum([0, *counts])
         self.shape = (int(self.bounds[-1]), *first.shape[1:])
         self.account = Account(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from spinline.base.errors import InputError
@@ -16,6 +16,7 @@ from spinline.base.units import Measured, parse
 from spinline.recipe.believe import USUAL_TEMPERATURE, Recipe
 from spinline.recipe.elsewhere import elsewhere
 from spinline.recipe.measured import Measurement
+from spinline.recipe.mixture_text import in_toml, mixture_remedy
 from spinline.recipe.predict import Fibre, predict
 from spinline.recipe.table import GAUGES
 from spinline.rheology.materials import POLYMERS, polymer
@@ -67,11 +68,32 @@ class _ReadConcentration(Read):
 Concentration = Annotated[Measured, _ReadConcentration("mass fraction", 0.0, 1.0)]
 
 
+def _shares(given: Any) -> Any:
+    """Shares of a mixture as numbers, "40 %" too; any other form is refused with the one to write."""
+    if isinstance(given, Mapping) and any(isinstance(share, str) for share in given.values()):
+        found = {}
+        for name, share in given.items():
+            try:
+                found[name] = parse(share, "mass fraction", "").value if isinstance(share, str) else share
+            except InputError as error:
+                words = {"key": str(name), "problem": error.problem, "allowed": "> 0, by mass", "remedy": error.remedy}
+                raise PydanticCustomError("quantity", "{problem}", words) from None
+        return found
+    if isinstance(given, str | Mapping):
+        return given
+    names = [str(one) for one in given] if isinstance(given, list) else []
+    remedy = (
+        f"write {in_toml(dict.fromkeys(names, 1.0))}" if names else 'for example "DMF", or { DCM = 0.6, DMF = 0.4 }'
+    )
+    words = {"allowed": "a name, or names with their shares by mass", "remedy": remedy}
+    raise PydanticCustomError("quantity", "is no solvent", words)
+
+
 class SolutionOfRecipe(Section):
     """``[solution]`` of a recipe."""
 
     polymer: str
-    solvent: str | dict[str, float]
+    solvent: Annotated[str | dict[str, float], BeforeValidator(_shares)]
     concentration: Concentration | None = None
     molar_mass: MolarMass | None = None
     viscosity: Viscosity | None = None
@@ -81,9 +103,17 @@ class SolutionOfRecipe(Section):
 
 
 def _bare_gauge(given: Any) -> Any:
-    """The number of "21G" or "21 G"."""
-    named = re.fullmatch(r"(\d\d)\s*G", given) if isinstance(given, str) else None
-    return int(named[1]) if named else given
+    """The number of "21G", "G21", "21 gauge"."""
+    form = r"\s*(?:G\s*(?P<behind>\d\d)|(?P<before>\d\d)[\s-]*(?:G|ga|gauge)?)\s*"
+    named = re.fullmatch(form, given, re.IGNORECASE) if isinstance(given, str) else None
+    number = int(named["behind"] or named["before"]) if named else given
+    if isinstance(number, bool) or not isinstance(number, int | float) or number not in GAUGES:
+        words = {
+            "allowed": f"{min(GAUGES)} to {max(GAUGES)}",
+            "remedy": 'gauge = 21, or radius = "0.26 mm", the inner one',
+        }
+        raise PydanticCustomError("quantity", "is no gauge of a needle that is known", words)
+    return int(number)
 
 
 class JetOfRecipe(Section):
@@ -93,7 +123,7 @@ class JetOfRecipe(Section):
     gap: Length
     flow_rate: FlowRate
     radius: Length | None = None
-    gauge: Annotated[int, BeforeValidator(_bare_gauge), Field(ge=14, le=30)] | None = None
+    gauge: Annotated[int, BeforeValidator(_bare_gauge)] | None = None
     current: Current | None = None
 
 
@@ -141,8 +171,6 @@ class RecipeSheet(Sheet):
         if j.gauge is not None:
             if j.radius is not None:
                 raise InputError("jet.gauge", "is given beside jet.radius", value=j.gauge, remedy="leave one out")
-            if j.gauge not in GAUGES:
-                raise InputError("jet.gauge", "is not known", value=j.gauge, allowed=", ".join(map(str, GAUGES)))
             radius = GAUGES[j.gauge]
         kelvin = _value(air.temperature)
         kelvin = kelvin if kelvin == kelvin else _value(s.temperature)
@@ -250,15 +278,11 @@ def _solvent(given: str | dict[str, float]) -> dict[str, float]:
     for name, share in shares.items():
         if not (math.isfinite(share) and share > 0):
             raise InputError(f"solution.solvent.{name}", "is not a share", value=share, allowed="> 0, by mass")
-        parts = [part for part in (re.sub(r"[\d.%]+", "", p).strip() for p in re.split(r"[/:+]", name)) if part]
-        mixed = ", ".join(f"{part} = {1 / len(parts):.2g}" for part in parts)
-        remedy = f"a mixture is written by mass, for example {{ {mixed} }}" if len(parts) > 1 else ""
-        known = _named(name, SOLVENTS, "solution.solvent", remedy)
+        known = _named(name, SOLVENTS, "solution.solvent", mixture_remedy(name))
         found[known] = found.get(known, 0.0) + float(share)
     total = sum(found.values())
     if not found or (abs(total - 1) > 0.02 and abs(total - 100) > 2):
-        meant = ", ".join(f"{name} = {share / total:.3g}" for name, share in shares.items())
-        remedy = f"mass fractions: parts by mass are {{ {meant} }}" if found else "mass fractions"
+        remedy = f"mass fractions: parts by mass are {in_toml(shares)}" if found else "mass fractions"
         raise InputError("solution.solvent", "has shares that do not add up to 1", value=shares, remedy=remedy)
     return {name: share / total for name, share in found.items()}
 
@@ -308,7 +332,7 @@ def fibre(recipe: "str | Path | RecipeSheet | Recipe", *, rung: str = "race", sh
         return predict(recipe, rung=rung, shares=shares)
     sheet = recipe if isinstance(recipe, RecipeSheet) else load_recipe(recipe)
     found = predict(sheet.recipe(), sheet.measurements(), rung=rung, shares=shares)
-    return replace(found, remarks=(*found.remarks, *_laid(sheet, found)))
+    return replace(found, remarks=(*found.remarks, *_laid(sheet, found), *_taken_as_exact(sheet)))
 
 
 def _laid(sheet: RecipeSheet, found: Fibre) -> tuple[str, ...]:
@@ -323,3 +347,26 @@ def _laid(sheet: RecipeSheet, found: Fibre) -> tuple[str, ...]:
     return (
         f"the collector moves at {speed:.3g} m/s, one unbroken fibre would be made at {found.laying_speed:.3g} m/s: it {words}",
     )
+
+
+_WEIGHED = ("viscosity", "conductivity", "surface_tension", "current", "fibre_diameter")
+
+
+def _taken_as_exact(sheet: RecipeSheet) -> tuple[str, ...]:
+    """What carries a ``+/-`` that no interval has in it."""
+    measured = sheet.measured if isinstance(sheet.measured, list) else [sheet.measured] if sheet.measured else []
+    sections: dict[str, list[Any]] = {
+        "solution": [sheet.solution],
+        "jet": [sheet.jet],
+        "ambient": [sheet.ambient],
+        "measured": measured,
+    }
+    keys = [
+        f"{name}.{key}"
+        for name, parts in sections.items()
+        for part in parts
+        for key, value in part
+        if isinstance(value, Measured) and value.std > 0 and key not in _WEIGHED
+    ]
+    keys = list(dict.fromkeys(keys))
+    return (f"the +/- of {', '.join(keys)} is not in the interval: try its ends with --set",) if keys else ()

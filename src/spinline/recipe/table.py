@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -13,6 +14,7 @@ from spinline.base.errors import InputError
 from spinline.base.text import csv_rows, read_text
 from spinline.base.words import cell
 from spinline.recipe.believe import Recipe, known_solvents
+from spinline.recipe.mixture_text import parted
 from spinline.recipe.outside import outside_remarks
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
@@ -30,7 +32,8 @@ _ALSO = {
     "PLLA": "PLA",
 }
 _NEEDED = ("polymer", "solvent", "voltage_kV", "flow_rate_mL_per_h", "distance_cm")
-# inner radius of a needle by its gauge, m (ISO 9626, regular wall)
+# inner radius of a needle by its gauge, m: half the nominal inner diameter of regular walls in suppliers' charts (0.413 mm of
+# 22 G; 0.00525, 0.00425, 0.00425 and 0.00325 inch of 31 to 34 G); ISO 9626 has the least inner diameters of metric tubes
 GAUGES = {
     14: 0.80e-3,
     15: 0.69e-3,
@@ -47,7 +50,12 @@ GAUGES = {
     26: 0.13e-3,
     27: 0.105e-3,
     28: 0.09e-3,
+    29: 0.09e-3,
     30: 0.08e-3,
+    31: 0.0665e-3,
+    32: 0.054e-3,
+    33: 0.054e-3,
+    34: 0.0413e-3,
 }
 
 
@@ -170,19 +178,23 @@ def _number(row: Mapping[str, str], key: str) -> float:
 
 
 def _names(row: Mapping[str, str]) -> list[str]:
-    parts = row.get("solvent_parts") or row["solvent"]
-    names = [part.strip() for part in parts.replace("/", ";").replace(":", ";").split(";") if part.strip()]
-    if len(names) == 1 and "-" in names[0] and known_as(names[0], SOLVENTS) is None:
-        names = names[0].split("-")
-    found = []
-    for name in names:
-        known = known_as(_ALSO.get(name.upper(), name), SOLVENTS)
-        if known is None:
-            raise InputError("solvent", "is not in the library", value=name, allowed=", ".join(sorted(SOLVENTS)))
-        found.append(known)
-    if not found:
+    text = row.get("solvent_parts") or row["solvent"]
+    if not text or text.lower() in _NOTHING:
         raise InputError("solvent", "is missing", remedy="name it")
+    found, unknown = parted(text, _solvent)
+    if unknown:
+        shares = (
+            "name the parts alone: tables hold no shares, equal parts are taken"
+            if re.search(r"\d\s*[:/%]", text)
+            else ""
+        )
+        allowed = "" if shares else ", ".join(sorted(SOLVENTS))
+        raise InputError("solvent", "is not in the library", value=unknown, allowed=allowed, remedy=shares)
     return list(dict.fromkeys(found))
+
+
+def _solvent(name: str) -> str | None:
+    return known_as(_ALSO.get(name.upper(), name), SOLVENTS)
 
 
 def _polymer(name: str) -> str:

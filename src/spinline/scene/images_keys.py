@@ -1,5 +1,6 @@
 """What single keys of the images file may hold: sources of flat and dark, regions, parts of a stack, lengths in pixels."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
@@ -235,7 +236,7 @@ class _ReadReach:
         if isinstance(value, Reach):
             return value
         text = str(value).strip()
-        plain = text.removesuffix("pixels").removesuffix("px").strip()
+        plain = re.sub(r"(?<![^\W\d])(?:pixels|px)\b", "", text).strip()
         for kind, words, pixels in (("number", plain, True), ("length", text, False)):
             try:
                 measured = parse(words, kind, "")

@@ -126,11 +126,28 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
 
 # what people call a key that no spelling would find
 _ALSO_CALLED = {
-    **dict.fromkeys(("distance", "collector_distance", "working_distance", "tcd"), "gap"),
+    **dict.fromkeys(
+        (
+            "distance",
+            "collector_distance",
+            "working_distance",
+            "tip_to_collector_distance",
+            "needle_to_collector_distance",
+            "tip_collector_distance",
+            "tcd",
+        ),
+        "gap",
+    ),
+    **dict.fromkeys(("v", "potential", "applied_voltage", "high_voltage", "hv"), "voltage"),
+    **dict.fromkeys(("conc", "mass_fraction", "wt", "weight_fraction", "weight_percent", "c"), "concentration"),
+    **dict.fromkeys(("t", "temp", "air_temperature"), "temperature"),
     **dict.fromkeys(("mw", "molecular_weight", "molecular_mass"), "molar_mass"),
     **dict.fromkeys(("rh", "humidity"), "relative_humidity"),
     **dict.fromkeys(("needle", "needle_gauge"), "gauge"),
-    **dict.fromkeys(("feed_rate", "flow"), "flow_rate"),
+    **dict.fromkeys(("process", "spinning", "parameters"), "jet"),
+    **dict.fromkeys(("environment", "air", "atmosphere"), "ambient"),
+    **dict.fromkeys(("material", "materials"), "solution"),
+    **dict.fromkeys(("feed_rate", "flow", "q", "feed", "pump_rate", "pumping_rate", "injection_rate"), "flow_rate"),
 }
 
 

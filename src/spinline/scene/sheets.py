@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
+from spinline.scene.kinds import bundled_elsewhere, is_meant
 from spinline.scene.problems import explain
 from spinline.scene.quantities import Sheet
 
@@ -19,6 +20,7 @@ _Sheet = TypeVar("_Sheet", bound=Sheet)
 
 
 LONGEST = 1_000_000  # characters of a scene
+_FEW = 3  # names that a message lists
 
 
 def checked(model: type[_Sheet], data: Mapping[str, Any], text: str, folder: Path | None, name: str) -> _Sheet:
@@ -36,9 +38,12 @@ def read_toml(
 ) -> tuple[dict[str, Any], str, Path]:
     """Content, text and path of a TOML file or of a bundled one of that name, overrides applied."""
     path = given_file(source, bundled)
+    if not _there(path):
+        bundled_elsewhere(str(source), noun)
     near = difflib.get_close_matches(str(source)[:200], bundled, n=1)
-    hint = f"did you mean the bundled {near[0]!r}?" if near else "`spinline scenes` lists the bundled ones"
-    data, text = read_toml_text(path, noun, LONGEST, hint)
+    some = f"bundled: {', '.join(bundled)}" if 0 < len(bundled) <= _FEW else "`spinline scenes` lists the bundled ones"
+    data, text = read_toml_text(path, noun, LONGEST, f"did you mean the bundled {near[0]!r}?" if near else some)
+    is_meant(data, noun, str(source))
     for override in overrides:
         apply_override(data, override)
     if overrides:
@@ -48,11 +53,14 @@ def read_toml(
 
 def given_file(source: str | Path, bundled: Mapping[str, Path]) -> Path:
     """The file of that name, else the bundled one."""
+    return Path(source) if _there(source) else bundled.get(str(source), Path(source))
+
+
+def _there(path: str | Path) -> bool:
     try:
-        there = Path(source).exists()
+        return Path(path).exists()
     except (OSError, ValueError):  # a name that no file can have
-        there = False
-    return Path(source) if there else bundled.get(str(source), Path(source))
+        return False
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:

@@ -339,13 +339,18 @@ def _bare(value: Any) -> Any:
 
 
 def _meaning(key: str, value: Any) -> Any:
-    """A value in SI where the scene reads it as a quantity, so that "125 um" is "0.125 mm"."""
-    from spinline.scene.keys import full_key, read_value
+    """A value in SI with its uncertainty where the scene reads it as a quantity, so that "125 um" is "0.125 mm"."""
+    from spinline.base.units import parse
+    from spinline.scene.keys import full_key, read_value, reader
+    from spinline.scene.quantities import Read
 
-    if isinstance(value, str) and "+/-" in value:
-        return " ".join(value.split())
     try:
-        read = read_value(full_key(key, key), value, key, ranged=False)
+        name = full_key(key, key)
+        how = reader(name)
+        if isinstance(how, Read) and isinstance(value, str | int | float):
+            measured = parse(value, how.kind, key)
+            return float(f"{measured.value:.12g}"), float(f"{measured.std:.12g}")
+        read = read_value(name, value, key, ranged=False)
     except InputError:
         read = value
     read = _bare(read)

@@ -11,6 +11,7 @@ NXtomo file's `image_key` says which of its frames show the jet (0), no jet (1),
 
 import re
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ import numpy as np
 
 from spinline.base.errors import InputError
 from spinline.base.file_format import HDF5_HEAD
+from spinline.images.file_names import gaps
 from spinline.images.formats.base import Account, Array, FrameReader, frames_shape, needs
 from spinline.images.links import linked_file, stays_home
 from spinline.images.packing import packing_of
@@ -72,6 +74,10 @@ class _Datasets:
         self.dtype: np.dtype[Any] = np.dtype(np.float64) if packed else np.result_type(*kinds)
         frames = int(self.bounds[-1]) if picked is None else len(picked)
         self.shape = (frames, *shapes[0][1:])
+        names = [str(d.name).rpartition("/")[2] for d in datasets]
+        account = replace(
+            account, remarks=(*account.remarks, *(gaps(names, key, "datasets") if len(names) > 1 else ()))
+        )
         self.account = account
 
     def read(self, start: int, stop: int) -> Array:
