@@ -39,6 +39,7 @@ from spinline.fit.observed_map import read_map
 from spinline.fit.problem import FitProblem, Prior
 from spinline.fit.scene_model import forward_model, start_of
 from spinline.scene.file import LONGEST, Scene, given_file, load_scene
+from spinline.scene.sheets import hint_of, refuse_another_kind
 
 __all__ = ["FitFile", "bundled_fits", "load_fit", "scene_priors"]
 
@@ -103,8 +104,7 @@ def load_fit(source: str | Path) -> FitFile:
     """
     path = given_file(source, bundled_fits())
     name = path.stem if path == Path(source) else str(source)
-    near = difflib.get_close_matches(str(source)[:200], bundled_fits(), n=1)
-    hint = f"did you mean the bundled {near[0]!r}?" if near else f"bundled: {', '.join(bundled_fits())}"
+    hint = hint_of(source, bundled_fits(), f"bundled: {', '.join(bundled_fits())}")
     data, text = read_toml_text(path, "fit", LONGEST, hint)
     return _build(data, path.resolve().parent, text, name)
 
@@ -144,6 +144,7 @@ def _from_mass(scene: Scene, mass: Measured) -> Prior:
 
 
 def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFile:
+    refuse_another_kind(data, "fit", name)
     _known(data, _TOP, "")
     if not isinstance(data.get("scene"), str):
         raise InputError(

@@ -30,6 +30,7 @@ from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.words import label
 from spinline.scene.file import LONGEST, Scene, apply_override, bundled_scenes, given_file, scene_from_dict
 from spinline.scene.keys import full_key, is_section, placed, read_value
+from spinline.scene.sheets import hint_of, refuse_another_kind
 from spinline.study.axes import axes_of, column, not_both
 from spinline.study.design import KINDS, Axis, Design
 from spinline.study.table import read_table
@@ -131,9 +132,9 @@ def load_sweep(source: str | Path, overrides: Sequence[str] = (), *, sensitivity
         For a file that cannot be read, and every key or value that cannot be right.
     """
     path = given_file(source, bundled_sweeps())
-    near = difflib.get_close_matches(str(source)[:200], bundled_sweeps(), n=1)
-    hint = f"did you mean the bundled {near[0]!r}?" if near else f"bundled ones: {', '.join(bundled_sweeps())}"
+    hint = hint_of(source, bundled_sweeps(), f"bundled ones: {', '.join(bundled_sweeps())}")
     data, text = read_toml_text(path, "sweep", LONGEST, hint)
+    refuse_another_kind(data, "sweep", path.stem)
     if sensitivity:
         design = data.get("design")
         data["design"] = {**(design if isinstance(design, dict) else {}), "kind": "sensitivity"}
