@@ -179,13 +179,6 @@ def outputs(*paths: str | Path | None, force: bool = False, result: Path | None 
     ------
     InputError
     """
-    if result is not None and _NO_RESULT.fullmatch(result.suffix):
-        raise InputError(
-            str(result),
-            f"is written as netCDF, and is named as {result.suffix}",
-            allowed=".nc",
-            remedy=f"name it {result.with_suffix('.nc')}; tables, figures and pages have options of their own (--help)",
-        )
     known: dict[str, str | Path] = {}
     for path in paths:
         if path is None:
@@ -197,6 +190,13 @@ def outputs(*paths: str | Path | None, force: bool = False, result: Path | None 
                 str(path), "is named for two outputs", value=str(known[place]), remedy="give each a name of its own"
             )
         known[place] = path
+    if result is not None and _NO_RESULT.fullmatch(result.suffix):
+        raise InputError(
+            str(result),
+            f"is written as netCDF, and is named as {result.suffix}",
+            allowed=".nc",
+            remedy=f"name it {result.with_suffix('.nc')}; tables, figures and pages have options of their own (--help)",
+        )
 
 
 def write_bytes(path: str | Path, data: bytes | memoryview, *, force: bool = False) -> Path:
