@@ -21,14 +21,14 @@ def lowest(session: nox.Session) -> None:
     """Tests with the lowest versions that pyproject.toml allows."""
     session.install(*lowest_versions())
     session.install(".[test]", *lowest_versions())
-    session.run("pytest", *session.posargs)
+    session.run("pytest", "-m", "", *session.posargs)
 
 
 @nox.session
 def highest(session: nox.Session) -> None:
     """Tests with the newest versions there are."""
     session.install("--upgrade", ".[test]")
-    session.run("pytest", *session.posargs)
+    session.run("pytest", "-m", "", *session.posargs)
 
 
 @nox.session

@@ -52,7 +52,7 @@ USUAL = {
     "solution.solvent_density": 900.0,
 }
 POLYMERS = ("PEO", "PMMA", "PVP", "PCL", "PAN", "PS", "PVA", "PLA", "nylon")
-SOLVENTS = ("water", "ethanol", "acetone", "chloroform", "dichloromethane", "DMF", "toluene", "THF", "methanol")
+SOLVENTS = ("water", "ethanol", "acetone", "chloroform", "dichloromethane", "DMF", "toluene", "THF", "limonene")
 LEFT_OUT = 0.8  # of the keys that may be
 
 

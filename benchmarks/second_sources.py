@@ -128,10 +128,12 @@ _SOLVENTS = {
     ("DMSO", "density"): (1095.5, 0.5, False, "Riddick, Bunger, Sakano, Organic Solvents, 4th ed. (1986)"),
     ("DMAc", "density"): (937.0, 0.5, True, _WIKIPEDIA),
     ("TFA", "density"): (1477.5, 1.0, False, f"{_WIKIPEDIA}: 1489 at 293 K"),
+    ("TFE", "density"): (1384.2, 1.0, False, f"{_CRC}: 293 K"),
     ("NMP", "density"): (1028.0, 0.5, False, _WIKIPEDIA),
     ("DMSO", "vapour_pressure"): (80.0, 10, False, "Gaylord Chemical, physical properties: 0.600 mmHg"),
     ("DMAc", "vapour_pressure"): (300.0, 20, True, _WIKIPEDIA),
     ("NMP", "vapour_pressure"): (46.0, 20, False, "0.345 mmHg, U.S. EPA"),
+    ("TFE", "heat_of_vaporisation"): (44.0, 8, True, f"{_CRC}: enthalpies of formation of gas and liquid"),
     ("DMSO", "surface_tension"): (42.97, 3, True, f"{_WIKIPEDIA} after Adamson: 43.54 at 293 K, 0.1145 mN/m/K"),
     ("DMF", "surface_tension"): (36.4, 8, False, "surface-tension.de: 37.1 at 293 K"),
     ("THF", "surface_tension"): (27.4, 5, True, "Accu Dyne Test, surface tension components (2024)"),
@@ -140,6 +142,13 @@ _SOLVENTS = {
     ("TFA", "surface_tension"): (13.53, 3, False, _CRC),
     ("DMAc", "viscosity"): (0.927, 15, False, "Riddick, Bunger, Sakano, Organic Solvents, 4th ed. (1986)"),
     ("NMP", "viscosity"): (1.65, 15, False, _WIKIPEDIA),
+    ("methanol", "diffusivity"): (0.152, 8, False, _LUGG),
+    ("isopropanol", "diffusivity"): (0.1013, 8, False, _LUGG),
+    ("ethyl acetate", "diffusivity"): (0.0861, 8, False, _LUGG),
+    ("MEK", "diffusivity"): (0.0903, 8, False, _LUGG),
+    ("dioxane", "diffusivity"): (0.0922, 8, False, _LUGG),
+    ("chlorobenzene", "diffusivity"): (0.0747, 8, False, _LUGG),
+    ("DCE", "diffusivity"): (0.0907, 8, False, _LUGG),
     ("THF", "viscosity"): (0.456, 5, False, _CRC),
     ("water", "diffusivity"): (0.2564, 8, False, _PERRY),
     ("ethanol", "diffusivity"): (0.1189, 8, True, _PERRY),
@@ -199,7 +208,7 @@ def _tables():
 
 
 # the library's own source is one of these tables: no second look
-_SAME = {("HFIP", "vapour_pressure"), ("TFA", "vapour_pressure"), ("NMP", "vapour_pressure")}
+_SAME = {("HFIP", "vapour_pressure"), ("TFA", "vapour_pressure"), ("NMP", "vapour_pressure"), ("TFE", "viscosity")}
 _BAND = {
     "density": 0.5,
     "vapour_pressure": 5.0,

@@ -8,7 +8,9 @@ The measure of `spindb.py` (per paper the median over the known ones of the medi
   quantities. What these give is what the laws with their unknowns can reach; then with one kind of unknown taken away;
 * of the measured papers in that linear arithmetic, and where each paper is fitted with exponents of its own (least squares
   on every setting that changes in it, which no one has before the paper is measured);
-* and where unknowns of the materials are shared by solvents of one polymer (a form that was tried).
+* and where unknowns of the materials are shared by solvents of one polymer (a form that was tried);
+* and with all that the laws say between settings made less or more: what the median paper gains so is chance where the mean
+  paper does not gain.
 
 Constants of a paper are those of `spindb.json` that have not seen it. A minute.
 """
@@ -32,6 +34,7 @@ WITHOUT = {
     "no scatter of mats and settings": dict.fromkeys(_SCATTER, 1e-8),
     "no answers of a laboratory beyond the laws": dict.fromkeys(_ANSWERS, 0.0),
 }
+STEEPER = (0.7, 0.85, 1.15, 1.3)  # times what the laws say between settings
 # what one polymer's unknowns share from solvent to solvent (correlation); conductivity: by the solvents in common
 _SHARED = {
     "entanglement_concentration": 0.65,
@@ -121,6 +124,9 @@ def judge(path):
         scatter = np.tensordot(square, kinds, axes=1)
         errors["linear"].append(known(expected, fixed + scatter, y))
         errors["solvents of one polymer share"].append(known(expected, shared(part, constants) + scatter, y))
+        for times in STEEPER:
+            changed = expected.mean() + times * (expected - expected.mean())
+            errors.setdefault(f"changes between settings times {times}", []).append(known(changed, fixed + scatter, y))
         rest = own_fit(part, y)
         errors["a fit of its own"].append(known(0.0, np.ones_like(fixed), rest))
         # rows that stand twice stand twice in what is drawn, too

@@ -252,8 +252,9 @@ def _settle(
     """States `out` and ledgers `book`, (theta, n + 1), at fractions of a step from `y` and `ledger`.
 
     Both by the collocation polynomial; volumes and temperature are then those that the ledger leaves. Where a volume falls
-    so far within a step that the ledger's difference is all error, its logarithm goes as the stages say; returns the
-    largest volume that is so lost from the books at the end of the step, over the jet's at the start.
+    so far within a step that the ledger's difference is all error, its logarithm goes as the stages say, and so does what a
+    liquid that only the air may bring (no logarithm) has left of nothing, its ledger with it; returns the largest volume
+    that is so lost from the books at the end of the step, over the jet's at the start.
     """
     lost = 0.0
     n = sub.shape[0]
@@ -277,6 +278,9 @@ def _settle(
                         lost = max(lost, abs(kept - np.exp(change)) * before)
             else:
                 out[k, i] = y[i] - passed / sub[i, 0]
+                if abs(out[k, i] - y[i] - change) > _AGREE * abs(y[i] + change):  # in balance with air that has none
+                    out[k, i] = y[i] + change
+                    book[k, i] = ledger[i] - sub[i, 0] * change
     return float(lost)
 
 

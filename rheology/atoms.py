@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 
-__all__ = ["VAPOURS"]
+__all__ = ["ELEMENTS", "VAPOURS"]
 
-# name: atoms (C, H, O, N, Cl, F, S) and rings
+ELEMENTS = ("C", "H", "O", "N", "Cl", "F", "S")
+# name: atoms of these elements, and rings
 VAPOURS: Mapping[str, tuple[int, int, int, int, int, int, int, int]] = {
     "water": (0, 2, 1, 0, 0, 0, 0, 0),
     "ethanol": (2, 6, 1, 0, 0, 0, 0, 0),
@@ -21,4 +22,13 @@ VAPOURS: Mapping[str, tuple[int, int, int, int, int, int, int, int]] = {
     "TFA": (2, 1, 2, 0, 0, 3, 0, 0),
     "NMP": (5, 9, 1, 1, 0, 0, 0, 1),
     "toluene": (7, 8, 0, 0, 0, 0, 0, 1),
+    "methanol": (1, 4, 1, 0, 0, 0, 0, 0),
+    "isopropanol": (3, 8, 1, 0, 0, 0, 0, 0),
+    "ethyl acetate": (4, 8, 2, 0, 0, 0, 0, 0),
+    "DCE": (2, 4, 0, 0, 2, 0, 0, 0),
+    "MEK": (4, 8, 1, 0, 0, 0, 0, 0),
+    "acetonitrile": (2, 3, 0, 1, 0, 0, 0, 0),
+    "dioxane": (4, 8, 2, 0, 0, 0, 0, 1),
+    "chlorobenzene": (6, 5, 0, 0, 1, 0, 0, 1),
+    "TFE": (2, 3, 1, 0, 0, 3, 0, 0),
 }

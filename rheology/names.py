@@ -1,5 +1,6 @@
 """Other names of polymers and solvents: what people write for what the library has."""
 
+import re
 from collections.abc import Mapping
 
 __all__ = ["ALIASES", "known_as"]
@@ -101,7 +102,27 @@ ALIASES: Mapping[str, str] = {
     "1methyl2pyrrolidinone": "NMP",
     "nmethylpyrrolidone": "NMP",
     "methylbenzene": "toluene",
+    "meoh": "methanol",
+    "methylalcohol": "methanol",
+    "ipa": "isopropanol",
+    "2propanol": "isopropanol",
+    "propan2ol": "isopropanol",
+    "isopropylalcohol": "isopropanol",
+    "etoac": "ethyl acetate",
+    "ethylethanoate": "ethyl acetate",
+    "dichloroethane": "DCE",
+    "12dichloroethane": "DCE",
+    "ethylenedichloride": "DCE",
+    "butanone": "MEK",
+    "2butanone": "MEK",
+    "methylethylketone": "MEK",
+    "acn": "acetonitrile",
+    "mecn": "acetonitrile",
+    "14dioxane": "dioxane",
+    "trifluoroethanol": "TFE",
+    "222trifluoroethanol": "TFE",
 }
+_TWICE = re.compile(r"(.*\S)\s*\(([^()]+)\)")
 _LEFT_OUT = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789", "-–‐‑ _,()'\u2019\u2032\u00a0[].")
 
 
@@ -110,7 +131,7 @@ def known_as(name: str, table: Mapping[str, object]) -> str | None:
 
     Examples
     --------
-    >>> known_as("N,N-dimethylformamide", {"DMF": 1}), known_as("Poly(ethylene oxide)", {"PEO": 1})
+    >>> known_as("N,N-dimethylformamide", {"DMF": 1}), known_as("poly(ethylene oxide) (PEO)", {"PEO": 1})
     ('DMF', 'PEO')
     """
     plain = name.strip().lower()
@@ -122,4 +143,8 @@ def known_as(name: str, table: Mapping[str, object]) -> str | None:
         for known in table:
             if key and known.lower().translate(_LEFT_OUT) == key.translate(_LEFT_OUT):
                 return known
+    twice = _TWICE.fullmatch(plain)
+    if twice is not None:  # "polyacrylonitrile (PAN)": both, and of the same
+        names = {known_as(part, table) for part in twice.groups()}
+        return names.pop() if len(names) == 1 else None
     return None

@@ -5,18 +5,15 @@ conductivity.
 property              source
 ====================  ==================================================================================================
 vapour pressure       `vapour.vapour_pressure`; beyond its range by Clausius and Clapeyron with the slope at its end:
-HFIP
-                      below 294 K, water below the triple point (supercooled, not ice), acids below their melting points
-heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 %; HFIP, DMAc, NMP and TFA from the slope
-of their
-                      vapour pressure, within 12 %
-heat capacity         of the liquid near 298 K, CRC Handbook (97th ed.), 2 %; HFIP and TFA estimates, within 20 %
-... of the vapour     Poling, Prausnitz, O'Connell, 5th ed., 298 K; DMF, DMSO, DMAc, NMP, TFA and HFIP estimates by
-group
-                      contributions, within 15 %: it enters the small Ackermann correction alone
+                      HFIP below 294 K, water below the triple point (supercooled, not ice), acids, DMSO and dioxane
+                      below their melting points
+heat of vaporisation  DIPPR 106 (Perry's Handbook, 8th ed., Table 2-150), 1 % (isopropanol 3 %); HFIP, DMAc, NMP, TFA
+                      and TFE from the slope of their vapour pressure, within 12 %
+heat capacity         of the liquid near 298 K, CRC Handbook (97th ed.), 2 %; HFIP, TFA and TFE estimates, within 20 %
+... of the vapour     Poling, Prausnitz, O'Connell, 5th ed., 298 K; DMF, DMSO, DMAc, NMP, TFA, TFE and HFIP estimates by
+                      group contributions, within 15 %: it enters the small Ackermann correction alone
 association           formic acid: Coolidge, J. Am. Chem. Soc. 50, 2166 (1928); acetic acid: MacDougall, J. Am. Chem.
-Soc. 58, 2585
-                      (1936); `dimer_share`
+                      Soc. 58, 2585 (1936); `dimer_share`
 conductivity of air   U.S. Standard Atmosphere (1976), 1 %
 ====================  ==================================================================================================
 """
@@ -51,6 +48,7 @@ _KNOWN = {
     "NMP": (336.0, 477.0),
     "TFA": (264.0, 345.0),
     "DMAc": (273.15, 438.15),
+    "TFE": (273.15, 347.0),
 }
 # J/kg/K near 298 K
 _LIQUID = {
@@ -69,6 +67,15 @@ _LIQUID = {
     "TFA": 1250.0,
     "NMP": 1680.0,
     "toluene": 1707.0,
+    "methanol": 2531.0,
+    "isopropanol": 2587.0,
+    "ethyl acetate": 1937.0,
+    "DCE": 1287.0,
+    "MEK": 2202.0,
+    "acetonitrile": 2229.0,
+    "dioxane": 1740.0,
+    "chlorobenzene": 1336.0,
+    "TFE": 1780.0,
 }
 _VAPOUR = {
     "water": 1864.0,
@@ -86,6 +93,15 @@ _VAPOUR = {
     "TFA": 690.0,
     "NMP": 1310.0,
     "toluene": 1126.0,
+    "methanol": 1375.0,
+    "isopropanol": 1486.0,
+    "ethyl acetate": 1290.0,
+    "DCE": 788.0,
+    "MEK": 1421.0,
+    "acetonitrile": 1272.0,
+    "dioxane": 1046.0,
+    "chlorobenzene": 871.0,
+    "TFE": 850.0,
 }
 # log10 of the dissociation constant p_1^2/p_2 in mmHg: a - b/T
 _DIMERS = {"formic acid": (10.755, 3083.0), "acetic acid": (10.4205, 3166.0)}

@@ -1,8 +1,8 @@
 """Vapour over a polymer solution: vapour pressures, what air does with vapour, activities, where drying ends.
 
 Vapour pressures come from the `chemicals` library: IAPWS-95 for water, DIPPR 101 (Perry's Handbook, 8th ed., Table
-2-8) for the others, the Antoine fits of Landolt-Boernstein IV/20A for HFIP, NMP and TFA, a line of ln p against 1/T
-for DMAc. Diffusion in air is Fuller's method, 5 % on average (Poling, Prausnitz, O'Connell, 5th ed., Eq. 11-4.4 and
+2-8) for the others, the Antoine fits of Landolt-Boernstein IV/20A for HFIP, NMP and TFA, lines of ln p against 1/T
+for DMAc and TFE. Diffusion in air is Fuller's method, 5 % on average (Poling, Prausnitz, O'Connell, 5th ed., Eq. 11-4.4 and
 Table 11-1); the viscosity of air is the U.S. Standard Atmosphere's.
 
 Activities, of solvent i with volume fraction phi_i and molar volume v_i, the polymer (phi_p) being long::
@@ -43,8 +43,9 @@ __all__ = [
 GAS_CONSTANT = 8.31446261815324  # J/(mol K), exact
 
 _DIFFUSION_VOLUMES = np.array([15.9, 2.31, 6.11, 4.54, 21.0, 14.7, 22.9, -18.3])
-# boils at 438.15 K (CRC Handbook); 46.5 kJ/mol is the mean of its heats of vaporisation at 298 K and there: 15 %
-_DMAC_SLOPE, _DMAC_RANGE = 46.5e3 / GAS_CONSTANT, (273.15, 438.15)
+# boiling point in K (CRC Handbook), and the mean of the heats of vaporisation at 298 K and there, J/mol: 15 %
+_LINES = {"DMAc": (438.15, 46.5e3), "TFE": (347.0, 42.0e3)}
+_COLD = 273.15  # K, where the lines begin
 _WATER_VOLUME, _AIR_VOLUME, _AIR_MOLAR_MASS = 13.1, 19.7, 0.0289644
 
 
@@ -77,9 +78,10 @@ def vapour_pressure(name: str, temperature: float) -> float:
 
         _within(name, kelvin, 273.16, 640.0)
         return float(iapws95_Psat(kelvin))
-    if name == "DMAc":
-        _within(name, kelvin, *_DMAC_RANGE)
-        return 101325.0 * float(np.exp(_DMAC_SLOPE * (1 / 438.15 - 1 / kelvin)))
+    if name in _LINES:
+        boils, heat = _LINES[name]
+        _within(name, kelvin, _COLD, boils)
+        return 101325.0 * float(np.exp(heat / GAS_CONSTANT * (1 / boils - 1 / kelvin)))
     if name in ("HFIP", "NMP", "TFA"):
         from chemicals.vapor_pressure import Antoine, Psat_data_Landolt_Antoine
 

@@ -5,6 +5,7 @@ import re
 from functools import cache
 from pathlib import Path
 
+import pytest
 import typer.main
 
 from spinline.cli import app
@@ -42,6 +43,7 @@ def said():
     return found
 
 
+@pytest.mark.slow
 def test_commands_that_are_named_exist():
     named = {(file, name) for file, text in said() for name in re.findall(r"`spinline ([a-z][a-z-]+)", text)}
     assert len(named) > 10

@@ -149,6 +149,7 @@ def test_a_store_keeps_the_files_of_others(spinline, tmp_path) -> None:
     assert "notes.txt" in ran.err
 
 
+@pytest.mark.slow
 def test_a_damaged_chunk_is_computed_again(tmp_path) -> None:
     from spinline.study.sweep import open_sweep, run_sweep, sweep_from_dict
 

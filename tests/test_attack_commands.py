@@ -57,6 +57,7 @@ def test_standard_output_that_is_full_is_one_message(tmp_path) -> None:
     assert ran.stderr.startswith("error: standard output: ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", ["2>/dev/full", ">&- 2>&- <&-"])
 def test_streams_that_take_nothing_cost_no_result(closed, tmp_path) -> None:
     """What is said on the way, and the answer itself where nobody asked for one."""
@@ -73,6 +74,7 @@ def test_streams_that_take_nothing_cost_no_result(closed, tmp_path) -> None:
     assert "Traceback" not in ran.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "files"),
     [
@@ -89,6 +91,7 @@ def test_a_reader_that_has_heard_enough_is_no_error(words, files, tmp_path) -> N
     assert set(os.listdir(tmp_path)) == {"lay.toml"} | files
 
 
+@pytest.mark.slow
 def test_homes_and_caches_are_no_need(tmp_path) -> None:
     nowhere = {
         "HOME": "/proc/none",
@@ -104,6 +107,7 @@ def test_homes_and_caches_are_no_need(tmp_path) -> None:
     assert walked.returncode == 0, walked.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_commands_that_are_ended_leave_whole_files(number, tmp_path) -> None:
     """A sample of ``benchmarks/attack.py kills`` and ``stops``."""
@@ -161,6 +165,7 @@ def test_a_spun_jet_that_is_stopped_goes_on(number, status, spinline, tmp_path, 
     assert (os.listdir(), Path("out.nc").read_bytes()) == (["out.nc"], whole)
 
 
+@pytest.mark.slow
 def test_a_second_spin_onto_one_out_is_refused_at_once(tmp_path) -> None:
     """Before its straight jet is solved; and a command that is refused leaves no folder of its own."""
     from spinline.base.checkpoint import claimed

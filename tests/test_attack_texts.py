@@ -48,6 +48,7 @@ def prepare(stem: str, title: str | None) -> None:
     Path(f"{stem}d.csv").write_text("Diameter (nm)\n" + "\n".join(map(str, range(400, 700, 3))), encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stem", "title"), [("a", EVERYTHING), (f"./{NAME}", None)], ids=["title", "name"])
 def test_nothing_hostile_is_said_drawn_or_written(stem, title, spinline, tmp_path) -> None:
     prepare(stem, title)
@@ -148,6 +149,7 @@ def test_a_table_whose_cells_do_not_end_is_refused(text, words, spinline) -> Non
         csv_rows(["a,b\n", f"{text},1\n", "2,3\n"], ",", "t.csv")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("title", [EVERYTHING, None], ids=["title", "name"])
 def test_fits_sweeps_and_images_say_nothing_hostile(title, spinline, tmp_path) -> None:
     stem = "a" if title else f"./{NAME}"

@@ -25,6 +25,7 @@ def quiet(*overrides, name="peo5-water"):
         return run(load_scene(name, overrides))
 
 
+@pytest.mark.slow
 def test_bands_of_one_input_are_the_curves_of_its_quantiles():
     """V grows with k everywhere: the quantile of every quantity is its value at the quantile of k."""
     result = quiet('jet.k="1.0 +/- 0.2"', "accuracy.draws=1024", "accuracy.points=60")
@@ -85,6 +86,7 @@ def test_quantiles_of_what_is_known():
     assert np.isnan(found[:, 1]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "override"),
     [
@@ -124,6 +126,7 @@ def test_compare_takes_maps_and_says_standard_uncertainties():
     assert compare(one, other).to_dict()["scalars"][0]["a_std"] is None
 
 
+@pytest.mark.slow
 def test_a_trade_is_asked_for_and_goes_with_the_result(spinline, tmp_path):
     from spinline.solve.results import open_result
 

@@ -91,6 +91,7 @@ def test_a_long_strand_is_oldroyds_and_a_short_one_is_drawn_no_further():
     assert short.velocity.max() > 10 * endless.velocity.max()  # the bound v0 + z/theta holds no more
 
 
+@pytest.mark.slow
 def test_little_relaxation_is_newtons():
     newton = blown.straight_blown_jet(PAN, AIR, 10 * MM)
     fast = blown.straight_blown_jet(

@@ -88,6 +88,7 @@ def test_beads_behind_it_are_a_jet_too():
     assert np.abs(path.axial(path.position)).max() > 100  # against the air
 
 
+@pytest.mark.slow
 def test_the_commands(spinline, tmp_path):
     ran = spinline("jet", "pan12-blown", "--figure", "jet.png", "--csv", "jet.csv")
     assert ran.code == 0, ran.err

@@ -103,6 +103,7 @@ def test_drag_has_the_sign_of_the_slip_and_none_without(force):
 # -- the reference table -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "force", "velocities", "start", "start_velocity", "start_radius"),
     [
@@ -123,6 +124,7 @@ def test_newtonian_reference(speed, force, velocities, start, start_velocity, st
     assert there["radius"] * 1e6 == pytest.approx(start_radius, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_elastic_reference_by_the_end_and_by_a_march():
     elastic = replace(PAN, relaxation_time=5e-3)
     air = blown.AirJet(MM, 200.0)
@@ -191,6 +193,7 @@ def test_a_jet_in_still_air_falls_and_is_not_faster_than_free_fall():
     assert jet.velocity[-1] > 1.5 * quiet.velocity
 
 
+@pytest.mark.slow
 def test_a_jet_faster_than_the_air_is_compressed_and_says_where():
     """The reference jet, 20 mm long: in compression from about 11.7 mm on."""
     with pytest.warns(SpinlineWarning, match="in compression"):

@@ -92,6 +92,7 @@ def test_spacings_belong_to_midpoints(flow):
 # --- limits and orders ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_chain_meets_the_manifold_at_second_order_in_the_spacing(smooth_flow):
     exact = manifold(0.05, 0.0, smooth_flow, 6.0)
     error = []
@@ -133,6 +134,7 @@ def test_inertia_is_a_regular_perturbation(smooth_flow):
     assert np.allclose(slopes, slopes[3], rtol=0.1), slopes
 
 
+@pytest.mark.slow
 def test_inertia_of_the_steady_flux(smooth_flow):
     chain = net.Chain(flow=smooth_flow, spacing=0.02, coupling=20, inertia=0.02)
     w = float(net.run_chain(chain, 10.0, rtol=1e-6).stretch_at(6.0))
@@ -255,6 +257,7 @@ def test_locking_is_nonlocal():
 # --- running --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "inertia"), [("linear", 0.0), ("langevin", 1e-3)])
 def test_a_stopped_run_goes_on_bit_for_bit(tmp_path, law, inertia):
     flow = net.Flow.switching(JET, PowerLaw(**PEO, k=1.1, beta=0.47), 12.0, at=2.1, over=0.3)
@@ -312,6 +315,7 @@ def test_beads_enter_one_every_spacing_and_leave(flow):
     np.testing.assert_allclose(profile.network_velocity_ratio[:-2], profile.stretch[:-2], rtol=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", ["empty", "affine"])
 def test_starts_are_forgotten(flow, start):
     chain = net.Chain(flow=flow, spacing=0.02, coupling=100)
@@ -430,6 +434,7 @@ def test_importing_the_package_compiles_nothing():
 # --- the reference in which ages are counted --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("alpha", [100.0, 500.0, 2e3, 2e4])
 def test_the_reference_is_the_speed_of_a_settled_chain(flow, alpha):
     """From layers longer than a spacing (eps = 0.01) to much shorter (5e-5), bead by bead through the kink."""

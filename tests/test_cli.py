@@ -192,6 +192,7 @@ def test_as_a_process() -> None:
     assert ran.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
 def test_commands_without_a_figure_load_nothing_that_draws(tmp_path) -> None:
     (tmp_path / "lay.toml").write_text(lay_text("20 ms"), encoding="utf-8")
     lines = [  # in one process, which costs one start

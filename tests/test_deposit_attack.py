@@ -113,6 +113,7 @@ def test_an_envelope_of_no_height_has_no_porosity_and_says_so() -> None:
     assert np.isnan(result["permeability"].values).all()
 
 
+@pytest.mark.slow
 def test_a_mat_without_porosity_is_drawn(spinline) -> None:
     write("f.h5", Segments.from_paths([[[0, 0], [UM, 0]]], 1e-7))
     words = ("--window", "10 um", "--realisations", "1", "--envelope", "percentile", "--report", "m.html")

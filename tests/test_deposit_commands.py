@@ -37,6 +37,7 @@ def scene(tmp_path):
     return write
 
 
+@pytest.mark.slow
 def test_from_a_scene_to_a_mat(spinline, scene, tmp_path):
     scene()
     made = spinline("deposit", "one.toml", "-o", "f.h5", "--json")

@@ -111,6 +111,7 @@ def test_mean_height_against_geometry_without_a_grid():
     assert extrapolated(found[2], found[3], order=2) == pytest.approx(found[3], rel=4e-3)
 
 
+@pytest.mark.slow
 def test_solidity_of_random_rods_by_slope():
     """The brief's table (coverage 40, pixel a/2, one seed each): within 12 %; rising with m. Its prototype converges from below."""
     table = {0.0: 0.0121, 0.01: 0.0165, 0.03: 0.0272, 0.1: 0.0628, 0.3: 0.1409, 1.0: 0.2516}
@@ -414,6 +415,7 @@ def mat(tmp_path_factory):
         return dep.analyse_mat(file, dep.MatOptions(realisations=2, permeability=("davies", "spielman-goren")))
 
 
+@pytest.mark.slow
 def test_analysis_gives_every_name_with_its_unit(mat):
     for name in (
         "mean_thickness",

@@ -175,6 +175,7 @@ def test_notebook_holds_no_outputs(path):
     assert sum(isinstance(node, ast.Assert) for node in ast.walk(ast.parse(code))) >= 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_runs_from_any_folder(path, tmp_path, monkeypatch):
     pytest.importorskip("IPython")

@@ -95,6 +95,7 @@ def test_near_a_fold_a_jet_that_its_field_draws_is_not_taken_for_one_wound_up() 
     assert 0.5 < jet.end_pull.share < 0.75  # its linear share is 9
 
 
+@pytest.mark.slow
 def test_where_only_the_end_pulls_the_scene_is_refused_by_name() -> None:
     with pytest.raises(NoSteadyJet, match="wound up") as caught:
         StraightEhdJet(replace(TWO, voltage=4e3))
@@ -102,6 +103,7 @@ def test_where_only_the_end_pulls_the_scene_is_refused_by_name() -> None:
     assert caught.value.search == ""
 
 
+@pytest.mark.slow
 def test_a_neighbour_that_is_wound_up_is_no_start() -> None:
     jet = StraightEhdJet(replace(TWO, voltage=6e3), length=TWO.end_position)
     assert jet.end_pull.share > LIMIT

@@ -309,6 +309,7 @@ def test_oldroyd_b_has_no_steady_jet_beyond_a_deborah_number_of_5765() -> None:
     assert 10**path.fold == pytest.approx(5.765, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_glycerol_has_no_steady_jet_below_23_6_nanoampere() -> None:
     base = NeedleSettings(**GLYCEROL, log="constant", current=30e-9)
     start = solve(base).discrete
@@ -328,6 +329,7 @@ def test_glycerol_has_no_steady_jet_below_23_6_nanoampere() -> None:
         jet(**GLYCEROL, log="constant", current=20e-9)
 
 
+@pytest.mark.slow
 def test_the_lower_of_two_oldroyd_b_jets_and_the_fold_beyond_it() -> None:
     oldroyd = {**PEO, "law": "oldroyd-b", "log": "constant"}
     it = jet(**{**oldroyd, "relaxation_time": 15e-3})
@@ -447,6 +449,7 @@ def prefactor(it: StraightEhdJet, pull: float, conduction: float) -> tuple[float
     return float(k / (pull ** (5 / 12) * conduction**0.25)), float(k)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pull", "conduction"), [(1e-4, 1e3), (1e-2, 1e4), (1.0, 1e3), (1.0, 1e5)])
 def test_prefactor_of_the_viscous_k(pull, conduction) -> None:
     """V -> (1 + k s)^2 with k = c_k A^(5/12) B^(1/4); c_k falls with the slenderness by (ln chi)^(-1/6)."""
@@ -563,6 +566,7 @@ def test_a_sample_of_the_campaign_of_random_settings_replays() -> None:
         assert verdict == one["verdict"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "time", "remedy"), [("fene-p", 1e6, "a shorter relaxation time"), ("oldroyd-b", 25e-3, 'law = "fene-p"')]
 )

@@ -36,6 +36,7 @@ def agrees(printed: str, exact, code: float | None = None) -> None:
         assert code == pytest.approx(float(exact), rel=1e-14)
 
 
+@pytest.mark.slow
 def test_cones() -> None:
     zero = mp.findroot(legendre, -0.652)
     agrees("-0.652229531969940672355", zero)  # found in print with ...75 at the end: wrong in the last two digits

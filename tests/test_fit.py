@@ -204,6 +204,7 @@ def test_curvature_is_one_where_the_model_is_linear():
     assert curvature(quiet(asked))["fraction_offset"] == pytest.approx(1, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_intervals_cover_affine_jets():
     """Thirty of the campaign's thousand; counts within what a binomial allows once in 1e5."""
     module = coverage_module()
@@ -289,6 +290,7 @@ def test_bands_hold_the_jet():
     assert width == pytest.approx(spread, rel=0.2)
 
 
+@pytest.mark.slow
 def test_predictive_bands_hold_the_data_and_the_crossover(spinline, tmp_path):
     """95 % of the data within the predictive band; the crossover and the strands are those of a run with the best parameters."""
     import xarray as xr
@@ -316,6 +318,7 @@ def test_predictive_bands_hold_the_data_and_the_crossover(spinline, tmp_path):
     assert len(fit_figure(found).axes) == 6
 
 
+@pytest.mark.slow
 def test_sampler_agrees_with_least_squares_and_repeats_itself():
     pytest.importorskip("emcee")
     free = {"k": Prior(1.0), "beta": Prior(0.47)}
@@ -382,6 +385,7 @@ def test_points_beyond_the_jet_are_refused():
     assert "z_range" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_bundled_fit_covers_its_truth(spinline, tmp_path):
     truth = {
         "k": 0.93,

@@ -62,6 +62,7 @@ def test_committed_campaign():
         assert abs(row["k_bias"]) < 0.1 * row["k_std"]
 
 
+@pytest.mark.slow
 def test_a_standard_deviation_of_its_own_for_every_sample_counts():
     """One sample in ten is bad: better where it says so."""
     module = campaign()

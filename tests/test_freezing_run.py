@@ -289,6 +289,7 @@ def test_numbers_that_decide() -> None:
     assert less.errors["slip"] == pytest.approx(quiet("peo5-water").attrs["coupling_error"])
 
 
+@pytest.mark.slow
 def test_everything_is_written_and_drawn(tmp_path) -> None:
     result = quiet("peo5-water", *GLASS, "effects.radial=true", "rheology.diffusivity=2e-9 m2/s", "accuracy.points=50")
     assert set(map(str, result.variables)) <= set(VARIABLES)

@@ -233,6 +233,7 @@ def test_fit_recovers_exact_power_laws() -> None:
         assert fit.message == ""
 
 
+@pytest.mark.slow
 def test_fit_covariance_covers() -> None:
     """68 % and 95 % intervals of k and beta over 400 noisy profiles of 60 samples; jets known to be power laws."""
     rng = np.random.default_rng(3)

@@ -130,6 +130,7 @@ def test_many_bytes_flipped_and_lost(kind, place):
             check(data)
 
 
+@pytest.mark.slow
 def test_digits_exchanged(place):
     """A digit for a digit in the rows: a bead moved farther than three elements is found."""
     path = FORMATS["traj.xyz"]

@@ -136,6 +136,7 @@ def python(code, *arguments, kept) -> str:
     return ran.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGES)
 def test_another_numba_compiles_in_its_own_way(name, started) -> None:
     _, parts, seals = CHANGES[name]
@@ -149,6 +150,7 @@ def test_another_numba_compiles_in_its_own_way(name, started) -> None:
     assert [int(words[5]) for words in seen] == [0, int(parts)]
 
 
+@pytest.mark.slow
 def test_what_is_kept_is_compiled_again_when_a_part_or_a_number_from_elsewhere_changes(tmp_path) -> None:
     """Stamped by its own file alone, a loop went on with the old version of what it calls."""
     files = {

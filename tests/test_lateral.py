@@ -21,6 +21,7 @@ WALK = affine_network(V, 0.05).conformation.radial_contraction
 Q = WALK / WALK[0]
 
 
+@pytest.mark.slow
 def test_slow_network_is_eq_32b():
     """w -> 0 forgets its motion: the mesh at rest, in the limit of many beads."""
     eps, slope, pull, w = 0.03, 2.0, 0.8, 1e-3
@@ -122,6 +123,7 @@ def test_bad_input(change, named):
         lateral_network(**arguments)
 
 
+@pytest.mark.slow
 def test_random_stations_end_in_numbers_or_a_named_error():
     """Over many decades of everything: 0 <= r_P <= r, fractions positive, flux carried."""
     rng = np.random.default_rng(8)

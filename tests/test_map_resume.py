@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 from spinline.base.files import write_text
 from spinline.images import load_images
@@ -37,6 +38,7 @@ def killed_after(file, turns) -> None:
     assert list((file.parent / f"{file.name}.partial").glob("map*"))
 
 
+@pytest.mark.slow
 def test_a_map_goes_on_after_sigkill(frames_of, tmp_path, quiet, monkeypatch) -> None:
     frames_of(photons=4e5, count=2, rows=40)
     text = 'counts = "a.npz"\nflat = "a.npz"\ndark = "a.npz"\ngain = 1\npixel_size = "0.67 um"\nenergy = "10 keV"\nblock_rows = 1\n'
@@ -58,6 +60,7 @@ def test_a_map_goes_on_after_sigkill(frames_of, tmp_path, quiet, monkeypatch) ->
     assert after < len(looks)  # the turns before the kill are not taken again
 
 
+@pytest.mark.slow
 def test_a_stitched_map_goes_on_after_sigkill(tmp_path, quiet) -> None:
     from position_generator import positions
 

@@ -111,6 +111,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_fit_command_along_a_needles_jet(spinline, folder) -> None:
     (folder / "fit.toml").write_text(FIT.format('surface_tension = "61 +/- 20 mN/m"\nrelaxation_time = "7 ms"'))
     ran = spinline("fit", "fit.toml", "--no-figure")
@@ -188,6 +189,7 @@ def test_the_plan_shows_what_decides_about_the_jet(spinline) -> None:
 # X-ray
 
 
+@pytest.mark.slow
 def test_x_ray_frames_of_a_needles_jet(spinline, tmp_path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SpinlineWarning)

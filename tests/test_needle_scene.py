@@ -33,6 +33,7 @@ def test_the_scenes_jet_is_that_of_its_settings(scene) -> None:
     assert jet.current == pytest.approx(222.28e-9, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_jet_that_a_coarser_way_to_it_loses() -> None:
     """With corrections to 1e-4 on the way the search ends at a fold that there is not."""
     settings = ["voltage=5.679 kV", "gap=23.70 cm", "flow_rate=0.02256 mL/hour"]
@@ -55,6 +56,7 @@ def test_a_run_along_it(scene) -> None:
     assert (np.diff(result["velocity"]) > 0).all()
 
 
+@pytest.mark.slow
 def test_the_plan_and_a_sweep_know_it(scene) -> None:
     assert plan_scene(scene, build_solution(scene), build_jet(scene, build_solution(scene))).model == "conformation"
     sweep = sweep_from_dict(
@@ -131,6 +133,7 @@ def test_the_jet_command(spinline, tmp_path) -> None:
     assert spinline("jet", "peo5-water").code == 2
 
 
+@pytest.mark.slow
 def test_a_window_of_computed_jets(spinline, tmp_path) -> None:
     ran = spinline(
         "window",

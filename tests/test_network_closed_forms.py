@@ -44,6 +44,7 @@ def relative(got: float, exact: mp.mpf) -> float:
     return float(abs((mp.mpf(got) - exact) / exact)) if exact else float(got != 0)
 
 
+@pytest.mark.slow
 def test_ten_thousand_random_points_against_fifty_digits() -> None:
     phi, v = draws(10_000, 20261122)
     walk = net.random_walk(v, phi)

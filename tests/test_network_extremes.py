@@ -149,6 +149,7 @@ def campaign():
     return module
 
 
+@pytest.mark.slow
 def test_random_draws_answer_or_refuse_by_name() -> None:
     """The first 60 of the campaign's 10,000 (benchmarks/draws_network.json), as the campaign judges them."""
     draws = campaign()

@@ -289,6 +289,7 @@ def test_the_check_of_the_atlas_can_fail(monkeypatch):
     assert atlas.check(summary, 0, which=results)[0]
 
 
+@pytest.mark.slow
 def test_estimates_are_safe(monkeypatch):
     """A replay of benchmarks/estimates.py: no estimate below a tenth of what leaving the effect out changes."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))

@@ -189,6 +189,7 @@ def faults(name: str, law: Any) -> list[str]:
     return list(found.values())
 
 
+@pytest.mark.slow
 def test_every_law_answers_or_refuses_by_name() -> None:
     every = laws()
     callable_ = [name for name, law in every.items() if arguments(law) is not None]

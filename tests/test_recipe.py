@@ -59,6 +59,7 @@ def test_settings_move_it_the_way_experiments_say(name, values, sign):
     assert (sign * np.diff(sizes) > 0).all()
 
 
+@pytest.mark.slow
 def test_no_jump_where_a_setting_sweeps():
     for name, values in (
         ("voltage", np.geomspace(5e3, 4e4, 24)),
@@ -198,6 +199,7 @@ def test_a_measured_fibre_is_asked_for_where_there_is_none(spinline):
     assert asked not in spinline("fibre", str(file)).out
 
 
+@pytest.mark.slow
 def test_a_table(spinline, tmp_path):
     ran = spinline("fibre", "--table", DATA, "-o", "out.csv")
     assert ran.code == 0
@@ -222,6 +224,74 @@ def test_decimal_commas_of_measured_diameters_are_points_too(tmp_path):
     file.write_text(f"{head}\nPAN;DMF;15,5;1,0;15;320,5\n", "utf-8")
     row = read_experiments(file)[0]
     assert (row["voltage_kV"], row["fibre_diameter_nm"]) == ("15.5", "320.5")
+
+
+@pytest.mark.parametrize(
+    ("polymer", "solvent"),
+    [
+        ("PCL", "chloroform-methanol"),
+        ("PCL", "trifluoroethanol"),
+        ("PVP", "MeOH"),
+        ("PVB", "2-propanol"),
+        ("PS", "butanone"),
+        ("PS", "1,2-dichloroethane"),
+        ("PS", "chlorobenzene-DMF"),
+        ("PLA", "1,4-dioxane"),
+        ("PLGA", "acetonitrile"),
+        ("PMMA", "ethyl acetate"),
+        ("gelatin", "2,2,2-trifluoroethanol"),
+    ],
+)
+def test_fibres_of_usual_solutions_are_usual(polymer, solvent):
+    """Solvents that papers name often: fibres of a tenth to a few micrometres, with the interval of any other."""
+    row = {"polymer": polymer, "solvent": solvent, "concentration_wt_percent": "10", "voltage_kV": "15"}
+    (answer,) = predict_table([{**row, "flow_rate_mL_per_h": "1", "distance_cm": "15"}])
+    assert answer["regime"] in ("jets", "beads")
+    assert 100 < answer["predicted_nm"] < 3000
+    assert 1.3 < answer["high68_nm"] / answer["predicted_nm"] < 4
+
+
+@pytest.mark.parametrize(
+    ("solvent", "same"),
+    [
+        ("N,N-DIMETHYLFORMAMIDE-ACETONE", "DMF-ACETONE"),
+        ("DMF_ACETONE", "DMF-ACETONE"),
+        ("DMF + acetone", "DMF-ACETONE"),
+        ("DMF, acetone", "DMF-ACETONE"),
+        ("dimethylformamide (DMF) and acetone", "DMF-ACETONE"),
+        ("1,4-dioxane-acetone", "DIOXANE-ACETONE"),
+        ("2-PROPANOL-WATER", "WATER-ISOPROPANOL"),
+        ("ACETIC_ACID-FORMIC_ACID", "FORMIC ACID;ACETIC ACID"),
+        ("AC-DMF", "ACETONE-DMF"),
+    ],
+)
+def test_mixtures_as_tables_name_them(solvent, same):
+    row = {"polymer": "PVDF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
+    one, other = predict_table([{**row, "distance_cm": "15", "solvent": text} for text in (solvent, same)])
+    assert one["predicted_nm"] == pytest.approx(other["predicted_nm"], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("solvent", "words"),
+    [
+        ("DMF-xylene", "solvent = 'xylene': is not in the library; allowed: DCE"),
+        ("DMF/acetone (6:4)", "name the parts alone: tables hold no shares"),
+        ("NaN", "solvent: is missing"),
+    ],
+)
+def test_mixtures_that_are_none_say_why(solvent, words):
+    row = {"polymer": "PVDF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
+    (answer,) = predict_table([{**row, "distance_cm": "15", "solvent": solvent}])
+    assert words in answer["regime"]
+
+
+def test_a_polymer_that_is_not_in_the_library_is_said():
+    row = {"solvent": "DMF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
+    names = ("polyacrylonitrile (PAN)", "PVFD", "PU")
+    known, near, other = predict_table([{**row, "distance_cm": "15", "polymer": name} for name in names])
+    assert "library" not in known["remark"]
+    assert "PVFD is not in the library (did you mean PVDF?)" in near["remark"]
+    assert "PU is not in the library: a usual chain is taken" in other["remark"]
 
 
 def test_rows_that_cannot_be_say_why():
@@ -321,6 +391,10 @@ def test_one_known_is_as_good_as_the_model_lets_expect():
     known, drawn = COMMITTED["one known"]["rows"], floor["drawn from the model"]
     assert floor["papers"] == known["papers"]
     assert drawn["as calibrated"]["2.5"] < known["chain"] < drawn["as calibrated"]["97.5"]
+    mean = {name: one["mean"] for name, one in floor["measured"].items()}
+    others = [value for name, value in mean.items() if name.startswith("changes between settings")]
+    assert len(others) == 4
+    assert mean["linear"] < min(others)
     assert floor["measured"]["linear"]["factor"] < drawn["as calibrated"]["84"]
     assert floor["measured"]["linear"]["factor"] == pytest.approx(known["chain"], rel=0.015)
     assert floor["measured"]["a fit of its own"]["factor"] < drawn["no answers of a laboratory beyond the laws"]["50"]

@@ -133,6 +133,7 @@ DRAWS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWS)
 def test_neither_median_nor_edges_of_the_envelope_jump(name):
     """Single threads may: one bends, its neighbour is pulled straight. What is printed moves as the share of them does."""
@@ -198,6 +199,7 @@ def test_the_order_of_the_solvents_does_not_matter(polymer, share):
     assert predict(turned, shares=False).remarks == predict(one, shares=False).remarks
 
 
+@pytest.mark.slow
 def test_what_a_measured_fibre_says_fades_as_the_solvents_part():
     """At another voltage: what the laws miss at one setting is shared by that one setting only."""
     measured = [Measurement(mixture_at("PCL", 0.5, voltage=14e3), 4e-7)]

@@ -20,6 +20,8 @@ def said(polymer, solvent, **changes):
         ("nylon 6", {"water": 0.6, "formic acid": 0.4}),
         ("PLA", {"ethanol": 0.5, "water": 0.5}),
         ("PVP", {"toluene": 1.0}),
+        ("PCL", {"methanol": 0.6, "DMF": 0.4}),
+        ("PVP", {"ethyl acetate": 1.0}),
     ],
 )
 def test_a_polymer_that_does_not_dissolve_is_said(polymer, solvent):
@@ -36,11 +38,19 @@ def test_a_polymer_that_does_not_dissolve_is_said(polymer, solvent):
         ("cellulose acetate", {"acetone": 0.85, "water": 0.15}),
         ("PVDF", {"DMF": 0.5, "acetone": 0.5}),
         ("PVB", {"ethanol": 1.0}),
-        ("a chain of one's own", {"water": 1.0}),
+        ("PCL", {"chloroform": 0.75, "methanol": 0.25}),
+        ("PVP", {"methanol": 1.0}),
+        ("PS", {"MEK": 1.0}),
+        ("gelatin", {"TFE": 1.0}),
     ],
 )
 def test_of_usual_solutions_nothing_is_said(polymer, solvent):
     assert said(polymer, solvent, relative_humidity=0.4, temperature=308.0) == ""
+
+
+def test_of_a_chain_of_ones_own_it_is_only_said_that_it_is_not_in_the_library():
+    words = said("a chain of one's own", {"water": 1.0})
+    assert words == "a chain of one's own is not in the library: a usual chain is taken, within wide spreads"
 
 
 @pytest.mark.parametrize(

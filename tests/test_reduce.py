@@ -75,6 +75,7 @@ def test_names_units_and_provenance(frames_of, tmp_path) -> None:
     assert any("g/cm3" in line for line in lines(result))
 
 
+@pytest.mark.slow
 def test_every_kind_of_file_gives_the_same_numbers(frames_of, tmp_path) -> None:
     import h5py
     import tifffile
@@ -240,6 +241,7 @@ def test_bad_pixels_are_left_out(frames_of, tmp_path) -> None:
     assert float(result["misfit"].max()) < 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("photons", [20, 5, 1])
 def test_few_photons_and_zero_counts(frames_of, brute_force, photons) -> None:
     """2,000 rows of 20, 5 or 1 photons per pixel in one block: unbiased within 3 sd."""
@@ -264,6 +266,7 @@ def test_few_photons_and_zero_counts(frames_of, brute_force, photons) -> None:
     assert abs(score(result)) < 3
 
 
+@pytest.mark.slow
 def test_each_frame_and_resume_give_identical_arrays(frames_of, tmp_path) -> None:
     """Killed half way, run again: the same to the last bit as in one go, and as frame by frame."""
     _, arrays = frames_of(photons=4e6, count=6, block_rows=6)
@@ -306,6 +309,7 @@ def test_each_frame_and_resume_give_identical_arrays(frames_of, tmp_path) -> Non
         assert np.abs(apart).max() < 0.25 * float(alone["mean_polymer_fraction_std"].min())
 
 
+@pytest.mark.slow
 def test_blocks_of_a_sum_killed_half_way_give_identical_arrays(frames_of, tmp_path) -> None:
     """A SIGKILL among the blocks of one frame; those that were kept are not fitted again."""
     frames_of(photons=4e6, count=2)
@@ -516,6 +520,7 @@ def test_no_jet_in_view(frames_of, round_frame) -> None:
         reduce_images(images)
 
 
+@pytest.mark.slow
 def test_the_bundled_images_on_the_command_line(spinline, tmp_path) -> None:
     assert "peo5-images" in bundled_images()
     assert "peo5-images" in spinline("scenes").out

@@ -146,6 +146,7 @@ def test_a_profile_that_no_shell_follows_is_not_taken_for_fringes(images, blurre
     assert "meets fringes" not in reduce_images(file).attrs["warnings"]
 
 
+@pytest.mark.slow
 def test_the_noise_of_a_flat_of_one_row_adds_up_over_a_block(images) -> None:
     """12 rows against 6 flats of one row: variance 1 + 12/6; the scatter over replicates bears it out."""
     z, narrow = [], []

@@ -15,6 +15,7 @@ from spinline.solve import results
 pytestmark = pytest.mark.usefixtures("quiet")
 
 
+@pytest.mark.slow
 def test_fringes_are_refused_as_absorption_and_reduced_as_fringes(spinline, tmp_path) -> None:
     """Frames 5 cm behind the jet, as `simulate-image` makes them."""
     where = ("--from", "0.05 mm", "--to", "0.06 mm", "--distance", "5 cm", "--blur", "0.8 um")

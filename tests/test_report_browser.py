@@ -83,7 +83,6 @@ def test_report_opens_in_a_browser(scene, tmp_path):
     assert seen["wider"] <= 0
 
 
-@pytest.mark.slow
 @needs_browser
 def test_the_probe_sees_a_broken_page(tmp_path):
     """A picture that is asked for elsewhere and missing, a script that fails: the test above can fail."""

@@ -114,6 +114,7 @@ def test_forces_sum_to_nothing(repulsion, bending):
         assert np.abs(torque).max() < 1e-10 * np.abs(f).max() * np.abs(y[:, :3]).max()
 
 
+@pytest.mark.slow
 def test_segments_against_quadrature():
     """Closed forms of two segments in line and of one with itself, against mpmath."""
     li, lj, g, a2 = 2e-4, 1.3e-4, 0.7e-4, (5e-5) ** 2
@@ -214,6 +215,7 @@ def test_published_charge_converges():
     assert fine == pytest.approx(np.array([39.96, 35.00, 27.82]) * 1e-6, rel=0.01)  # an independent prototype's
 
 
+@pytest.mark.slow
 def test_charged_bent_jet_first_order():
     """8 ms on a circle with a smooth start, before it bends strongly: order 1 and better."""
     at = np.array([0.6, 0.8, 0.9]) * 1.6e-2

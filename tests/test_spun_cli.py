@@ -10,6 +10,7 @@ from test_spun_run import PVP_INPUT
 QUICK = ("--quick", "--time", "1 ms", "--frames", "4")
 
 
+@pytest.mark.slow
 def test_a_jet_file_that_a_scene_takes(spinline, tmp_path):
     ran = spinline(
         "spin",

@@ -45,6 +45,7 @@ def _line_charge(metal):
     return np.interp(AT, middle[::-1], (charge / w[c.LENGTH, :n])[::-1])
 
 
+@pytest.mark.slow
 def test_line_charge_against_boundary_elements():
     found = _line_charge(metal=True)
     assert found[1:] == pytest.approx(ELEMENTS[1:], rel=5e-3)

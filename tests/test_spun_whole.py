@@ -177,6 +177,7 @@ def test_start_lies_on_the_straight_jet():
         )
 
 
+@pytest.mark.slow
 def test_refusals():
     with pytest.raises(InputError, match="no place to hand over"):
         _spun(peo_needle(), position=1e-4)
@@ -191,6 +192,7 @@ def test_refusals():
         replace(short, start=None)
 
 
+@pytest.mark.slow
 def test_straight_part_of_a_bending_jet_stays_on_the_needles():
     """Means over 2 ms of radius, tension and line charge within 2 % of the needle's jet of the whole line (0.9 % seen).
 

@@ -50,6 +50,7 @@ def test_no_file_is_over_500_lines():
     assert [str(file.relative_to(ROOT)) for file in FILES if len(file.read_text("utf-8").splitlines()) > 500] == []
 
 
+@pytest.mark.slow
 def test_long_functions_are_long_for_a_reason():
     found = {}
     for file in FILES:

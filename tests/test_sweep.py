@@ -418,6 +418,7 @@ def test_a_store_is_what_memory_holds_and_opens_as_a_grid(tmp_path):
         as_grid(run_sweep(sweep_from_dict(spec(samples=4))))
 
 
+@pytest.mark.slow
 def test_a_store_goes_on_refuses_another_sweep_and_starts_anew_when_forced(tmp_path):
     path = tmp_path / "s.zarr"
     run_sweep(sweep_from_dict(spec(samples=40, chunk=8)), path)
@@ -482,7 +483,6 @@ def test_a_sweep_killed_midway_goes_on_and_ends_the_same(tmp_path):
     same(resumed, run_sweep(sweep_from_dict(data), workers=1, vectorise=False))
 
 
-@pytest.mark.slow
 def test_what_a_kill_left_beside_a_store_is_gone_after_the_next_start(tmp_path):
     """Killed after the store had its place, before the scratch folder was removed: the next start makes no scratch."""
     from spinline.base.naming import scratch_name

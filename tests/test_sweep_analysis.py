@@ -201,6 +201,7 @@ def test_a_window_refuses_what_it_cannot_estimate():
         operating_window(load_scene("pvp-jetspin"), **good)
 
 
+@pytest.mark.slow
 def test_the_window_command_and_its_figures(spinline, tmp_path):
     common = (
         "peo5-water",
@@ -296,6 +297,7 @@ def test_a_flag_that_flips_and_a_variable_of_one_side_are_named():
     assert not compare(bead, results()).same
 
 
+@pytest.mark.slow
 def test_the_command_compares_and_gives_json(spinline):
     for name, k in (("a", 1.0), ("b", 0.9)):
         assert spinline("run", "peo5-water", "--set", f"jet.k={k}", "-o", f"{name}.nc", "--no-figure").code == 0

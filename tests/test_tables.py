@@ -223,6 +223,7 @@ def test_decoding_says_the_encoding():
     assert decoded(b"", "x") == ("", "UTF-8")
 
 
+@pytest.mark.slow
 def test_a_million_rows(tmp_path):
     file = tmp_path / "long.csv"
     z = np.linspace(1e-3, 10.0, 1_000_000)

@@ -114,6 +114,7 @@ def test_figure_and_command(spinline, tmp_path):
     assert spinline("compare-theory", "peo5-water", "none.nc").code == 2
 
 
+@pytest.mark.slow
 def test_bands_are_of_the_inputs_or_of_the_fit(spinline, tmp_path):
     data = simulated()
     plain = compare_theory(load_scene("peo5-water"), data)

@@ -75,7 +75,6 @@ def seen(page):
     return opened(probed, page.parent)
 
 
-@pytest.mark.slow
 @needs_browser
 def test_values_under_the_pointer_are_those_of_the_store(window, seen):
     console, found = seen
@@ -93,7 +92,6 @@ def test_values_under_the_pointer_are_those_of_the_store(window, seen):
     assert len(found["pointer"][0]["values"]) >= 8
 
 
-@pytest.mark.slow
 @needs_browser
 def test_it_works_by_keyboard_and_by_its_controls(window, seen):
     _, found = seen
@@ -110,7 +108,6 @@ def test_it_works_by_keyboard_and_by_its_controls(window, seen):
     assert found["wider"] <= 0
 
 
-@pytest.mark.slow
 @needs_browser
 def test_it_prints_on_a_page(page):
     """The map and the values, not the controls; one or two sheets."""

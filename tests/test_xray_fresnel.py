@@ -163,6 +163,7 @@ def test_the_likelihood_is_unbiased_on_phantoms_by_quadrature(distance) -> None:
     assert fit.warnings == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile", ["shells", pytest.param("smooth", marks=pytest.mark.slow)])
 def test_scatter_of_phase_fits_reaches_the_bound(profile) -> None:
     """100 replicates at R = 25 um, 10 cm: 0.8 to 1.2 of the bound with the same unknowns; error bars likewise."""
@@ -181,6 +182,7 @@ def test_scatter_of_phase_fits_reaches_the_bound(profile) -> None:
     assert np.mean([f.misfit for f in fits]) == pytest.approx(0.0, abs=0.4)
 
 
+@pytest.mark.slow
 def test_a_wrong_distance_or_blur_is_costly_shows_and_is_cured_by_fitting_it() -> None:
     detector = xray.Detector(np.full(224, 1e6), PIXEL, blur=1.2e-6)
     counts = xray.fresnel_counts(xray.RoundJet(np.array([0.05]), 50e-6, 2e-6), WATER, detector, 0.1)

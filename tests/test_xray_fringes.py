@@ -35,6 +35,7 @@ def test_their_distance_is_estimated(distance) -> None:
     assert f"{100 * found.distance:.2g} cm" in found.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blur", [0.0, 1.2e-6])
 def test_rows_without_fringes_give_no_alarm(blur) -> None:
     """60 rows; the benchmark has 2,000. The significance scatters about the largest of a few normal numbers."""

@@ -64,6 +64,7 @@ def test_scatter_reaches_the_bound(image, micrometres, photons) -> None:
     assert abs(found.mean() - MEAN) < 3 * bound.mean / np.sqrt(500)
 
 
+@pytest.mark.slow
 def test_errors_are_what_they_say(image) -> None:
     """1,000 replicates: z-scores of unit width, 95 % intervals that hold 95 %."""
     mean, flat = image(50e-6, 1e6)

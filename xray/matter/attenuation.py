@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from spinline.base.checks import FloatArray, positive, real
 from spinline.base.errors import InputError
+from spinline.rheology.atoms import ELEMENTS, VAPOURS
 from spinline.rheology.materials import POLYMERS, Polymer, solvent_density
 
 __all__ = [
@@ -37,21 +38,10 @@ __all__ = [
 LOWEST_KEV, HIGHEST_KEV = 1.0, 200.0
 
 SOLVENT_FORMULAS: Mapping[str, str] = {
-    "water": "H2O",
-    "ethanol": "C2H6O",
-    "acetone": "C3H6O",
-    "DMF": "C3H7NO",
-    "DCM": "CH2Cl2",
-    "chloroform": "CHCl3",
-    "THF": "C4H8O",
-    "formic acid": "CH2O2",
-    "HFIP": "C3H2F6O",
-    "DMSO": "C2H6OS",
-    "DMAc": "C4H9NO",
-    "acetic acid": "C2H4O2",
-    "TFA": "C2HF3O2",
-    "NMP": "C5H9NO",
-    "toluene": "C7H8",
+    name: "".join(
+        f"{element}{number if number > 1 else ''}" for element, number in zip(ELEMENTS, atoms, strict=False) if number
+    )
+    for name, atoms in VAPOURS.items()
 }
 
 Composition = str | Mapping[str, float]

@@ -18,7 +18,7 @@ _PRINTED = str.maketrans(
 )
 _TEN = r"10\s*(?:(?:\^|\*\*)\s*[-+]?\d{1,3}|(?:\^|\*\*)\s*\([-+]?\d{1,3}\)|[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3})"
 _TIMES = rf"\s*[×xX·⋅∙*]\s*{_TEN}"
-_DIGITS = r"(?:\d+\.?\d*|\.\d+)"
+_DIGITS = r"(?:\d++(?:\.\d*+)?|\.\d++)"
 _NUMBER = rf"[-+]?(?:{_TEN}|{_DIGITS}(?:[eE][-+]?\d+|{_TIMES})?|inf(?:inity)?(?![a-z])|nan(?![a-z]))"
 _PM = r"\s*(?:\+\s*/\s*-|\+-|±)\s*"
 _FORMS = tuple(

@@ -220,10 +220,11 @@ def _solution(source: str, overrides: list[str]) -> "tuple[Solution, float | Non
     """Solution, pixel, energy and kind of coefficient of a scene or an images file."""
     from spinline.scene.file import bundled_scenes, read_toml, scene_from_dict
     from spinline.scene.images_file import KEV, bundled_images, images_from_dict
+    from spinline.scene.kinds import kind_of
     from spinline.setup.build import build_solution
 
-    data, text, path = read_toml(source, bundled_scenes() | bundled_images(), overrides)
-    if "counts" not in data:
+    data, text, path = read_toml(source, bundled_scenes() | bundled_images(), overrides, "scene or file of images")
+    if kind_of(data) != "file of images":
         scene = scene_from_dict(data, text=text, folder=path.resolve().parent, name=path.stem)
         return build_solution(scene), None, None, True
     images = images_from_dict(data, text=text, folder=path.resolve().parent, name=path.stem)

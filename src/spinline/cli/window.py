@@ -130,13 +130,13 @@ def _figure(recipe: bool) -> "Callable[..., Any]":
 
 
 def _is_recipe(source: str) -> bool:
-    """A recipe's jet has no profile: it is what the needle's settings give."""
+    """Whether a file is a recipe, or a scene."""
     from spinline.recipe.recipe_file import bundled_recipes
     from spinline.scene.file import bundled_scenes, read_toml
+    from spinline.scene.kinds import kind_of
 
     data, _, _ = read_toml(source, {**bundled_recipes(), **bundled_scenes()}, (), noun="scene or recipe")
-    jet = data.get("jet")
-    return isinstance(jet, dict) and "profile" not in jet and "voltage" in jet
+    return kind_of(data) == "recipe"
 
 
 def _of_scene(

@@ -30,7 +30,6 @@ from typing import Any
 import numpy as np
 
 from spinline.base.errors import InputError
-from spinline.base.text import read_toml_text
 from spinline.base.units import QUANTITIES, Measured, parse
 from spinline.base.words import label
 from spinline.fit.model import OF_NEEDLE, PARAMETERS
@@ -38,8 +37,7 @@ from spinline.fit.observations import Observation, read_table
 from spinline.fit.observed_map import read_map
 from spinline.fit.problem import FitProblem, Prior
 from spinline.fit.scene_model import forward_model, start_of
-from spinline.scene.file import LONGEST, Scene, given_file, load_scene
-from spinline.scene.sheets import hint_of, refuse_another_kind
+from spinline.scene.file import Scene, load_scene, read_toml
 
 __all__ = ["FitFile", "bundled_fits", "load_fit", "scene_priors"]
 
@@ -102,10 +100,8 @@ def load_fit(source: str | Path) -> FitFile:
     InputError
         For an unreadable file, or any key, value or data file that cannot be right.
     """
-    path = given_file(source, bundled_fits())
+    data, text, path = read_toml(source, bundled_fits(), (), "fit")
     name = path.stem if path == Path(source) else str(source)
-    hint = hint_of(source, bundled_fits(), f"bundled: {', '.join(bundled_fits())}")
-    data, text = read_toml_text(path, "fit", LONGEST, hint)
     return _build(data, path.resolve().parent, text, name)
 
 
@@ -144,7 +140,6 @@ def _from_mass(scene: Scene, mass: Measured) -> Prior:
 
 
 def _build(data: Mapping[str, Any], folder: Path, text: str, name: str) -> FitFile:
-    refuse_another_kind(data, "fit", name)
     _known(data, _TOP, "")
     if not isinstance(data.get("scene"), str):
         raise InputError(

@@ -17,8 +17,19 @@ _NOT_IN = {
     "DCM": ("PAN", "PVA", "PVDF", "nylon 6", "gelatin"),
     "acetone": ("PAN", "PVA", "nylon 6", "PET", "gelatin"),
     "THF": ("PAN", "PVA", "nylon 6", "gelatin"),
+    "methanol": ("PAN", "PCL", "PLA", "PS", "PVDF", "PET", "PVA", "gelatin"),
+    "isopropanol": ("PAN", "PCL", "PLA", "PS", "PVDF", "PET", "PVA", "gelatin"),
+    "ethyl acetate": ("PAN", "PVA", "PVP", "nylon 6", "PET", "gelatin"),
+    "DCE": ("PAN", "PVA", "nylon 6", "gelatin"),
+    "MEK": ("PAN", "PVA", "nylon 6", "PET", "gelatin"),
+    "acetonitrile": ("PAN", "PVA", "nylon 6", "PET", "gelatin"),
+    "dioxane": ("PAN", "PVA", "nylon 6", "gelatin"),
+    "chlorobenzene": ("PAN", "PVA", "PVDF", "nylon 6", "gelatin"),
 }
-_MIXES = ("DMF", "DMAc", "DMSO", "NMP", "acetone", "THF", "formic acid", "acetic acid", "ethanol")
+_MIXES = (
+    *("DMF", "DMAc", "DMSO", "NMP", "acetone", "THF", "formic acid", "acetic acid", "ethanol"),
+    *("methanol", "isopropanol", "acetonitrile", "dioxane", "TFE"),
+)
 _MOST = 0.5  # of the solvent, by mass
 _HUMID = 0.6  # relative humidity; earlier for some
 _GELS = 303.0  # K, below which gelatin in water is a gel

@@ -59,6 +59,15 @@ CONDUCTIVITY: Mapping[str, Prior] = {
     "TFA": Prior(1e-2, 1.0, _SALTS),
     "NMP": Prior(1e-3, 1.0, _SALTS),
     "toluene": Prior(1e-7, 1.5, _SALTS),
+    "methanol": Prior(2e-3, 1.0, _SALTS),
+    "isopropanol": Prior(3e-4, 1.0, _SALTS),
+    "ethyl acetate": Prior(1e-5, 1.3, _SALTS),
+    "DCE": Prior(2e-5, 1.3, _SALTS),
+    "MEK": Prior(1e-4, 1.3, _SALTS),
+    "acetonitrile": Prior(1e-3, 1.0, _SALTS),
+    "dioxane": Prior(1e-7, 1.5, _SALTS),
+    "chlorobenzene": Prior(1e-6, 1.5, _SALTS),
+    "TFE": Prior(1e-3, 1.0, _SALTS),
 }
 _ANY_CONDUCTIVITY = Prior(1e-3, 1.5, "no entry for this solvent")
 

@@ -1,12 +1,12 @@
 """What to write for a mixture of solvents that stands as a notebook has it: "DMF/acetone 4:6", "60 % DMF, 40 % acetone"."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS, solvent_density
 
-__all__ = ["in_toml", "mixture_remedy"]
+__all__ = ["in_toml", "mixture_remedy", "parted"]
 
 _NUMBER = r"\d+(?:[.,]\d+)?"
 _RATIO = re.compile(rf"{_NUMBER}(?:\s*[:/]\s*{_NUMBER})+(?!\s*%)")
@@ -55,6 +55,32 @@ def mixture_remedy(text: str) -> str:
     if re.search(r"\bw/w|\bm/m|\bwt|\bmass|\bweight", text, re.IGNORECASE):
         return f"write solvent = {mass}"
     return f"a mixture is written by mass: solvent = {mass}, or, of these parts by volume, {volume}"
+
+
+def parted(text: str, known: Callable[[str], str | None]) -> tuple[list[str], str]:
+    """Names that a text strings together, as the library has them, and what of it is none.
+
+    Hyphens, commas and digits may part names or stand within one: the longest name that is known is taken.
+
+    Examples
+    --------
+    >>> parted("N,N-dimethylformamide-acetone", lambda name: known_as(name, SOLVENTS))
+    (['DMF', 'acetone'], '')
+    """
+    words = re.split(r"(\s*[-–/:;+&|_,]\s*|\s+and\s+)", text.strip())  # words, and what stands between, in turn
+    found, at = [], 0
+    while at < len(words):
+        for stop in range(len(words), at, -2):
+            name = known("".join(words[at:stop]))
+            if name is not None:
+                found.append(name)
+                at = stop + 1
+                break
+        else:
+            if words[at].strip():
+                return found, "".join(words[at:]) if found else text.strip()
+            at += 2
+    return found, ""
 
 
 def _parts_of(text: str) -> list[float]:

@@ -1,9 +1,12 @@
 """Settings of a recipe that no spinning line has: the chain answers, and says that nothing like it was ever spun."""
 
+import difflib
 from typing import Any
 
+from spinline.base.words import shortened
 from spinline.recipe.believe import DAMPEST, USUAL_TEMPERATURE, Recipe, evaporation_rate
 from spinline.recipe.dissolves import solution_remarks
+from spinline.rheology.materials import POLYMERS
 
 __all__ = ["outside_remarks", "size_remarks", "watery"]
 
@@ -56,6 +59,13 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
     tuple of str
     """
     said = [*solution_remarks(recipe)]
+    if recipe.polymer not in POLYMERS:
+        by_lower = {name.lower(): name for name in POLYMERS}
+        near = difflib.get_close_matches(recipe.polymer.lower()[:100], by_lower, n=1, cutoff=0.75)
+        hint = f" (did you mean {by_lower[near[0]]}?)" if near else ""
+        said.append(
+            f"{shortened(recipe.polymer)} is not in the library{hint}: a usual chain is taken, within wide spreads"
+        )
     field = recipe.voltage / recipe.gap
     if field > _BREAKDOWN:
         said.append(f"{field / 1e5:.3g} kV/cm between needle and collector: air breaks down at 30")

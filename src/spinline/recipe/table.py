@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -14,6 +15,7 @@ from spinline.base.text import csv_rows, read_text
 from spinline.base.words import cell
 from spinline.base.workbook import WORKBOOKS, sheet_rows
 from spinline.recipe.believe import Recipe, known_solvents
+from spinline.recipe.mixture_text import parted
 from spinline.recipe.outside import outside_remarks
 from spinline.recipe.table_columns import COLUMNS, columns_of, number_in, spread_in
 from spinline.rheology.materials import POLYMERS
@@ -182,19 +184,23 @@ def _names(row: Mapping[str, str]) -> list[str]:
     return _solvents(row.get("solvent_parts") or row["solvent"])
 
 
-def _solvents(parts: str) -> list[str]:
-    names = [part.strip() for part in parts.replace("/", ";").replace(":", ";").split(";") if part.strip()]
-    if len(names) == 1 and "-" in names[0] and known_as(names[0], SOLVENTS) is None:
-        names = names[0].split("-")
-    found = []
-    for name in names:
-        known = known_as(_ALSO.get(name.upper(), name), SOLVENTS)
-        if known is None:
-            raise InputError("solvent", "is not in the library", value=name, allowed=", ".join(sorted(SOLVENTS)))
-        found.append(known)
-    if not found:
+def _solvents(text: str) -> list[str]:
+    if not text:
         raise InputError("solvent", "is missing", remedy="name it")
+    found, unknown = parted(text, _solvent)
+    if unknown:
+        shares = (
+            "name the parts alone: tables hold no shares, equal parts are taken"
+            if re.search(r"\d\s*[:/%]", text)
+            else ""
+        )
+        allowed = "" if shares else ", ".join(sorted(SOLVENTS))
+        raise InputError("solvent", "is not in the library", value=unknown, allowed=allowed, remedy=shares)
     return list(dict.fromkeys(found))
+
+
+def _solvent(name: str) -> str | None:
+    return known_as(_ALSO.get(name.upper(), name), SOLVENTS)
 
 
 def _polymer(name: str) -> str:

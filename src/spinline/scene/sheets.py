@@ -1,7 +1,6 @@
 """Any TOML file of a user's: found, read, overrides applied, checked against its model."""
 
 import difflib
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,16 +9,18 @@ from pydantic import ValidationError
 
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
+from spinline.scene.kinds import bundled_elsewhere, is_meant
 from spinline.scene.problems import explain
 from spinline.scene.quantities import Sheet
 
-__all__ = ["LONGEST", "apply_override", "checked", "given_file", "hint_of", "read_toml", "refuse_another_kind"]
+__all__ = ["LONGEST", "apply_override", "checked", "given_file", "read_toml"]
 
 
 _Sheet = TypeVar("_Sheet", bound=Sheet)
 
 
 LONGEST = 1_000_000  # characters of a scene
+_FEW = 3  # names that a message lists
 
 
 def checked(model: type[_Sheet], data: Mapping[str, Any], text: str, folder: Path | None, name: str) -> _Sheet:
@@ -27,59 +28,9 @@ def checked(model: type[_Sheet], data: Mapping[str, Any], text: str, folder: Pat
     try:
         sheet = model.model_validate(data)
     except ValidationError as error:
-        refuse_another_kind(data, _KINDS.get(model.__name__, ""), name)
         raise explain(error, name, data, model) from None
     sheet._text, sheet._folder, sheet._name = text, folder or Path(), name
     return sheet
-
-
-# models of whole files, and what they are of
-_KINDS = {"Scene": "scene", "MatScene": "scene", "RecipeSheet": "recipe", "Images": "file of images"}
-_COMMANDS = {"scene": "run", "recipe": "fibre", "file of images": "reduce", "fit": "fit", "sweep": "sweep"}
-_RECIPE = {
-    "": {"title", "solution", "jet", "ambient", "collector", "measured"},
-    "solution": {
-        *(
-            "polymer",
-            "solvent",
-            "concentration",
-            "molar_mass",
-            "viscosity",
-            "conductivity",
-            "surface_tension",
-            "temperature",
-        ),
-    },
-    "jet": {"voltage", "gap", "flow_rate", "radius", "gauge", "current"},
-}
-
-
-def refuse_another_kind(data: Mapping[str, Any], kind: str, name: str) -> None:
-    """Refuse a file that is plainly of another kind, with the command that takes it.
-
-    Raises
-    ------
-    InputError
-    """
-    found = _kind_of(data)
-    if found and kind and found != kind:
-        raise InputError(name, f"is a {found}, not a {kind}", remedy=f"`spinline {_COMMANDS[found]}` takes it")
-
-
-def _kind_of(data: Mapping[str, Any]) -> str:
-    """What a file's keys make it, "" where they do not say."""
-    jet = data.get("jet")
-    if isinstance(jet, Mapping) and ("profile" in jet or isinstance(data.get("network"), Mapping)):
-        return "scene"
-    if "counts" in data or "transmission" in data or "absorbance" in data:
-        return "file of images"
-    if "scene" in data and ("data" in data or "parameters" in data):
-        return "fit"
-    if "scene" in data and ("vary" in data or "design" in data):
-        return "sweep"
-    sections = {part: data if part == "" else data.get(part) for part in _RECIPE}
-    fits = all(isinstance(keys, Mapping) and set(keys) <= _RECIPE[part] for part, keys in sections.items())
-    return "recipe" if fits and isinstance(jet, Mapping) and {"voltage", "gap", "flow_rate"} <= set(jet) else ""
 
 
 def read_toml(
@@ -87,7 +38,12 @@ def read_toml(
 ) -> tuple[dict[str, Any], str, Path]:
     """Content, text and path of a TOML file or of a bundled one of that name, overrides applied."""
     path = given_file(source, bundled)
-    data, text = read_toml_text(path, noun, LONGEST, hint_of(source, bundled))
+    if not _there(path):
+        bundled_elsewhere(str(source), noun)
+    near = difflib.get_close_matches(str(source)[:200], bundled, n=1)
+    some = f"bundled: {', '.join(bundled)}" if 0 < len(bundled) <= _FEW else "`spinline scenes` lists the bundled ones"
+    data, text = read_toml_text(path, noun, LONGEST, f"did you mean the bundled {near[0]!r}?" if near else some)
+    is_meant(data, noun, str(source))
     for override in overrides:
         apply_override(data, override)
     if overrides:
@@ -95,40 +51,16 @@ def read_toml(
     return data, text, path
 
 
-# folders of the package's data, what is in them, and the command that takes it
-_BUNDLED = {
-    "scenes": ("scene", "run"),
-    "recipes": ("recipe", "fibre"),
-    "images": ("file of images", "reduce"),
-    "fits": ("fit", "fit"),
-    "sweeps": ("sweep", "sweep"),
-}
-
-
-def hint_of(
-    source: str | Path, bundled: Mapping[str, Path], otherwise: str = "`spinline scenes` lists the bundled ones"
-) -> str:
-    """What to do about a name that is no file and not bundled: another command's, or one that is nearly so called."""
-    from importlib import resources
-
-    name = str(source)[:200]
-    data = Path(str(resources.files("spinline") / "data"))
-    for folder, (what, command) in _BUNDLED.items():
-        if re.fullmatch(r"[\w-]+", name) and (
-            (data / folder / f"{name}.toml").is_file() or (data / folder / name).is_dir()
-        ):
-            return f"it is a bundled {what}: `spinline {command} {name}`"
-    near = difflib.get_close_matches(name, bundled, n=1)
-    return f"did you mean the bundled {near[0]!r}?" if near else otherwise or "`spinline scenes` lists the bundled ones"
-
-
 def given_file(source: str | Path, bundled: Mapping[str, Path]) -> Path:
     """The file of that name, else the bundled one."""
+    return Path(source) if _there(source) else bundled.get(str(source), Path(source))
+
+
+def _there(path: str | Path) -> bool:
     try:
-        there = Path(source).exists()
+        return Path(path).exists()
     except (OSError, ValueError):  # a name that no file can have
-        there = False
-    return Path(source) if there else bundled.get(str(source), Path(source))
+        return False
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:

@@ -28,9 +28,8 @@ from typing import Any
 from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml, read_toml_text
 from spinline.base.words import label
-from spinline.scene.file import LONGEST, Scene, apply_override, bundled_scenes, given_file, scene_from_dict
+from spinline.scene.file import LONGEST, Scene, apply_override, bundled_scenes, read_toml, scene_from_dict
 from spinline.scene.keys import full_key, is_section, placed, read_value
-from spinline.scene.sheets import hint_of, refuse_another_kind
 from spinline.study.axes import axes_of, column, not_both
 from spinline.study.design import KINDS, Axis, Design
 from spinline.study.table import read_table
@@ -131,10 +130,7 @@ def load_sweep(source: str | Path, overrides: Sequence[str] = (), *, sensitivity
     InputError
         For a file that cannot be read, and every key or value that cannot be right.
     """
-    path = given_file(source, bundled_sweeps())
-    hint = hint_of(source, bundled_sweeps(), f"bundled ones: {', '.join(bundled_sweeps())}")
-    data, text = read_toml_text(path, "sweep", LONGEST, hint)
-    refuse_another_kind(data, "sweep", path.stem)
+    data, text, path = read_toml(source, bundled_sweeps(), (), "sweep")
     if sensitivity:
         design = data.get("design")
         data["design"] = {**(design if isinstance(design, dict) else {}), "kind": "sensitivity"}
