@@ -17,7 +17,7 @@ from spinline.base.workbook import WORKBOOKS, sheet_rows
 from spinline.recipe.believe import Recipe, known_solvents
 from spinline.recipe.mixture_text import parted
 from spinline.recipe.outside import outside_remarks
-from spinline.recipe.table_columns import COLUMNS, columns_of, number_in, spread_in
+from spinline.recipe.table_columns import COLUMNS, NOTHING, columns_of, number_in, spread_in
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
@@ -185,7 +185,7 @@ def _names(row: Mapping[str, str]) -> list[str]:
 
 
 def _solvents(text: str) -> list[str]:
-    if not text:
+    if not text or text.lower() in NOTHING:
         raise InputError("solvent", "is missing", remedy="name it")
     found, unknown = parted(text, _solvent)
     if unknown:

@@ -9,7 +9,7 @@ from spinline.base.errors import InputError
 from spinline.base.quantity_text import written
 from spinline.base.units import parse
 
-__all__ = ["COLUMNS", "Column", "columns_of", "number_in", "spread_in"]
+__all__ = ["COLUMNS", "NOTHING", "Column", "columns_of", "number_in", "spread_in"]
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ COLUMNS: Mapping[str, _Known] = {
     "relative_humidity_percent": _Known("fraction", "%", ("relative_humidity", "humidity", "rh")),
 }
 _GAUGE = re.compile(r"(?:G\s*)?(\d\d?)(?:\.0*)?\s*-?\s*(?:G|ga|gauge)?", re.IGNORECASE)
-_NOTHING = frozenset(("na", "n/a", "n.a.", "nan", "n.d.", "nd", "n.r.", "nr", "none", "null", "unknown", "unspecified"))
-_NOTHING |= {"-", "--", "---", "–", "—", ".", "?", "#n/a", "#div/0!", "#value!"}
-_NOTHING |= {f"not {word}" for word in ("given", "reported", "specified", "stated", "known", "measured")}
+NOTHING = frozenset(("na", "n/a", "n.a.", "nan", "n.d.", "nd", "n.r.", "nr", "none", "null", "unknown", "unspecified"))
+NOTHING |= {"-", "--", "---", "–", "—", ".", "?", "#n/a", "#div/0!", "#value!"}
+NOTHING |= {f"not {word}" for word in ("given", "reported", "specified", "stated", "known", "measured")}
 _AS_IN_THE_ROOM = frozenset(("rt", "r.t.", "room temperature", "room temp", "room temp.", "room", "ambient", "lab"))
 
 
@@ -69,7 +69,7 @@ class Column:
     def cell(self, text: str | None, comma: bool) -> str:
         """Text of a cell: nothing for what means nothing, decimal commas as points, numbers in the column's own unit."""
         bare = (text or "").strip()
-        if bare.lower() in _NOTHING:
+        if bare.lower() in NOTHING:
             return ""
         if self.name in ("temperature_degC", "relative_humidity_percent") and bare.lower() in _AS_IN_THE_ROOM:
             return ""
