@@ -15,6 +15,7 @@ import numpy as np
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.base.text import csv_rows, read_text
+from spinline.base.workbook import WORKBOOKS, sheet_rows
 
 __all__ = ["Header", "TextTable", "read_table_text"]
 
@@ -81,8 +82,8 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
     name = str(path)
     if not Path(path).exists():
         raise InputError(name, "cannot be read: there is no such file", allowed=allowed, remedy="check the path")
-    if Path(path).suffix.lower() in (".xlsx", ".xlsm", ".xls", ".ods"):
-        lines, kind = _sheet(path), "Excel workbook"
+    if Path(path).suffix.lower() in WORKBOOKS:
+        lines, kind = ["\t".join(row) for row in sheet_rows(path)], "Excel workbook"
     else:
         try:
             text, encoding = read_text(path)
@@ -92,34 +93,6 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
             ) from None
         lines, kind = text.rstrip("\x1a").replace("\u2212", "-").splitlines(), f"text table, {encoding}"
     return _parse(lines, name, kind, allowed)
-
-
-def _sheet(path: str | Path) -> list[str]:
-    """First sheet of a workbook as tab-separated lines."""
-    name = str(path)
-    if Path(path).suffix.lower() in (".xls", ".ods"):
-        raise InputError(
-            name, "is an old Excel or an OpenDocument workbook", remedy="save it as .xlsx or as CSV (UTF-8)"
-        )
-    try:
-        import openpyxl
-    except ImportError:
-        raise InputError(
-            name,
-            "is an Excel workbook, and openpyxl is not installed",
-            remedy="pip install openpyxl, or save the sheet as CSV (UTF-8)",
-        ) from None
-    if not Path(path).is_file():
-        raise InputError(name, "cannot be read (No such file or directory)", remedy="check the path")
-    try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-        rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
-        book.close()
-    except Exception as error:  # of a damaged archive: whatever its parts raise
-        raise InputError(
-            name, f"is not a readable Excel workbook ({type(error).__name__})", remedy="save it again"
-        ) from None
-    return ["\t".join("" if cell is None else str(cell) for cell in row) for row in rows]
 
 
 def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:

@@ -113,3 +113,24 @@ def test_attributes_that_do_nothing_are_no_packing(tmp_path, name, value) -> Non
         file.create_dataset("d", data=FRAMES).attrs[name] = value
     stack = open_stack("plain.h5:/d", "counts", folder=tmp_path)
     assert (stack.read(0, 4) == FRAMES).all()
+
+
+@pytest.mark.parametrize("lit", [(2,), (0, 11), ()])
+def test_light_in_a_dark_is_said(tmp_path, lit) -> None:
+    """One open shutter in twelve darks had given 0.05 for a fraction of 0.15 with no word of the dark."""
+    from spinline.images.lit_darks import lit_darks
+    from spinline.images.sums import sum_frames
+
+    rng = np.random.default_rng(3)
+    darks = rng.poisson(300.0, (12, 20, 96)).astype(np.uint16)
+    for i in lit:
+        darks[i] = rng.poisson(4300.0, (20, 96))
+    darks[:, 3, 5] = 60_000  # a hot pixel is no light
+    darks[7] += 40  # nor is a dark that drifts
+    np.save(tmp_path / "dark.npy", darks)
+    stack = open_stack("dark.npy", "dark", folder=tmp_path)
+    said = lit_darks(stack, sum_frames(stack))
+    assert len(said) == (1 if lit else 0)
+    if lit:
+        assert f"{len(lit)} of 12 frames" in said[0]
+        assert f": {', '.join(map(str, lit))}. Was the shutter open?" in said[0]

@@ -13,6 +13,7 @@ What holds for every file that is written:
 
 import errno
 import os
+import re
 import shutil
 import stat
 from collections.abc import Callable, Iterator
@@ -163,8 +164,16 @@ def writable(path: str | Path, *, force: bool = False) -> Path:
     return file
 
 
-def outputs(*paths: str | Path | None, force: bool = False) -> None:
+# of tables, texts, pictures and films: never netCDF
+_NO_RESULT = re.compile(
+    r"\.(?:csv|tsv|txt|dat|xlsx?|json|toml|html|png|pdf|svg|jpe?g|tiff?|vtk|vtp|xyz|gif|mp4|zip)", re.IGNORECASE
+)
+
+
+def outputs(*paths: str | Path | None, force: bool = False, result: Path | None = None) -> None:
     """Check all files that a command is going to write, before anything is computed: each `writable`, no two the same.
+
+    `result` is written as netCDF: a name that says another format is refused.
 
     Raises
     ------
@@ -181,6 +190,13 @@ def outputs(*paths: str | Path | None, force: bool = False) -> None:
                 str(path), "is named for two outputs", value=str(known[place]), remedy="give each a name of its own"
             )
         known[place] = path
+    if result is not None and _NO_RESULT.fullmatch(result.suffix):
+        raise InputError(
+            str(result),
+            f"is written as netCDF, and is named as {result.suffix}",
+            allowed=".nc",
+            remedy=f"name it {result.with_suffix('.nc')}; tables, figures and pages have options of their own (--help)",
+        )
 
 
 def write_bytes(path: str | Path, data: bytes | memoryview, *, force: bool = False) -> Path:

@@ -135,7 +135,7 @@ def spin_blown(
     section: Any = scene.jet
     target = out or Path(f"{scene.name or 'jet'}.nc")
     names = [target] if seeds == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(seeds)]
-    outputs(*names, files["figure"], force=force)
+    outputs(*names, files["figure"], force=force, result=target)
     solution = build_solution(scene)
     for note in gas_of(section, scene)[1]:
         say(f"warning: {note}", err=True)

@@ -113,7 +113,7 @@ def run(
 
         check_format(picture)
     files = [file for file in (target, picture, report, csv) if file is not None]
-    outputs(*files, force=force)
+    outputs(*files, force=force, result=target)
     result = _solved(loaded)
     if trade:
         from spinline.study.trade import trade as measure

@@ -160,7 +160,7 @@ def mat(
 
     if out is None and target == fibres:
         FibreFile(fibres).close()  # what is no file of fibres is told so, not that it is in the way of its own result
-    outputs(target, sheet, picture, report, csv, *(export or []), *raw, force=force)
+    outputs(target, sheet, picture, report, csv, *(export or []), *raw, force=force, result=target)
     for path in export or []:
         _check_export(path)
     if sheet is not None or picture is not None:

@@ -97,7 +97,7 @@ def reduce(
     files = [file for file in (target, picture, csv) if file is not None]
     if workers is not None and workers < 1:
         raise InputError("--workers", "is not a number of processes", value=workers, allowed=">= 1")
-    outputs(*files, force=force)
+    outputs(*files, force=force, result=target)
     from spinline.radiography import reduction_dataset as reduction
     from spinline.radiography.reduce import reduce_images
     from spinline.solve import results

@@ -51,7 +51,7 @@ def spin(
     time: Annotated[Text, typer.Option(help='Until when, "20 ms".')] = None,
     frames: Annotated[int, typer.Option(help="Moments that are stored.")] = 40,
     flow_rate: Annotated[Text, typer.Option(help='For input.dat: the flow rate, "49.5 mL/hour".')] = None,
-    law: Annotated[str, typer.Option(help="For input.dat: ucm or linear-maxwell.")] = "ucm",
+    law: Annotated[Text, typer.Option(help="For input.dat: ucm (the default) or linear-maxwell.")] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure of the last moment.")] = None,
     movie: Annotated[Path | None, typer.Option(help="Animation, .gif or .mp4.")] = None,
     vtk: Annotated[Path | None, typer.Option(help="Last moment for ParaView, .vtk.")] = None,
@@ -71,20 +71,21 @@ def spin(
         from spinline.cli.blown import spin_blown
 
         files = {"figure": figure, "movie": movie, "vtk": vtk, "xyz": xyz}
-        _of_spun_jets(flow_rate, quick)
+        _of_spun_jets(flow_rate, law, quick)
         blown = scene if time is None else load(source, None, None, [*(set_ or []), f"jet.time={time}"])
         spin_blown(blown, out, seeds, frames, files, json=json, force=force, resume=resume)
         return
     stem = Path(source).parent.name if Path(source).name == "input.dat" else Path(source).stem
     target = out or Path(f"{stem or 'jet'}.nc")
-    nozzles = _nozzles(scene, flow_rate)
+    nozzles = _nozzles(scene, flow_rate, law)
     if len(nozzles) > 1 and seeds > 1:
         raise InputError("--seeds", "is for one jet", value=seeds, remedy="run several jets once for each jet.seed")
     count = max(seeds, len(nozzles))
     names = [target] if count == 1 else [target.with_stem(f"{target.stem}-{i}") for i in range(count)]
     alone = len(nozzles) < 2  # results that are there have to show that they are of this very run
     done = [alone and resume and not force and name.exists() for name in names]
-    outputs(*(name for name, there in zip(names, done, strict=True) if not there), figure, movie, vtk, xyz, force=force)
+    fresh = [name for name, there in zip(names, done, strict=True) if not there]
+    outputs(*fresh, figure, movie, vtk, xyz, force=force, result=target)
     if figure is not None:
         from spinline.report.style import check_format
 
@@ -121,7 +122,7 @@ def _is_input(source: str) -> bool:
     return Path(source).name == "input.dat" or Path(source).suffix == ".dat"
 
 
-def _nozzles(scene: "Scene | None", flow_rate: Text) -> "FloatArray":
+def _nozzles(scene: "Scene | None", flow_rate: Text, law: Text) -> "FloatArray":
     """Places of the nozzles (jet, 2), m.
 
     Raises
@@ -139,13 +140,17 @@ def _nozzles(scene: "Scene | None", flow_rate: Text) -> "FloatArray":
 
     if flow_rate is not None:
         raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
+    if law is not None:
+        raise InputError("--law", "is for a JETSPIN input.dat", value=law, remedy="--set jet.law=...")
     if not isinstance(scene.jet, SpunJet):
         raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"')
     return spun_nozzles(scene.jet)
 
 
-def _of_spun_jets(flow_rate: Text, quick: bool) -> None:
+def _of_spun_jets(flow_rate: Text, law: Text, quick: bool) -> None:
     """Refuse what a blown jet does not take."""
+    if law is not None:
+        raise InputError("--law", "is for a JETSPIN input.dat", value=law, remedy="--set jet.law=...")
     if flow_rate is not None:
         raise InputError("--flow-rate", "is for a JETSPIN input.dat", remedy="--set jet.flow_rate=...")
     if quick:
@@ -153,7 +158,7 @@ def _of_spun_jets(flow_rate: Text, quick: bool) -> None:
 
 
 def _settings(
-    source: str, scene: "Scene | None", flow_rate: Text, law: str, quick: bool, time: Text
+    source: str, scene: "Scene | None", flow_rate: Text, law: Text, quick: bool, time: Text
 ) -> tuple["SpunSettings", float, tuple[str, ...], str]:
     """Settings, the end in s, what is to be said, a title."""
     from dataclasses import replace
@@ -168,7 +173,7 @@ def _settings(
 
         given = None if flow_rate is None else parse(flow_rate, "flow rate", "--flow-rate").value
         text = readable(source).read_text(encoding="utf-8", errors="replace")
-        found = translate(text, flow_rate=given, law=law)
+        found = translate(text, flow_rate=given, law=law or "ucm")
         settings, end, title = (
             found.settings,
             found.time,

@@ -1,5 +1,6 @@
 """``spinline window``: what a process does, mapped over its settings; of a scene's network, or of a recipe's fibre."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -65,7 +66,7 @@ def window(
 
     target = out or Path(f"{Path(scene).stem}-window.nc")
     picture = None if no_figure else figure or target.with_suffix(".png")
-    outputs(target, picture, html, force=force)
+    outputs(target, picture, html, force=force, result=target)
     if picture is not None:
         from spinline.report.style import check_format
 
@@ -223,6 +224,9 @@ def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
     from spinline.base.units import parse
 
     ends = [end.strip() for end in text.split("..")]
+    meant = _range_meant(text) if len(ends) == 1 else ""
+    if meant:
+        raise InputError(field, "is neither a value nor a range", value=text, remedy=f'write a range as "{meant}"')
     if len(ends) > 2:
         raise InputError(field, "is neither a value nor a range", value=text, remedy='write it as "5 kV .. 25 kV"')
     if len(ends) == 2 and _bare(ends[0]):  # "5 .. 25 kV": the unit is that of the other end
@@ -242,6 +246,19 @@ def _range(text: str, kind: str, field: str, steps: int) -> list[float]:
     if not numbers[0] < numbers[1]:
         raise InputError(field, "does not rise", value=text, remedy="swap its ends")
     return [float(x) for x in np.linspace(numbers[0], numbers[1], steps)]
+
+
+def _range_meant(text: str) -> str:
+    """The range of "5-25 kV", "5 to 25 kV", "5, 25 kV" or "15 +/- 10 kV" as it is written here; "" of any other text."""
+    from spinline.base.quantity_text import written
+
+    found = written(text)
+    if found is not None and found.std > 0:
+        std = 0.01 * found.std * found.value if found.std_unit == "%" else found.std
+        return f"{found.value - std:g} .. {found.value + std:g} {found.unit}"
+    number = r"\d+(?:\.\d+)?"
+    parts = re.fullmatch(rf"({number})\s*([^\d\s,–-]*)\s*(?:-|–|—|:|;|,\s|to|bis)\s*({number})\s*(\D.*)", text.strip())
+    return f"{parts[1]} {parts[2]} .. {parts[3]} {parts[4]}".replace("  ", " ") if parts else ""
 
 
 def _bare(text: str) -> bool:

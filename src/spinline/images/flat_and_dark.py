@@ -11,6 +11,7 @@ import numpy as np
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
+from spinline.images.lit_darks import lit_darks
 from spinline.images.noise import PairNoise, pair_noise
 from spinline.images.sources import opened, part_of, slices, spoken, stack_of
 from spinline.images.stacks import Stack
@@ -340,6 +341,7 @@ def _dark(images: Images, counts: Stack, notes: dict[str, str], remarks: list[st
     stack = opened(source, "dark", images, counts)
     total = sum_frames(stack)
     remarks += total.remarks(stack)
+    remarks += lit_darks(stack, total)
     mean = _mean_of(source, stack, total)
     notes["dark"] = f"{source.file}, {stack.frames} frames"
     level = np.broadcast_to(mean, shape).copy()

@@ -13,9 +13,11 @@ from typing import Any
 from spinline.base.errors import InputError
 from spinline.base.text import csv_rows, read_text
 from spinline.base.words import cell
+from spinline.base.workbook import WORKBOOKS, sheet_rows
 from spinline.recipe.believe import Recipe, known_solvents
 from spinline.recipe.mixture_text import parted
 from spinline.recipe.outside import outside_remarks
+from spinline.recipe.table_columns import COLUMNS, NOTHING, columns_of, number_in, spread_in
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
@@ -60,43 +62,53 @@ GAUGES = {
 
 
 def read_experiments(path: str | Path) -> list[dict[str, str]]:
-    """Rows of a CSV file of experiments, as text by column.
+    """Rows of a table of experiments, text or an Excel workbook, as text by column.
+
+    Columns of other hands (``Distance (mm)``, ``voltage [kV]``, ``RH (%)``) get the names and units that are listed.
 
     Raises
     ------
     InputError
         If it is no such table, or a column that every prediction needs is missing.
     """
-    text, _ = read_text(path)
-    lines = [line for line in io.StringIO(text, newline=None) if line.strip()]  # a line of a cell in quotes stays in it
-    mark = max(",;\t", key=lines[0].count) if lines else ","
-    head, *cells = csv_rows(lines, mark, str(path)) or [[]]
-    names = [name.strip() for name in head]
+    head, cells, comma = _cells(path)
+    columns = columns_of(head, str(path))
+    names = [column.name for column in columns]
     missing = [name for name in _NEEDED if name not in names]
     if missing:
         raise InputError(
             str(path),
-            f"has no column {missing[0]}",
-            value=names,
+            f"has no column {missing[0]}" if head else "is empty",
+            value=[name.strip() for name in head] or None,
             allowed=", ".join(_NEEDED),
-            remedy="a CSV table, one row an experiment; `docs/howto/fibre.md` lists the columns and their units",
+            remedy="a table, one row an experiment; `docs/howto/fibre.md` lists the columns and their units",
         )
-    if len(set(names)) < len(names):
-        raise InputError(str(path), "names a column twice", value=next(n for n in names if names.count(n) > 1))
     rows = [
-        {key: _cell(value, key, mark) for key, value in zip_longest(names, row[: len(names)]) if key} for row in cells
+        {
+            column.name: column.cell(value, comma)
+            for column, value in zip_longest(columns, row[: len(columns)])
+            if column.name
+        }
+        for row in cells
+        if any(value.strip() for value in row)
     ]
     if not rows:
         raise InputError(str(path), "has no rows under its header", remedy="one row an experiment")
     return rows
 
 
-def _cell(value: str | None, key: str, mark: str) -> str:
-    """Text of a cell: nothing for what means nothing; a decimal comma is a point where commas do not part cells."""
-    text = (value or "").strip()
-    if text.lower() in _NOTHING:
-        return ""
-    return text.replace(",", ".") if mark != "," and key.endswith((*_UNITS, "_nm")) else text
+def _cells(path: str | Path) -> tuple[list[str], list[list[str]], bool]:
+    """Header and rows of a table, and whether a comma in a number is a decimal one."""
+    if Path(path).suffix.lower() in WORKBOOKS:
+        rows = [row for row in sheet_rows(path) if any(value.strip() for value in row)]
+        return (rows[0], rows[1:], True) if rows else ([], [], True)
+    text, _ = read_text(path)
+    lines = [line for line in io.StringIO(text, newline=None) if line.strip()]  # a line of a cell in quotes stays in it
+    while lines and lines[0].lstrip().lower().startswith(("#", "sep=")):
+        del lines[0]
+    mark = max(",;\t", key=lines[0].count) if lines else ","
+    head, *cells = csv_rows(lines, mark, str(path)) or [[]]
+    return head, cells, mark != ","
 
 
 def recipes_of(rows: Sequence[Mapping[str, str]]) -> list[Recipe | str]:
@@ -117,7 +129,7 @@ def recipes_of(rows: Sequence[Mapping[str, str]]) -> list[Recipe | str]:
 def _recipe(row: Mapping[str, str]) -> Recipe | str:
     try:
         names = _names(row)
-        number = {key: _number(row, key) for key in row if key.endswith(_UNITS)}
+        number = {key: number_in(row, key) for key in row if key in COLUMNS and COLUMNS[key].kind}
         for key, (low, high, hint) in _USUAL.items():
             if not number[key] > 0:
                 return f"{key} is missing or not above zero"
@@ -128,6 +140,8 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
         percent = number.get("concentration_wt_percent", math.nan)
         if percent == percent and not 0.05 < percent < 95:
             return f"concentration_wt_percent = {percent:g} is out of range (0.05, 95)"
+        if percent < _LEAST_PERCENT:
+            return f"concentration_wt_percent = {percent:g} looks like a share: percent, 12 and not 0.12"
         gauge = number.get("needle_gauge", math.nan)  # below 14 they are mistyped: no needle of 2 mm spins 20 wt%
         celsius = number.get("temperature_degC", math.nan)
         wet = number.get("relative_humidity_percent", math.nan)
@@ -144,7 +158,7 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
             gap=1e-2 * number["distance_cm"],
             flow_rate=number["flow_rate_mL_per_h"] * 1e-6 / 3600,
             mass_fraction=percent / 100,
-            needle_radius=GAUGES.get(round(gauge), math.nan) if gauge == gauge else math.nan,
+            needle_radius=_radius(gauge),
             temperature=celsius + 273.15,
             relative_humidity=wet / 100,
         )
@@ -152,10 +166,7 @@ def _recipe(row: Mapping[str, str]) -> Recipe | str:
         return str(error)
 
 
-_UNITS = ("_kV", "_mL_per_h", "_cm", "_percent", "_degC", "needle_gauge", "drum_rpm")
-
-
-_NOTHING = {"nan", "na", "n/a", "none", "null", "-", "--", "?"}
+_LEAST_PERCENT = 0.5  # of polymer: less holds no jet together
 # what no needle has been run at, and what such a number usually is
 _USUAL = {
     "voltage_kV": (0.1, 300.0, "kV, not V"),
@@ -164,22 +175,17 @@ _USUAL = {
 }
 
 
-def _number(row: Mapping[str, str], key: str) -> float:
-    text = row.get(key, "")
-    if not text:
-        return math.nan
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(key, "is not a number", value=text) from None
-    if not math.isfinite(value):
-        raise InputError(key, "is not finite", value=text)
-    return value
+def _radius(gauge: float) -> float:
+    """Inner radius of a gauge, m; NaN for one that is not in the list."""
+    return GAUGES.get(int(gauge), math.nan) if gauge == gauge and gauge == round(gauge) else math.nan
 
 
 def _names(row: Mapping[str, str]) -> list[str]:
-    text = row.get("solvent_parts") or row["solvent"]
-    if not text or text.lower() in _NOTHING:
+    return _solvents(row.get("solvent_parts") or row["solvent"])
+
+
+def _solvents(text: str) -> list[str]:
+    if not text or text.lower() in NOTHING:
         raise InputError("solvent", "is missing", remedy="name it")
     found, unknown = parted(text, _solvent)
     if unknown:
@@ -224,6 +230,7 @@ def predict_table(
 
     out: list[dict[str, str | float]] = []
     recipes = recipes_of(rows)
+    known: dict[str, Any] = {}  # experiments that differ in what no law has are predicted once
     for i, (row, recipe) in enumerate(zip(rows, recipes, strict=True)):
         answer: dict[str, str | float] = dict.fromkeys(
             ("predicted_nm", "low68_nm", "high68_nm", "low95_nm", "high95_nm"), ""
@@ -234,7 +241,8 @@ def predict_table(
         else:
             said += _taken(row)
             try:
-                found = predict(recipe, rung=rung, shares=False)
+                found = known.get(repr(recipe)) or predict(recipe, rung=rung, shares=False)
+                known[repr(recipe)] = found
             except InputError as error:
                 answer |= {"regime": f"not predicted: {error}", "rung": rung}
                 said += outside_remarks(recipe)
@@ -251,8 +259,19 @@ def predict_table(
 
 def _taken(row: Mapping[str, str]) -> list[str]:
     """What of a row was not taken as it stands there."""
-    gauge = _number(row, "needle_gauge")
-    if gauge == gauge and round(gauge) not in GAUGES:
+    said = []
+    gauge = number_in(row, "needle_gauge")
+    if gauge == gauge and _radius(gauge) != _radius(gauge):
         between = f"{min(GAUGES)} to {max(GAUGES)}"
-        return [f"needle_gauge = {gauge:g} is of no needle in the list of gauges ({between}): taken as not given"]
-    return []
+        said.append(f"needle_gauge = {gauge:g} is of no needle in the list of gauges ({between}): taken as not given")
+    exact = [key for key in row if spread_in(row, key)]
+    if exact:
+        said.append(f"the +/- of {', '.join(exact)} is not in the interval")
+    if row.get("solvent_parts") and row.get("solvent"):
+        try:
+            other = set(_solvents(row["solvent"])) != set(_names(row))
+        except InputError:
+            other = True
+        if other:
+            said.append(f"solvent says {row['solvent']}, solvent_parts {row['solvent_parts']}: the latter is taken")
+    return said

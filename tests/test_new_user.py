@@ -1,0 +1,53 @@
+"""One mistake each of a new user at the command line: the message says what to type instead."""
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("5-25 kV", "5 .. 25 kV"),
+        ("5 kV - 25 kV", "5 kV .. 25 kV"),
+        ("5 to 25 kV", "5 .. 25 kV"),
+        ("5 kV, 25 kV", "5 kV .. 25 kV"),
+        ("15 +/- 2 kV", "13 .. 17 kV"),
+        ("(15 ± 2) kV", "13 .. 17 kV"),
+        ("15 kV +/- 20 %", "12 .. 18 kV"),
+    ],
+)
+def test_a_window_says_how_a_range_is_written(spinline, tmp_path, given, meant):
+    """A +/- had been dropped without a word: a window of one voltage."""
+    out = ["--steps", "2", "--no-figure", "-o", tmp_path / "w.nc"]
+    ran = spinline("window", "pan-dmf", "--voltage", given, *out)
+    assert ran.code == 2
+    assert f'write a range as "{meant}"' in ran.err
+    assert spinline("window", "pan-dmf", "--voltage", meant, *out).code == 0
+
+
+@pytest.mark.parametrize("scene", ["pvp-spun", "pan12-blown"])
+def test_a_law_for_input_dat_is_refused_elsewhere(spinline, tmp_path, scene):
+    """It had no effect, whatever it said."""
+    ran = spinline("spin", scene, "--law", "oldroyd", "-o", tmp_path / "j.nc")
+    assert ran.code == 2
+    assert "--law" in ran.err
+    assert "--set jet.law=" in ran.err
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        ["run", "peo5-water", "--no-figure"],
+        ["window", "pan-dmf", "--voltage", "10 kV .. 20 kV", "--no-figure"],
+        ["spin", "pvp-spun"],
+        ["spin", "pan12-blown"],
+        ["reduce", "peo5-images", "--no-figure"],
+    ],
+)
+@pytest.mark.parametrize("suffix", [".csv", ".png", ".XLSX"])
+def test_a_result_is_not_named_as_another_format(spinline, tmp_path, given, suffix):
+    """netCDF had been written into a .csv without a word."""
+    ran = spinline(*given, "-o", tmp_path / f"out{suffix}")
+    assert ran.code == 2
+    assert "is written as netCDF" in ran.err
+    assert "out.nc" in ran.err
+    assert not (tmp_path / f"out{suffix}").exists()
