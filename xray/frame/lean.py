@@ -16,6 +16,11 @@ with w(y) half the section's width, and the section is a little wider for its he
 
 The first is taken off before the slope is, the second goes into it: `Lean.cosine` is height over width. At 12 degrees and R' =
 -0.08 they are 0.003 and 0.002 in the fraction.
+
+A jet that bends, to a circle of radius R/k, is cut in no ellipse: by fits to exact sections its paths seem shorter by
+``k^2 tan^2 t (1 + tan^2 t)/2``, and the middle lies ``0.4 k R tan^2 t/cos t`` aside. Neither is taken off, for the second
+derivative of an axis is too uncertain; `Lean.bend` says how much there is. The axis is followed by a polynomial, of order 6 at
+most unless that leaves it.
 """
 
 from dataclasses import dataclass
@@ -28,6 +33,9 @@ from spinline.xray.frame.track import Track
 __all__ = ["Lean", "axis_lean"]
 
 _HIGHEST = 6  # order of the curve through the axis
+_HIGHEST_BENT = 24  # where that leaves the axis by
+_OFF = 3.0  # its errors, squared, in the mean
+_END = 0.1  # of the rows: towards the ends the curve hardly tells how it bends
 _FEWEST = 4  # rows
 _LEAST_STD = 0.02  # pixels: of an axis, for what no row's noise says
 _SEEN = 3.0  # standard deviations; less is no lean, and matters little
@@ -49,11 +57,17 @@ class Lean:
         Standard deviation of the slope, a mean over rows.
     order : int
         Of the curve that the axis is taken for; 0 where it is not told.
+    bend : float
+        Largest radius of the jet over the radius of the circle that it bends to; 0 where a polynomial of order 6 follows it.
+    bend_error : float
+        Relative error that this may leave on the paths, where it is largest.
     """
 
     slope: FloatArray
     std: float
     order: int
+    bend: float = 0.0
+    bend_error: float = 0.0
 
     @property
     def cosine(self) -> FloatArray:
@@ -76,7 +90,9 @@ class Lean:
         if not self.order:
             return "not told: too few rows show the jet"
         low, high = self.degrees
-        return f"{low:+.2f} to {high:+.2f} degrees +/- {np.degrees(self.std):.2g}" if self.slope.any() else "none seen"
+        bends = f", bending to {1.0 / self.bend:.2g} of its radii" if self.bend > 0 else ""
+        seen = f"{low:+.2f} to {high:+.2f} degrees +/- {np.degrees(self.std):.2g}{bends}"
+        return seen if self.slope.any() else "none seen"
 
 
 def axis_lean(track: Track) -> Lean:
@@ -100,7 +116,19 @@ def axis_lean(track: Track) -> Lean:
     bent = 0.5 * (1.0 - cosine) * cosine * squared.slope(rows, 2)
     cosine = cosine * (1.0 - np.where(np.abs(bent) < _MOST_BENT, bent, 0.0))
     slope = np.sign(slope) * np.sqrt(np.maximum(1.0 / cosine - 1.0, 0.0))
-    return Lean(slope, float(np.sqrt(found.variance(rows).mean())), found.order)
+    return Lean(slope, float(np.sqrt(found.variance(rows).mean())), found.order, *_bend(found, track.radius))
+
+
+def _bend(axis: "_Curve", wide: FloatArray) -> tuple[float, float]:
+    """`Lean.bend` and what it does to the paths; `wide` is half of the jet's section, ``1/cos t`` of its radius."""
+    if axis.order <= _HIGHEST:
+        return 0.0, 0.0
+    tangent = axis.slope(wide.size) ** 2
+    bend = wide * np.abs(axis.slope(wide.size, 2)) / (1.0 + tangent) ** 2
+    end = int(_END * wide.size)
+    inside = slice(end, wide.size - end)
+    shorter = 0.5 * bend**2 * tangent * (1.0 + tangent)
+    return float(np.nanmax(bend[inside])), float(np.nanmax(shorter[inside]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,10 +165,15 @@ class _Curve:
 
 
 def _curve(values: FloatArray, sd: FloatArray, use: BoolArray) -> _Curve:
-    """The polynomial, of order 1 to 6, that values with these errors ask for; values far off it are left out."""
+    """The polynomial, of order 1 to 6, that values with these errors ask for, or of up to 24 where that leaves them; values
+    far off it are left out.
+    """
     x = np.linspace(-1.0, 1.0, values.size)
     best: tuple[float, _Curve] | None = None
-    for order in range(1, min(_HIGHEST, int(use.sum()) // 8 + 1) + 1):
+    left = np.inf  # mean square of what the best one leaves
+    for order in range(1, min(_HIGHEST_BENT, int(use.sum()) // 8 + 1) + 1):
+        if order > _HIGHEST and left < _OFF:
+            break
         kept = use.copy()
         columns = np.polynomial.legendre.legvander(x, order)
         for _ in range(3):
@@ -157,6 +190,7 @@ def _curve(values: FloatArray, sd: FloatArray, use: BoolArray) -> _Curve:
         covariance = np.linalg.pinv(weighted.T @ weighted) * max(chi / freedom, 1.0)
         score = chi + (order + 1) * np.log(kept.sum())
         if best is None or score < best[0] - 6.0:
+            left = chi / freedom
             best = float(score), _Curve(np.asarray(c, dtype=np.float64), np.asarray(covariance, dtype=np.float64))
     assert best is not None
     return best[1]

@@ -49,6 +49,7 @@ _LEAN_MATTERS = 1e-4  # of the paths
 
 
 _LEANS = 1.0  # degrees from which on a remark says so
+_BENDS = 0.01  # of the paths
 
 
 def prepare(
@@ -251,6 +252,13 @@ def _looked_at(experiment: Experiment, frame: Frame, track: Track, facts: dict[s
         remarks.append(
             f"the jet leans by {angle:.2g} degrees in the image: chord and radius are corrected by the cosine; left out, "
             f"the fraction would shift by {-worth:+.2g}"
+        )
+    if experiment.lean.bend_error > _BENDS:
+        a = experiment.absorber
+        worth = abs((a.solvent - a.air) / a.contrast) * experiment.lean.bend_error
+        remarks.append(
+            f"the jet bends to a circle of {1.0 / experiment.lean.bend:.2g} of its radii: rows cut no ellipse there, and the "
+            f"fraction may be off by {worth:.1g}; take the rows where it is straight"
         )
     if images.method in ("chord", "map") and medium is not None and medium.energy_kev.size > 1:
         radius = float(np.median(track.radius)) * experiment.pixel
