@@ -24,7 +24,9 @@ def chords(aside, reach):
     for down in (-1 / 3, 0, 1 / 3):
         for right in (-1 / 3, 0, 1 / 3):
             places = np.stack((rows + down, columns + right), axis=-1)
-            total += 2 * np.sqrt(np.maximum(RADIUS**2 - tree.query(places, distance_upper_bound=RADIUS)[0] ** 2, 0.0)) / 9
+            total += (
+                2 * np.sqrt(np.maximum(RADIUS**2 - tree.query(places, distance_upper_bound=RADIUS)[0] ** 2, 0.0)) / 9
+            )
     return total
 
 
@@ -43,12 +45,13 @@ def lean_of(aside, reach):
 
 @pytest.mark.parametrize(("aside", "reach", "bends"), [(20, 40, 0.14), (20, 30, 0.25), (30, 40, 0.2), (30, 30, 0.37)])
 def test_the_axis_of_a_jet_that_bends_is_followed(aside, reach, bends):
-    """A polynomial of order six had left paths 3 to 10 % wrong, without a word."""
+    """A polynomial of order six had left paths 1.4 to 17 % wrong at their worst, without a word."""
     lean, slope = lean_of(aside, reach)
     assert lean.order > 6
     assert lean.bend == pytest.approx(bends, rel=0.2)
     off = lean.cosine * np.hypot(1.0, slope) - 1.0
-    assert np.sqrt(np.mean(off[16:-16] ** 2)) < 0.005
+    assert np.sqrt(np.mean(off**2)) < 0.007
+    assert np.abs(off).max() < 0.02
     assert "of its radii" in lean.words()
 
 

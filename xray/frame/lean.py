@@ -105,12 +105,12 @@ def axis_lean(track: Track) -> Lean:
     wide = np.maximum(np.where(np.isfinite(track.radius_std), track.radius_std, np.inf), _LEAST_STD)
     squared = _curve(track.radius**2, 2.0 * track.radius * wide, use)
     thinning = 0.5 * squared.slope(rows)
-    axis, found = track.axis, _curve(track.axis, sd, use)
+    axis, found = track.axis, _curve(track.axis, sd, use, _HIGHEST_BENT)
     if found.seen(rows).any():
         for _ in range(_TURNS):
             lean = found.slope(rows)
             axis = track.axis - thinning * lean / (1.0 + lean**2)
-            found = _curve(axis, sd, use)
+            found = _curve(axis, sd, use, _HIGHEST_BENT)
     slope = found.seen(rows)
     cosine = 1.0 / (1.0 + slope**2)  # squared
     bent = 0.5 * (1.0 - cosine) * cosine * squared.slope(rows, 2)
@@ -164,15 +164,15 @@ class _Curve:
         return np.asarray(np.sign(slope) * np.sqrt(seen))
 
 
-def _curve(values: FloatArray, sd: FloatArray, use: BoolArray) -> _Curve:
-    """The polynomial, of order 1 to 6, that values with these errors ask for, or of up to 24 where that leaves them; values
-    far off it are left out.
+def _curve(values: FloatArray, sd: FloatArray, use: BoolArray, bent: int = _HIGHEST) -> _Curve:
+    """The polynomial, of order 1 to 6, that values with these errors ask for, or of up to `bent` where that leaves them;
+    values far off it are left out.
     """
     x = np.linspace(-1.0, 1.0, values.size)
     best: tuple[float, _Curve] | None = None
     left = np.inf  # mean square of what the best one leaves
-    for order in range(1, min(_HIGHEST_BENT, int(use.sum()) // 8 + 1) + 1):
-        if order > _HIGHEST and left < _OFF:
+    for order in range(1, min(bent, int(use.sum()) // 8 + 1) + 1):
+        if order > _HIGHEST and left < _OFF:  # more would follow noise, and what a bend does to the sections
             break
         kept = use.copy()
         columns = np.polynomial.legendre.legvander(x, order)
