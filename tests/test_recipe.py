@@ -12,9 +12,11 @@ import spinline as sl
 from spinline.base.errors import InputError
 from spinline.recipe import Measurement, Recipe, load_recipe, predict_table, read_experiments, recipes_of
 from spinline.recipe.believe import evaporation_rate
+from spinline.recipe.mixture_text import parted
 from spinline.recipe.predict import predict
 from spinline.recipe.recipe_file import bundled_recipes
-from spinline.rheology.solvents import mixture_density
+from spinline.rheology.names import known_as
+from spinline.rheology.solvents import SOLVENTS, mixture_density
 
 DATA = Path(__file__).parent / "data" / "spindb" / "experiments-sample.csv"
 PAN = Recipe(
@@ -283,6 +285,20 @@ def test_mixtures_that_are_none_say_why(solvent, words):
     row = {"polymer": "PVDF", "concentration_wt_percent": "12", "voltage_kV": "15", "flow_rate_mL_per_h": "1"}
     (answer,) = predict_table([{**row, "distance_cm": "15", "solvent": solvent}])
     assert words in answer["regime"]
+
+
+def test_a_cell_of_thousands_of_parts_is_answered_at_once():
+    """Every run of its words had been tried as a name: minutes for 2,000 of them."""
+    known = []
+
+    def unknown(name):
+        known.append(name)
+
+    found, rest = parted("-".join("abcd" for _ in range(2000)), unknown)
+    assert (found, len(rest)) == ([], 9999)
+    assert len(known) <= 13
+    longest = "1,1,1,3,3,3-hexafluoro-2-propanol-DMF"
+    assert parted(longest, lambda name: known_as(name, SOLVENTS)) == (["HFIP", "DMF"], "")
 
 
 def test_a_polymer_that_is_not_in_the_library_is_said():

@@ -210,3 +210,11 @@ def test_equal_experiments_are_predicted_once(monkeypatch, tmp_path) -> None:
     found = predict_table(read_experiments(tmp_path / "t.csv"))
     assert len(calls) == 1
     assert [row["predicted_nm"] for row in found] == [found[0]["predicted_nm"]] * 50
+
+
+@pytest.mark.parametrize("measured", ["d (nm)", "d [nm]", "D/nm", "diameter (nm)"])
+def test_a_column_of_diameters_is_no_distance(recipes, measured) -> None:
+    """The d of a fibre in nanometres had been read as the distance to the collector."""
+    (plain,) = recipes(text(rows=[ROWS[0]]))
+    (beside,) = recipes(text([*HEAD, measured], [[*ROWS[0], "320"]]))
+    assert beside == plain

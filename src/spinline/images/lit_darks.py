@@ -9,9 +9,8 @@ from spinline.images.sums import FrameSum
 
 __all__ = ["lit_darks"]
 
-_NOISE = (
-    8.0  # standard deviations of a dark's counts, by Poisson: no median of a frame's pixels leaves the others' by that
-)
+# standard deviations of a dark's counts, by Poisson: no median of a frame's pixels leaves the others' by that
+_NOISE = 8.0
 _LEAST = 20.0  # counts
 
 

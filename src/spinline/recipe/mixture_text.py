@@ -15,6 +15,7 @@ _BY = re.compile(
     r"\(?\b(?:v/v|w/w|wt/wt|vol/vol|m/m|by (?:volume|mass|weight)|vol(?:ume)?|wt|weight|mass|ratio|parts?)\b\)?", re.I
 )
 _SALT = re.compile(r"\b(?:NaCl|LiCl|KCl|CaCl2|MgCl2|LiBr|TBAB|TEAB|BTEAC|CTAB|SDS|salt)\b", re.IGNORECASE)
+_MOST_WORDS = 25  # of one name, and what stands between them: 1,1,1,3,3,3-hexafluoro-2-propanol has 17
 _ROOM = 298.15  # K: at which parts by volume are measured out
 
 
@@ -70,7 +71,7 @@ def parted(text: str, known: Callable[[str], str | None]) -> tuple[list[str], st
     words = re.split(r"(\s*[-–/:;+&|_,]\s*|\s+and\s+)", text.strip())  # words, and what stands between, in turn
     found, at = [], 0
     while at < len(words):
-        for stop in range(len(words), at, -2):
+        for stop in range(min(len(words), at + _MOST_WORDS), at, -2):
             name = known("".join(words[at:stop]))
             if name is not None:
                 found.append(name)

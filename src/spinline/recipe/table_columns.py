@@ -45,7 +45,6 @@ COLUMNS: Mapping[str, _Known] = {
             "needle_to_collector_distance",
             "collector_distance",
             "working_distance",
-            "d",
         ),
     ),
     "temperature_degC": _Known("temperature", "degC", ("temperature", "temp", "air_temperature", "t")),
