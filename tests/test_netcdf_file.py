@@ -2,6 +2,8 @@
 
 import io
 import re
+import subprocess
+import sys
 
 import h5netcdf
 import numpy as np
@@ -189,3 +191,54 @@ def test_times_of_every_kind_are_the_index_that_xarray_makes(times) -> None:
     assert made.sizes == whole.sizes
     assert made.indexes["t"].identical(whole.indexes["t"])
     assert made.indexes["t"].dtype == whole.indexes["t"].dtype
+
+
+_STOPPED = """
+import gc, os, signal
+import numpy as np
+from spinline.base.files import streaming
+from spinline.base.netcdf_file import NetcdfFile
+
+class Asked:
+    def __init__(self, sink, moment):
+        self.sink, self.moment, self.calls = sink, moment, 0
+    def __getattr__(self, name):
+        self.calls += 1
+        if self.calls == self.moment:
+            os.kill(os.getpid(), signal.SIGINT)
+        return lambda *given: getattr(self.sink, name)(*given)
+
+def write(moment):
+    with streaming("a.nc", force=True, sealing=True) as sink:
+        asked = Asked(sink, moment)
+        with NetcdfFile(asked, {"x": 4, "t": 0}, ["t"]) as file:
+            file.variable("x", ("x",), "f8", {"units": "m"})
+            file.variable("y", ("t", "x"), "f4", {"units": "m"}, fill=np.nan)
+            file.attributes({"title": "a"})
+            file.write("x", np.arange(4.0))
+            for row in range(3):
+                file.resize(t=row + 1)
+                file.write("y", np.full((1, 4), row, "f4"), row)
+    return asked.calls
+
+calls, stopped = write(0), 0
+for moment in range(1, calls + 1):
+    try:
+        write(moment)
+    except KeyboardInterrupt:
+        stopped += 1
+    gc.collect()
+print(calls, stopped)
+"""
+
+
+def test_a_signal_in_the_middle_of_hdf5_waits_for_it(tmp_path) -> None:
+    """Ctrl-C at every call that HDF5 makes of its file; where such a call raises while it closes, HDF5 ends the process."""
+    ran = subprocess.run(
+        [sys.executable, "-c", _STOPPED], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert (ran.returncode, ran.stderr) == (0, "")
+    calls, stopped = map(int, ran.stdout.split())
+    assert calls == stopped > 20
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
+    np.testing.assert_array_equal(open_dataset(tmp_path / "a.nc")["y"].values[:, 0], [0.0, 1.0, 2.0])

@@ -2,14 +2,17 @@
 
 netCDF-4 is HDF5 with named axes ("NetCDF-4 File Format Specification", Unidata): a dimension is a dimension scale, that of
 the variable of its name or of nothing; a variable has the scales of its dimensions attached. A general library asks the file
-anew at every step, some 5 ms a variable; here each thing is written once.
+anew at every step, some 5 ms a variable; here each thing is written once. Signals wait for HDF5, which crashes where its
+file raises.
 """
 
 from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
 
+from spinline.base.held_signals import signals_held
 from spinline.base.version import __version__
 
 __all__ = ["OLD_READERS", "NetcdfFile", "attribute"]
@@ -37,24 +40,30 @@ class NetcdfFile:
         import h5py
 
         self._h5 = h5py
-        self._file = h5py.File(stream, "w", libver=OLD_READERS, track_order=True)
         self.sizes = dict(sizes)
         self._grows = frozenset(grows)
         self._made: dict[str, Any] = {}
         self._along: dict[str, tuple[str, ...]] = {}
         self._text = h5py.h5t.py_create(h5py.string_dtype(), logical=True)
         self._scalar = h5py.h5s.create(h5py.h5s.SCALAR)
-        self._describe(self._file.id, "_NCProperties", np.bytes_(f"version=2,spinline={__version__}"))
+        with ExitStack() as opened:  # closed again where a signal has waited
+            with signals_held():
+                self._file = h5py.File(stream, "w", libver=OLD_READERS, track_order=True)
+                opened.push(self)
+                self._describe(self._file.id, "_NCProperties", np.bytes_(f"version=2,spinline={__version__}"))
+            opened.pop_all()
 
     def __enter__(self) -> "NetcdfFile":
         return self
 
+    @signals_held()
     def __exit__(self, kind: Any, *_: object) -> None:
         if kind is None:
             self._name_dimensions()
         self._made.clear()
         self._file.close()
 
+    @signals_held()
     def variable(
         self,
         name: str,
@@ -87,11 +96,13 @@ class NetcdfFile:
         for key, value in attributes.items():
             self._describe(made, key, attribute(value))
 
+    @signals_held()
     def attributes(self, attributes: Mapping[str, Any]) -> None:
         """Attributes of the file."""
         for key, value in attributes.items():
             self._describe(self._file.id, key, attribute(value))
 
+    @signals_held()
     def write(self, name: str, values: Any, at: int = 0) -> None:
         """Values of a variable, from `at` on along its first dimension."""
         array = np.ascontiguousarray(values) if np.ndim(values) else np.asarray(values)
@@ -105,6 +116,7 @@ class NetcdfFile:
             there.select_hyperslab((at, *(0,) * (array.ndim - 1)), array.shape)
         made.write(self._h5.h5s.create_simple(array.shape) if array.ndim else self._scalar, there, array)
 
+    @signals_held()
     def resize(self, **sizes: int) -> None:
         """Lengthen dimensions."""
         for dim, size in sizes.items():
