@@ -212,6 +212,19 @@ def test_a_signal_is_not_lost(number, status, where, tmp_path) -> None:
     assert "fault of this program" not in ran.stderr
 
 
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_signal_before_the_command_itself_ends_without_a_traceback(number, status, tmp_path) -> None:
+    code = (
+        "import os, sys, time\nfrom spinline.cli import commands\n"
+        f"def note(words):\n os.kill(os.getpid(), {int(number)}); time.sleep(5)\n"
+        "commands._note_arguments = note\ncommands.main()"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
+    )
+    assert (ran.returncode, ran.stderr) == (status, "")
+
+
 # --- what is read ------------------------------------------------------------------------------------------------------
 
 

@@ -377,6 +377,8 @@ def main() -> None:
     except SystemExit as ended:
         code = ended.code if isinstance(ended.code, int) else int(ended.code is not None)
         code = _flushed(code)
+    except KeyboardInterrupt:  # before or behind the command itself
+        code = 128 + stopped[0] if stopped else 130
     except InputError as error:
         say(f"error: {error}", err=True)
         code = 2
