@@ -116,9 +116,9 @@ def test_attributes_that_do_nothing_are_no_packing(tmp_path, name, value) -> Non
 
 
 @pytest.mark.parametrize("lit", [(2,), (0, 11), ()])
-def test_light_in_a_dark_is_said(tmp_path, lit) -> None:
+def test_light_in_a_dark_is_left_out(tmp_path, lit) -> None:
     """One open shutter in twelve darks had given 0.05 for a fraction of 0.15 with no word of the dark."""
-    from spinline.images.lit_darks import lit_darks
+    from spinline.images.odd_frames import without_light
     from spinline.images.sums import sum_frames
 
     rng = np.random.default_rng(3)
@@ -129,8 +129,11 @@ def test_light_in_a_dark_is_said(tmp_path, lit) -> None:
     darks[7] += 40  # nor is a dark that drifts
     np.save(tmp_path / "dark.npy", darks)
     stack = open_stack("dark.npy", "dark", folder=tmp_path)
-    said = lit_darks(stack, sum_frames(stack))
+    total, said = without_light(stack, sum_frames(stack))
+    rest = np.delete(darks, lit, axis=0)
+    assert (total.total == rest.sum(axis=0, dtype=np.int64)).all()
+    assert ((total.exposures == len(rest)).all(), total.used) == (True, len(rest))
     assert len(said) == (1 if lit else 0)
     if lit:
         assert f"{len(lit)} of 12 frames" in said[0]
-        assert f": {', '.join(map(str, lit))}. Was the shutter open?" in said[0]
+        assert f"are left out: {', '.join(map(str, lit))}. Was the shutter open?" in said[0]

@@ -79,6 +79,7 @@ PACKAGES = [
     "spinline.images.photons",
     "spinline.images.flat_and_dark",
     "spinline.images.noise",
+    "spinline.images.odd_frames",
     "spinline.images.sums",
     "spinline.images.stacks",
     "spinline.images.formats",

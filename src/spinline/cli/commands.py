@@ -450,10 +450,8 @@ def _crossover_line(result: "NamedArrays") -> str:
     line = headline(result)
     position = float(result["crossover_extension_position"])
     if position == position:
-        share, radius = (
-            float(result.attrs["crossover_extension_criterion"]),
-            float(result["crossover_extension_radius"]),
-        )
+        share = float(result.attrs["crossover_extension_criterion"])
+        radius = float(result["crossover_extension_radius"])
         line += f"; extension {share:g} at {1e3 * position:.3g} mm, radius {1e6 * radius:.3g} µm"
     return line
 

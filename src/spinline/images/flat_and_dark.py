@@ -11,8 +11,8 @@ import numpy as np
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
-from spinline.images.lit_darks import lit_darks
 from spinline.images.noise import PairNoise, pair_noise
+from spinline.images.odd_frames import without_light, without_shadow
 from spinline.images.sources import opened, part_of, slices, spoken, stack_of
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, sample_frames, sum_frames
@@ -24,6 +24,7 @@ __all__ = ["Fields", "build_fields", "linear", "mean_part", "open_counts", "slic
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 _AVERAGED = 2.5  # times less noise in the flats than their gain says: they are means
 _EXCESS = 1.05  # more noise than the gain says, and by over 5 of its errors, is taken into the errors
+_FEW_FRAMES = 16  # with the jet, that say how it looks
 _COPY = 1e30  # exposures of a flat without noise
 
 
@@ -157,7 +158,7 @@ def build_fields(images: Images, counts: Stack) -> Fields:
             raise InputError("flat_after", "goes with a flat from a file", remedy="take it out")
     else:
         stack, part = opened(source, "flat", images, counts), slices(source)
-        flat, exposures = _mean_flat(source, stack, counts, dark, images, bad, remarks)
+        flat, exposures, stack = _mean_flat(source, stack, counts, dark, images, bad, remarks)
         notes["flat"] = f"{source.file}, {stack.frames} frames" + (
             f", {spoken(source)}" if source.rows or source.columns else ""
         )
@@ -254,7 +255,7 @@ def _after(
     if after.file is None:
         raise InputError("flat_after", "is a part of the frames", remedy="name a file, as for flat")
     later = opened(after, "flat_after", images, counts)
-    flat, exposures = _mean_flat(after, later, counts, dark, images, bad, remarks)
+    flat, exposures, later = _mean_flat(after, later, counts, dark, images, bad, remarks)
     return flat, exposures, f"{after.file}, {later.frames} frames"
 
 
@@ -341,7 +342,9 @@ def _dark(images: Images, counts: Stack, notes: dict[str, str], remarks: list[st
     stack = opened(source, "dark", images, counts)
     total = sum_frames(stack)
     remarks += total.remarks(stack)
-    remarks += lit_darks(stack, total)
+    total, said = without_light(stack, total)
+    stack = stack.without(total.odd)
+    remarks += said
     mean = _mean_of(source, stack, total)
     notes["dark"] = f"{source.file}, {stack.frames} frames"
     level = np.broadcast_to(mean, shape).copy()
@@ -354,11 +357,17 @@ def _dark(images: Images, counts: Stack, notes: dict[str, str], remarks: list[st
 
 def _mean_flat(
     source: Source, stack: Stack, counts: Stack, dark: FloatArray, images: Images, bad: BoolArray, remarks: list[str]
-) -> tuple[FloatArray, float]:
-    """Flat above dark, and exposures that each of its numbers is a mean of; saturated and marked pixels go into `bad`."""
+) -> tuple[FloatArray, float, Stack]:
+    """Flat above dark, exposures that each of its numbers is a mean of, and the stack without frames that show the jet.
+
+    Saturated and marked pixels go into `bad`.
+    """
     shape = (counts.rows, counts.columns)
     total = sum_frames(stack)
     remarks += total.remarks(stack)
+    if total.used > 1 and stack.rows == counts.rows and counts.frames > 1:
+        total, said = without_shadow(stack, total, dark, sample_frames(counts, _FEW_FRAMES), images.gain)
+        remarks += said
     mean = _mean_of(source, stack, total)
     if total.total.shape == shape:
         clipped = total.saturated(images.saturation, whole=True)
@@ -373,7 +382,7 @@ def _mean_flat(
         bad |= clipped | total.marked
     flat = np.broadcast_to(mean, shape) - dark
     averaged = _pixels_in_mean(source, stack) * images.flat_frames
-    return np.where(np.isfinite(flat), flat, 0.0), float(total.used * averaged)
+    return np.where(np.isfinite(flat), flat, 0.0), float(total.used * averaged), stack.without(total.odd)
 
 
 def _mean_of(source: Source, stack: Stack, total: FrameSum) -> FloatArray:

@@ -5,7 +5,7 @@ numbers in their names, each with as many frames as it holds. Nothing is loaded 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from spinline.base.errors import InputError
 from spinline.images.file_names import gaps, in_order, kinds, no_file
 from spinline.images.formats.base import Account, Array, FrameReader, open_file, split_source
+from spinline.xray.frame.strips import Bands
 
 __all__ = ["Stack", "open_stack"]
 
@@ -79,6 +80,11 @@ class Stack:
         pixels = self.reader.shape[1] * self.reader.shape[2]
         return max(1, _AT_ONCE // max(1, pixels * self.dtype.itemsize))
 
+    @property
+    def bands(self) -> Bands:
+        """Where strips of the frames are taken."""
+        return Bands.of(self.frames, self.rows, self.columns)
+
     def read(self, start: int, stop: int) -> Array:
         """Frames from `start` to before `stop`: (frames, rows, columns)."""
         which = self.chosen[start:stop]
@@ -108,6 +114,10 @@ class Stack:
         block = np.swapaxes(block, 1, 2) if self.transpose else block
         block = block[:, self.rows_part, self.columns_part]
         return block if self.turned is None else self.turned(block)
+
+    def without(self, frames: tuple[int, ...]) -> "Stack":
+        """The stack without some of its frames."""
+        return replace(self, chosen=tuple(at for i, at in enumerate(self.chosen) if i not in frames))
 
     def source(self, frame: int) -> str:
         """File, and frame in it, that a frame of the stack comes from."""

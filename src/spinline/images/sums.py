@@ -10,7 +10,7 @@ the same to the last bit are one, copied.
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Any
 
@@ -21,8 +21,9 @@ from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
 from spinline.images.formats.base import Array
 from spinline.images.stacks import Stack
+from spinline.xray.frame.strips import Bands
 
-__all__ = ["FrameSum", "one_frame", "sample_frames", "sum_frames"]
+__all__ = ["FrameSum", "listed", "one_frame", "sample_frames", "sum_frames", "without"]
 
 _PILE_FROM = 100.0  # counts; below, a few values are all there are
 _BRIGHT = 5.0  # counts over the lowest, a median over the frame: from here on no row is of one number by chance
@@ -62,6 +63,11 @@ class FrameSum:
         left out.
     marked : ndarray of bool, shape (rows, columns)
         Pixels that the detector marks as invalid.
+    odd : tuple of int
+        Frames taken out again, see `without`.
+    strips : ndarray, shape (frames, bands, bins)
+        Of frames in the sum, whose numbers are `kept`; see `Bands`.
+    kept : tuple of int
     """
 
     total: FloatArray
@@ -72,11 +78,14 @@ class FrameSum:
     copies: tuple[int, ...] = ()
     torn: tuple[int, ...] = ()
     marked: BoolArray = field(default_factory=lambda: np.zeros((0, 0), dtype=np.bool_))
+    odd: tuple[int, ...] = ()
+    strips: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    kept: tuple[int, ...] = ()
 
     @property
     def used(self) -> int:
         """Frames in the sum."""
-        return self.frames - len(self.lost) - len(self.copies)
+        return self.frames - len(self.lost) - len(self.copies) - len(self.odd)
 
     def saturated(self, level: float | None, whole: bool) -> BoolArray:
         """Pixels at or over the level in any frame; if not given, those that pile up at a power of two less one."""
@@ -112,17 +121,18 @@ class FrameSum:
             (self.torn, "have rows of one number throughout (torn frames), or patches of zeros, which are left out"),
         ):
             if which:
-                said.append(f"{stack.key}: {len(which)} of {self.frames} frames {words}: {_listed(which)}")
+                said.append(f"{stack.key}: {len(which)} of {self.frames} frames {words}: {listed(which)}")
         return said
 
 
-def _listed(which: tuple[int, ...]) -> str:
+def listed(which: tuple[int, ...]) -> str:
+    """Numbers of frames in words, the first dozen of them."""
     return ", ".join(map(str, which[:12])) + (", ..." if len(which) > 12 else "")
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Sum, number, maximum and lost frames of one piece."""
+    """Sum, number, maximum, lost frames and strips of one piece."""
 
     stop: int
     total: Array
@@ -131,6 +141,8 @@ class _Piece:
     lost: tuple[int, ...]
     copies: tuple[int, ...]
     torn: tuple[int, ...]
+    kept: tuple[int, ...]
+    strips: Array
 
 
 def sum_frames(
@@ -164,14 +176,12 @@ def sum_frames(
     """
     shape = (stack.rows, stack.columns)
     if begun is None:
-        total, exposures = np.zeros(shape), np.zeros(shape, dtype=np.int64)
-        highest, at = np.full(shape, -np.inf), 0
-        lost: tuple[int, ...] = ()
-        copies: tuple[int, ...] = ()
-        torn: tuple[int, ...] = ()
-    else:
-        total, exposures, highest, at = begun.total.copy(), begun.exposures.copy(), begun.highest.copy(), begun.frames
-        lost, copies, torn = begun.lost, begun.copies, begun.torn
+        begun = FrameSum(np.zeros(shape), np.zeros(shape, dtype=np.int64), np.full(shape, -np.inf), 0)
+    total, exposures, highest = begun.total.copy(), begun.exposures.copy(), begun.highest.copy()
+    lost, copies, torn, kept = begun.lost, begun.copies, begun.torn, begun.kept
+    bands = stack.bands
+    strips = np.empty((len(bands.kept(0, stack.frames)), len(bands.starts), bands.bins), dtype=np.float32)
+    strips[: len(kept)] = begun.strips[: len(kept)].reshape(len(kept), *strips.shape[1:])
     bright = _bright(stack)
     lasts: dict[int, Array] = {}
 
@@ -183,17 +193,21 @@ def sum_frames(
         block = stack.read(start, stop)
         if not stack.reader.threads:
             lasts[stop] = block[-1].copy()
-        return _piece(stack, block, start, bright, before)
+        return _piece(stack, block, start, bright, before, bands)
 
-    starts = range(at, stack.frames, stack.at_once)
-    so_far = FrameSum(total, exposures, highest, at, lost, copies, torn)
+    starts = range(begun.frames, stack.frames, stack.at_once)
+    so_far = begun
     with ThreadPoolExecutor(threads if stack.reader.threads else 1) as pool:
         for piece in _in_order(pool, one, starts, threads + 1):
             np.add(total, piece.total, out=total)
             np.add(exposures, piece.seen, out=exposures)
             np.maximum(highest, piece.high, out=highest)
             lost, copies, torn = lost + piece.lost, copies + piece.copies, torn + piece.torn
-            so_far = FrameSum(total, exposures, highest, piece.stop, lost, copies, torn)
+            strips[len(kept) : len(kept) + len(piece.kept)] = piece.strips
+            kept += piece.kept
+            so_far = FrameSum(
+                total, exposures, highest, piece.stop, lost, copies, torn, strips=strips[: len(kept)], kept=kept
+            )
             if pause is not None:
                 pause(so_far)
     return _finished(stack, so_far)
@@ -211,7 +225,7 @@ def _finished(stack: Stack, so_far: FrameSum) -> FrameSum:
     marked = _marked(stack.dtype, so_far)
     exposures = np.where(marked, 0, so_far.exposures)
     total = np.where(marked, 0.0, so_far.total)
-    return FrameSum(total, exposures, so_far.highest, so_far.frames, so_far.lost, so_far.copies, so_far.torn, marked)
+    return replace(so_far, total=total, exposures=exposures, marked=marked)
 
 
 def _marked(dtype: np.dtype[Any], so_far: FrameSum) -> BoolArray:
@@ -326,7 +340,9 @@ def _no_measurement(block: Array, look: _Look) -> BoolArray | None:
     return invalid
 
 
-def _piece(stack: Stack, block: Array, start: int, look: _Look, before: Array | None) -> _Piece:
+def _piece(
+    stack: Stack, block: Array, start: int, look: _Look, before: Array | None, bands: Bands | None = None
+) -> _Piece:
     """One piece of a stack, looked through and added up."""
     stop = start + block.shape[0]
     lost: tuple[int, ...] = ()
@@ -358,14 +374,18 @@ def _piece(stack: Stack, block: Array, start: int, look: _Look, before: Array | 
     if rows is not None and rows.any():
         out = np.broadcast_to(rows[:, :, None], block.shape)
         invalid = out if invalid is None else invalid | out
+    kept = () if bands is None else tuple(i for i in bands.kept(start, stop) if i not in {*lost, *copies})
+    at = [i - start for i in kept]
+    strips: Array = np.zeros(0) if bands is None else bands.strips(block, at, None if invalid is None else ~invalid)
+    told = lost, copies, torn, kept, strips
     if invalid is None:
-        return _Piece(stop, _summed(block), np.asarray(stop - start), block.max(axis=0), lost, copies, torn)
+        return _Piece(stop, _summed(block), np.asarray(stop - start), block.max(axis=0), *told)
     good = ~invalid
     seen = good.sum(axis=0)
     lowest = -np.inf if block.dtype.kind == "f" else np.iinfo(block.dtype).min
     high = np.max(block, axis=0, where=good, initial=lowest).astype(np.float64)
     high[seen == 0] = -np.inf
-    return _Piece(stop, _summed(block, good), seen, high, lost, copies, torn)
+    return _Piece(stop, _summed(block, good), seen, high, *told)
 
 
 def _summed(block: Array, good: BoolArray | None = None) -> Array:
@@ -434,18 +454,40 @@ def sample_frames(stack: Stack, most: int = 64) -> FrameSum:
     """Sum of up to `most` frames, spread over the stack."""
     if stack.frames <= most:
         return sum_frames(stack)
-    bright = _bright(stack)
+    look = _Look(_bright(stack).bright, False)
     picked = np.unique(np.linspace(0, stack.frames - 1, most).astype(int)).tolist()
-    alone = _Look(bright.bright, False)
-    parts = [_piece(stack, stack.read(i, i + 1), i, alone, None) for i in picked]
-    lost, copies, torn = (tuple(j for p in parts for j in getattr(p, name)) for name in ("lost", "copies", "torn"))
-    so_far = FrameSum(
-        np.sum([p.total for p in parts], axis=0, dtype=np.float64),
-        np.sum([np.broadcast_to(p.seen, (stack.rows, stack.columns)) for p in parts], axis=0),
-        np.max([p.high for p in parts], axis=0).astype(np.float64),
-        len(picked),
-        lost,
-        copies,
-        torn,
+    return _finished(stack, _of_some(stack, picked, look, replace(stack.bands, every=1)))
+
+
+def without(stack: Stack, summed: FrameSum, odd: tuple[int, ...]) -> FrameSum:
+    """A sum with some of its frames taken out again."""
+    out = _of_some(stack, list(odd), replace(_bright(stack), noisy=False), None)
+    good = ~summed.marked if summed.marked.size else True
+    stay = [i not in odd for i in summed.kept]
+    return replace(
+        summed,
+        total=summed.total - np.where(good, out.total, 0.0),
+        exposures=summed.exposures - np.where(good, out.exposures, 0),
+        odd=odd,
+        strips=summed.strips[stay],
+        kept=tuple(i for i in summed.kept if i not in odd),
     )
-    return _finished(stack, so_far)
+
+
+def _of_some(stack: Stack, picked: list[int], look: _Look, bands: Bands | None) -> FrameSum:
+    """Some frames, added up one by one."""
+    shape = (stack.rows, stack.columns)
+    total, exposures = np.zeros(shape), np.zeros(shape, dtype=np.int64)
+    highest, parts = np.full(shape, -np.inf), []
+    for i in picked:
+        part = _piece(stack, stack.read(i, i + 1), i, look, None, bands)
+        total += part.total
+        exposures += part.seen
+        np.maximum(highest, part.high, out=highest)
+        parts.append(part)
+    lost, copies, torn, kept = (tuple(j for p in parts for j in getattr(p, name)) for name in _NUMBERS)
+    strips = np.concatenate([p.strips for p in parts]) if bands is not None else np.zeros((0, 0, 0))
+    return FrameSum(total, exposures, highest, len(picked), lost, copies, torn, strips=strips, kept=kept)
+
+
+_NUMBERS = ("lost", "copies", "torn", "kept")

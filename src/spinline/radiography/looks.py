@@ -38,6 +38,7 @@ __all__ = [
 
 #: Significance of fringes that is an alarm.
 FRINGES = 5.0
+_OTHER = 1.4  # times the flat's exposure
 _UNTOLD, _STEEPEST = 0.1, 60.0  # of the paths; degrees
 
 
@@ -217,6 +218,11 @@ def odd_facts(facts: dict[str, float]) -> list[str]:
         said.append(
             f"{facts['piled_up_pixels']:.0f} pixels hold exactly the highest count, {facts['highest_count']:g}: if the "
             f"detector clips there, the fraction is wrong; give saturation = {facts['highest_count']:g}"
+        )
+    if not 1.0 / _OTHER < facts["level"] < _OTHER:
+        said.append(
+            f"beside the jet the counts are {facts['level']:.3g} of the flat: another exposure or another scale; the dark that "
+            "is taken off has to be that of the counts too (0.1 % of the beam in it shifts the fraction by 0.004)"
         )
     if facts["flat_noise"] > 1.05:
         said.append(

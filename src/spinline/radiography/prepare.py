@@ -14,6 +14,7 @@ from spinline.base.errors import InputError
 from spinline.images.flat_and_dark import Fields, build_fields, open_counts
 from spinline.images.geometry import path_factor
 from spinline.images.metadata import with_metadata
+from spinline.images.odd_frames import with_jet
 from spinline.images.photons import photons_frame, residual_outliers
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sample_frames
@@ -92,6 +93,9 @@ def first_look(
     remarks += fields.remarks
     summed = summing(stack)
     remarks += summed.remarks(stack)
+    if not images.each:
+        summed, said = with_jet(stack, summed, fields.dark, fields.flat, fields.gain / fields.excess)
+        remarks += said
     rough, facts = photons_frame(images, fields, summed, 1.0, 0.0)
     pixel, pixel_std = measured_pixel(images, rough, notes)
     blur = _given_blur(images, medium, pixel, notes)

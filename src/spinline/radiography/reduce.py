@@ -168,8 +168,9 @@ def _flagged(fit: FrameFit, fringes: float) -> FrameFit:
 def _summed(stack: Stack, job: Checkpoint | None, said: Progress, name: str = "sum") -> FrameSum:
     begun = None
     if job is not None and (kept := job.load(name)) is not None:
-        lost, copies, torn = (tuple(kept[name].tolist()) for name in ("lost", "copies", "torn"))
+        lost, copies, torn, of_strips = (tuple(kept[which].tolist()) for which in _FRAMES_OF_SUM)
         begun = FrameSum(kept["total"], kept["exposures"], kept["highest"], int(kept["frames"]), lost, copies, torn)
+        begun = replace(begun, strips=kept["strips"], kept=of_strips)
     last = time.monotonic()
 
     def pause(so_far: FrameSum) -> None:
@@ -181,12 +182,16 @@ def _summed(stack: Stack, job: Checkpoint | None, said: Progress, name: str = "s
                 total=so_far.total,
                 exposures=so_far.exposures,
                 highest=so_far.highest,
+                strips=so_far.strips,
                 frames=np.array(so_far.frames),
-                **{name: np.array(getattr(so_far, name), dtype=np.int64) for name in ("lost", "copies", "torn")},
+                **{which: np.array(getattr(so_far, which), dtype=np.int64) for which in _FRAMES_OF_SUM},
             )
             last = time.monotonic()
 
     return sum_frames(stack, begun=begun, pause=pause)
+
+
+_FRAMES_OF_SUM = ("lost", "copies", "torn", "kept")
 
 
 def _begun(job: Checkpoint, method: str) -> FrameFit | None:
