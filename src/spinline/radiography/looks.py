@@ -205,8 +205,8 @@ def expect_fringes(
         )
 
 
-def odd_facts(facts: dict[str, float]) -> list[str]:
-    """Words on what is odd about a frame's numbers."""
+def odd_facts(facts: dict[str, float], darkness: bool) -> list[str]:
+    """Words on what is odd about a frame's numbers; `darkness`: a dark is taken off."""
     said = []
     if facts["invalid_pixels"]:
         said.append(f"{facts['invalid_pixels']:.0f} pixels are marked as invalid by the detector, and are left out")
@@ -219,7 +219,7 @@ def odd_facts(facts: dict[str, float]) -> list[str]:
             f"{facts['piled_up_pixels']:.0f} pixels hold exactly the highest count, {facts['highest_count']:g}: if the "
             f"detector clips there, the fraction is wrong; give saturation = {facts['highest_count']:g}"
         )
-    if not 1.0 / _OTHER < facts["level"] < _OTHER:
+    if darkness and not 1.0 / _OTHER < facts["level"] < _OTHER:
         said.append(
             f"beside the jet the counts are {facts['level']:.3g} of the flat: another exposure or another scale; the dark that "
             "is taken off has to be that of the counts too (0.1 % of the beam in it shifts the fraction by 0.004)"

@@ -246,7 +246,7 @@ def _looked_at(experiment: Experiment, frame: Frame, track: Track, facts: dict[s
         if fringes >= FRINGES:
             remarks.append(said)
         expect_fringes(images, wave, experiment.pixel, experiment.detector.blur, fringes, remarks)
-    remarks += odd_facts(facts)
+    remarks += odd_facts(facts, bool(experiment.fields.dark.any()))
     low, high = experiment.lean.degrees if experiment.lean.slope.size else (0.0, 0.0)
     notes["lean"] = experiment.lean.words()
     if max(abs(low), abs(high)) > _LEANS:
