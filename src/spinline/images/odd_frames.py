@@ -9,7 +9,7 @@ from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, listed, without
-from spinline.xray.frame.shadows import Shadows, level_beside, mean_shadow, shadows_of
+from spinline.xray.frame.shadows import Shadows, mean_shadow, shadows_of, tilts
 from spinline.xray.frame.strips import Bands
 
 __all__ = ["light_of", "with_jet", "without_light", "without_shadow"]
@@ -46,9 +46,8 @@ def with_jet(
     scatter = _scatter(seen.depth[seen.depth > 0.5])  # more than the photons', maybe
     told = seen.depth_std < _TOLD
     gone = told & (seen.depth < _GONE) & (1.0 - seen.depth > _SURELY * np.hypot(seen.depth_std, scatter))
-    rest = _unsteady(seen, told & ~gone, stack.bands.wide)
     if not gone.any():
-        return summed, rest
+        return summed, _unsteady(seen, told, stack.bands.wide)
     which = tuple(summed.kept[i] for i in np.flatnonzero(gone))
     words = (
         f"of {summed.frames} frames show no jet where the others do (flats among them, or a jet that comes and goes)"
@@ -60,10 +59,9 @@ def with_jet(
             value=f"frames {listed(which)}",
             remedy='leave them out of its file, or take frames = "each"',
         )
-    return without(stack, summed, which), [
-        f"{stack.key}: {len(which)} {words} and are left out: {listed(which)}",
-        *rest,
-    ]
+    said = [f"{stack.key}: {len(which)} {words} and are left out: {listed(which)}"]
+    same, more = with_jet(stack, without(stack, summed, which), dark, flat, gain)  # now their own mean is that of a jet
+    return same, [*said, *more]
 
 
 def light_of(
@@ -123,9 +121,11 @@ def without_shadow(
     if seen is None:
         return summed, []
     light, spread = light_of(bands, summed, dark, beam, known)
-    beside = level_beside(light, seen.beside)
-    depth, _ = seen.match(1.0 - light / beside, among=False)
-    error = np.hypot(seen.errors(spread / beside**2), _scatter(depth[depth < 0.5]))
+    tilt = tilts(light, spread)
+    light, spread = light / tilt, spread / tilt**2
+    beside, bent = seen.level(light, spread)
+    depth, _ = seen.match(1.0 - light / beside, spread, among=False)
+    error = np.hypot(seen.errors(spread / beside**2, bent), _scatter(depth[depth < 0.5]))
     odd = (depth > 0.5) & (depth > _SURELY * error)
     if not odd.any() or odd.all():
         return summed, []

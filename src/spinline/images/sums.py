@@ -468,7 +468,7 @@ def without(stack: Stack, summed: FrameSum, odd: tuple[int, ...]) -> FrameSum:
         summed,
         total=summed.total - np.where(good, out.total, 0.0),
         exposures=summed.exposures - np.where(good, out.exposures, 0),
-        odd=odd,
+        odd=(*summed.odd, *odd),
         strips=summed.strips[stay],
         kept=tuple(i for i in summed.kept if i not in odd),
     )

@@ -1,6 +1,6 @@
 """The detector of a set of images: blur and glare that all rows share, given, fitted, or found though nothing is given.
 
-Groups of rows in which the jet stands still are summed to blocks (`xray.frame.shared`) and fitted together: blur and tail
+Groups of rows in which the jet stands still are summed to blocks (`xray.frame.still`) and fitted together: blur and tail
 where they are asked for or given with an error, the blur where nothing is said of it, and with them the attenuation where the
 fraction is known. Then the blocks are searched for what the model still lacks: a halo beside the jet (glare), a bend of the
 beam.
@@ -8,28 +8,24 @@ beam.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.scene.images_file import Images
-from spinline.xray.frame.blocks import Frame, lean_smear
-from spinline.xray.frame.lean import Lean
 from spinline.xray.frame.shared import Block, DetectorFit, fit_detector, hidden_traces
-from spinline.xray.frame.track import Track
 from spinline.xray.row.fit import fit_row
 from spinline.xray.row.forward import Absorber
 
-__all__ = ["SharedDetector", "blocks_of_frame", "shared_detector"]
+__all__ = ["SharedDetector", "shared_detector"]
 
-_FEWEST, _MOST = 8, 30  # blocks
-_STILL = 1.5  # pixels that radius and axis may change in a block
 _FIRST_BLUR = 1.0  # pixels, where a fit of the blur starts
 _FIRST_TAIL = (0.03, 15.0)  # share, and pixels
 _BETTER = 16.0  # gain in deviance from which on there is a blur, or a bend of the beam
 _SEEN = 5.0  # standard deviations of a halo that is said
+_MAYBE = 3.0  # standard deviations of a bend that is said, and not fitted
+_MOST_GLARE = 0.5  # of the light: more is no halo of a detector, but another beam than the flat's
 _SHELLS = 3
 _MOST_TURNS, _FEW_TURNS = 25, 10  # the fewer for a blur that nobody asked for
 
@@ -70,79 +66,6 @@ class SharedDetector:
     glare: bool = False
 
 
-def blocks_of_frame(
-    frame: Frame,
-    track: Track,
-    lean: Lean,
-    *,
-    known: tuple[tuple[int, int], float] | None = None,
-    most_rows: int | None = None,
-) -> list[Block]:
-    """Blocks of rows in which the jet stands still, from all over a frame.
-
-    Parameters
-    ----------
-    frame, track, lean
-    known : ((int, int), float), optional
-        Rows of known fraction, and that fraction.
-    most_rows : int, optional
-        Of a block.
-    """
-    rows = frame.counts.shape[0]
-    change = float(np.abs(np.diff(track.radius)).sum()) if rows > 1 else 0.0
-    count = int(np.clip(np.ceil(change / _STILL), min(_FEWEST, rows), _MOST))
-    bounds = np.unique(np.linspace(0, rows, count + 1).astype(int)).tolist()
-    if known is not None:
-        bounds = sorted({*bounds, *known[0]})
-    out = []
-    for start, stop in pairwise(bounds):
-        spans = _still(track, lean, start, stop, most_rows)
-        inside = known is not None and known[0][0] <= start and stop <= known[0][1]
-        block = _block(frame, track, lean, *spans, known[1] if known is not None and inside else None)
-        if block is not None:
-            out.append(block)
-    return out
-
-
-def _still(track: Track, lean: Lean, start: int, stop: int, most_rows: int | None) -> tuple[int, int]:
-    """The middle part of a span in which the radius changes by little."""
-    height = stop - start
-    if height > 2:
-        slope = abs(float(np.polyfit(np.arange(height), track.radius[start:stop], 1)[0]))
-        height = int(np.clip(_STILL / max(slope, 1e-9), 1, height))
-    if most_rows is not None:
-        height = min(height, most_rows)
-    low = start + (stop - start - height) // 2
-    return low, low + height
-
-
-def _block(frame: Frame, track: Track, lean: Lean, start: int, stop: int, known: float | None) -> Block | None:
-    inside = slice(start, stop)
-    if not track.found[inside].any():
-        return None
-    slope = float(lean.slope[inside].mean())
-    try:
-        counts, detector, good = frame.block(start, stop, slope)
-    except InputError:
-        return None
-    at = np.arange(stop - start)
-    radius, axis = track.radius[inside], track.axis[inside] - slope * (at - 0.5 * (at.size - 1))
-    spread = [float(np.std(np.polyval(np.polyfit(at, v, 1), at))) if at.size > 2 else 0.0 for v in (radius, axis)]
-    smear = float(np.sqrt(spread[0] ** 2 + spread[1] ** 2 + lean_smear(at.size, slope) ** 2)) * frame.pixel
-    half = 0.5 * frame.counts.shape[1] - 1.0
-    middle = float(np.clip(axis.mean(), -half, half))
-    return Block(
-        counts,
-        good,
-        detector,
-        float(radius.mean()) * frame.pixel,
-        middle * frame.pixel,
-        1.0 / float(np.hypot(1.0, slope)),
-        smear,
-        known,
-    )
-
-
 def shared_detector(
     images: Images, absorber: Absorber, blocks: Sequence[Block], pixel: float, *, calibrate: bool, joint_shapes: bool
 ) -> SharedDetector:
@@ -153,7 +76,7 @@ def shared_detector(
     images : Images
     absorber : Absorber
     blocks : list of Block
-        From `blocks_of_frame`, with no blur or tail.
+        From `still.blocks_of_frame`, with no blur or tail.
     pixel : float
         m.
     calibrate : bool
@@ -358,17 +281,18 @@ def _hidden(
         {name: trace for name, trace in traces.items() if name.startswith("tail")} if images.tail_share is None else {}
     )
     bend = traces.get("shape2") if images.flat_shape is None else None
+    tails = {name: trace for name, trace in tails.items() if trace[0] < _MOST_GLARE}
     best = max(tails.items(), key=lambda item: item[1][1], default=None)
     seen = best is not None and best[1][1] > _SEEN and best[1][0] > 0.0
-    if bend is not None and abs(bend[1]) > _SEEN and (best is None or bend[1] ** 2 > best[1][1] ** 2):
-        return (
-            2,
-            [
-                f"the beam's shape changed since the flat ({100 * bend[0]:+.2g} %, {abs(bend[1]):.0f} standard deviations): "
-                f"it is fitted (flat_shape = 2); left out, it shifts the mean fraction by {bend[2]:+.2g}"
-            ],
-            False,
+    if bend is not None and abs(bend[1]) > _MAYBE and (best is None or bend[1] ** 2 > best[1][1] ** 2 or not seen):
+        sure = abs(bend[1]) > _SEEN
+        words = (
+            f"the beam's shape {'changed' if sure else 'may have changed'} since the flat ({100 * bend[0]:+.2g} %, "
+            f"{abs(bend[1]):.{0 if sure else 1}f} standard deviations): "
+            f"{'it is fitted (flat_shape = 2)' if sure else 'flat_shape = 2 fits it'}; left out, it shifts the mean fraction "
+            f"by {bend[2]:+.2g}"
         )
+        return 2 if sure else order, [words], False
     if seen and best is not None:
         share, sigmas, shift = best[1]
         return (

@@ -23,7 +23,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum
-from spinline.radiography.detector import blocks_of_frame, shared_detector
+from spinline.radiography.detector import shared_detector
 from spinline.radiography.experiment import Experiment, bent, fit_blocks
 from spinline.radiography.looks import part_of
 from spinline.radiography.methods import map_frame_fit, map_shifts
@@ -33,6 +33,7 @@ from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, FrameFit
 from spinline.xray.frame.lean import axis_lean
 from spinline.xray.frame.shared import fit_detector
+from spinline.xray.frame.still import blocks_of_frame
 from spinline.xray.frame.track import Track
 from spinline.xray.map.fit import fit_map
 from spinline.xray.map.result import MapFit, MapState

@@ -15,13 +15,13 @@ from spinline.images.flat_and_dark import Fields, build_fields, open_counts
 from spinline.images.geometry import path_factor
 from spinline.images.metadata import with_metadata
 from spinline.images.odd_frames import with_jet
-from spinline.images.photons import photons_frame, residual_outliers
+from spinline.images.photons import photons_frame
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sample_frames
 from spinline.radiography.absorber import build_absorber, given_medium, uncalibrated
 from spinline.radiography.blur_check import steady_rows
 from spinline.radiography.calibration import Calibration, scaled_medium
-from spinline.radiography.detector import SharedDetector, blocks_of_frame, shared_detector
+from spinline.radiography.detector import SharedDetector, shared_detector
 from spinline.radiography.experiment import Experiment, bent, joint_detector
 from spinline.radiography.given_quantities import doubt_words, hardened, ideal_mixture, relative_doubts
 from spinline.radiography.looks import (
@@ -41,6 +41,8 @@ from spinline.scene.images_file import Images
 from spinline.setup.build import build_solution
 from spinline.xray.frame.blocks import Frame, require_track
 from spinline.xray.frame.lean import axis_lean
+from spinline.xray.frame.outliers import residual_outliers
+from spinline.xray.frame.still import blocks_of_frame
 from spinline.xray.frame.track import Track
 from spinline.xray.matter.medium import Medium
 
