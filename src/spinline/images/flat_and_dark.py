@@ -23,6 +23,7 @@ __all__ = ["Fields", "build_fields", "linear", "mean_part", "open_counts", "slic
 
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 _AVERAGED = 2.5  # times less noise in the flats than their gain says: they are means
+_ROUNDED, _MOST_GAIN = 1e-3, 1e9  # of the noise; photons per count
 _EXCESS = 1.05  # more noise than the gain says, and by over 5 of its errors, is taken into the errors
 _FEW_FRAMES = 16  # with the jet, that say how it looks
 _COPY = 1e30  # exposures of a flat without noise
@@ -441,6 +442,13 @@ def _gain(
         )
     own = images.flat_frames if images.flat is not None and images.flat.file is not None else 1
     gain = noise.level / signal / own
+    if gain > _MOST_GAIN:
+        raise InputError(
+            "gain",
+            "is missing, and the flats do not tell it: most of their pixels do not scatter at all",
+            value=f"{gain:.3g} photons per count",
+            remedy="they are rounded (to 8 bits?), or copies: give the frames as the detector wrote them, or gain",
+        )
     std = gain * float(np.hypot(np.sqrt(2.0 / noise.samples), np.nan_to_num(noise.power_std)))
     scatter = _of_signal(noise, read, signal)
     notes["gain"] = f"{gain:.4g} +/- {std:.2g} photons per count, from differences of flat frames"
@@ -459,6 +467,12 @@ def _against_gain(
     std = ratio * float(np.hypot(np.sqrt(2.0 / noise.samples), np.nan_to_num(noise.power_std)))
     scatter = _of_signal(noise, read, signal)
     notes["flat_scatter"] = f"{ratio:.4g} +/- {std:.2g} of that of photons"
+    if ratio < _ROUNDED:
+        remarks.append(
+            f"the flats hardly scatter ({ratio:.2g} of what gain = {images.gain:g} says): rounded, to 8 bits maybe, or copies; "
+            "then the noise of the fit is that of rounding: give frames as the detector wrote them"
+        )
+        return (1.0,), 1.0
     if ratio < 1.0 / _AVERAGED and own == 1:
         remarks.append(
             f"the flats scatter {1.0 / ratio:.3g} times less than gain = {images.gain:g} says: if each is a mean of several "

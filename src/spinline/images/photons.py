@@ -18,14 +18,16 @@ from spinline.base.errors import InputError
 from spinline.images.flat_and_dark import Fields, linear, mean_part, slices
 from spinline.images.sums import FrameSum
 from spinline.scene.images_file import Images
+from spinline.xray.frame.hot_pixels import dark_share
 from spinline.xray.frame.outliers import lone_outliers
 
 if TYPE_CHECKING:
     from spinline.xray.frame.blocks import Frame
 
-__all__ = ["photons_frame"]
+__all__ = ["dark_words", "photons_frame"]
 
 _MOST_PHOTONS = 1e15  # differences of single photons are lost in a float beyond
+_SAME_DARK = 0.2  # of its hot pixels
 _SAME_EXPOSURE = 0.1  # of the beam's level: drift, no other exposure
 _SURELY, _MOST_DEAD = 50.0, 0.2  # counts, and share of the frame
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
@@ -115,6 +117,28 @@ def photons_frame(
     return Frame(counts, signal, dark, ~bad, pixel, blur, scatter=fields.scatter), facts
 
 
+def dark_words(fields: Fields, summed: FrameSum) -> list[str]:
+    """Words where the hot pixels of the dark are not in counts and flat as they are in raw frames of its exposure."""
+    raw = {"counts": summed.total / np.maximum(summed.exposures, 1)}
+    if fields.flat is not None and fields.nonlinearity == 0.0:
+        flat = fields.flat + fields.dark
+        one = (
+            np.allclose(flat, part, rtol=1e-9) for part in (flat[:1], flat[:, :1])
+        )  # a row or column that serves all
+        raw |= {} if any(one) else {"flat": flat}
+    said = []
+    for key, image in raw.items():
+        told = dark_share(image, fields.dark, ~fields.bad & (summed.exposures > 0))
+        if told is None or abs(told[0] - 1.0) < max(_SAME_DARK, 5.0 * told[1]):
+            continue
+        said.append(
+            f"the dark's hot pixels stand out of the {key} by {told[0]:.2g} +/- {told[1]:.1g} of what they do in the dark: "
+            "it is taken off already (0), or of another exposure. Give raw frames with the dark of their exposure; dark = 0 where "
+            "it is taken off counts and flat alike"
+        )
+    return said
+
+
 def _level(ratio: FloatArray) -> float:
     """Exposure of a frame over that of a flat, where it is another one: the air's transmission; else 1."""
     level = float(np.quantile(ratio, 0.8))
@@ -129,12 +153,7 @@ def _require_counts(images: Images, summed: FrameSum, seen: BoolArray) -> None:
         )
     if images.counts is None and not images.positions:
         return
-    if (
-        images.gain == 1
-        and summed.frames == 1
-        and 0 < summed.highest[seen].max() <= 2
-        and (summed.total % 1 != 0).any()
-    ):
+    if images.gain == 1 and 0 < summed.highest[seen].max() <= 2 and (summed.total % 1 != 0).any():
         raise InputError(
             "counts",
             "are no counts: at most 2, and not whole",

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,7 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, require_track
+from spinline.xray.frame.breaks import row_breaks
 from spinline.xray.frame.lean import Lean
 from spinline.xray.frame.track import Track, track_jet
 from spinline.xray.phase.fit import phase_law
@@ -31,6 +33,7 @@ __all__ = [
     "odd_facts",
     "part_of",
     "require_one_jet",
+    "require_one_stretch",
     "require_upright",
     "row_law",
     "without_nozzle",
@@ -38,6 +41,7 @@ __all__ = [
 
 #: Significance of fringes that is an alarm.
 FRINGES = 5.0
+_AWAY = 2  # rows from a break
 _OTHER = 1.4  # times the flat's exposure
 _UNTOLD, _STEEPEST = 0.1, 60.0  # of the paths; degrees
 
@@ -168,6 +172,26 @@ def require_upright(frame: Frame) -> None:
             "seems wrong: the jet runs along the rows, it has to run down the columns",
             remedy="set transpose = true, or take it out",
         )
+
+
+def require_one_stretch(frame: Frame) -> None:
+    """Refuse frames whose shadow jumps from one row to the next: more than a jet is in view."""
+    breaks = row_breaks(frame.counts, frame.flat, frame.dark, frame.good)
+    if not breaks:
+        return
+    rows = frame.good.shape[0]
+    ends = [-_AWAY, *(b.row for b in breaks), rows + _AWAY]
+    start, stop = max(((a + _AWAY, b - _AWAY) for a, b in pairwise(ends)), key=lambda part: part[1] - part[0])
+    first = max(breaks, key=lambda b: abs(b.below - b.above))
+    raise InputError(
+        "counts",
+        f"show more than one jet down the rows: its shadow (the sum of 1 - T over a row) jumps from {first.above:.3g} to "
+        f"{first.below:.3g} pixels at row {first.row}: the nozzle's end, a drop, the end of the jet",
+        value=f"{len(breaks)} such rows: {', '.join(str(b.row) for b in breaks[:6])}",
+        allowed="a shadow that changes by less than a factor of 2 from row to row",
+        remedy=f"take the rows of the jet alone, roi = {{ rows = [{start}, {stop}] }}; or, of an opaque nozzle, name "
+        "nozzle_diameter and nozzle_rows",
+    )
 
 
 def require_one_jet(lean: Lean) -> None:

@@ -15,7 +15,7 @@ from spinline.images.flat_and_dark import Fields, build_fields, open_counts
 from spinline.images.geometry import path_factor
 from spinline.images.metadata import with_metadata
 from spinline.images.odd_frames import with_jet
-from spinline.images.photons import photons_frame
+from spinline.images.photons import dark_words, photons_frame
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sample_frames
 from spinline.radiography.absorber import build_absorber, given_medium, uncalibrated
@@ -33,6 +33,7 @@ from spinline.radiography.looks import (
     odd_facts,
     part_of,
     require_one_jet,
+    require_one_stretch,
     require_upright,
     without_nozzle,
 )
@@ -98,11 +99,13 @@ def first_look(
     if not images.each:
         summed, said = with_jet(stack, summed, fields.dark, fields.flat, fields.gain / fields.excess)
         remarks += said
+    remarks += dark_words(fields, summed)
     rough, facts = photons_frame(images, fields, summed, 1.0, 0.0)
     pixel, pixel_std = measured_pixel(images, rough, notes)
     blur = _given_blur(images, medium, pixel, notes)
     frame = without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
     require_upright(frame)
+    require_one_stretch(frame)
     wave = medium if medium is not None else given_medium(images, solution, absorber)
     track = find_track(images, medium if images.method == "phase" else wave, frame)
     lean = axis_lean(track)

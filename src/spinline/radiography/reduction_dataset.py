@@ -10,6 +10,7 @@ import xarray as xr
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.files import write_text
 from spinline.images.geometry import out_of_plane
+from spinline.radiography.balance import unbalanced
 from spinline.radiography.experiment import Experiment
 from spinline.radiography.looks import FRINGES
 from spinline.radiography.methods import METHODS
@@ -171,7 +172,10 @@ def assemble(
             {"long_name": "where the frame is from"},
         )
     result = xr.Dataset(variables, coordinates)
-    result.attrs = _provenance(experiment, fits, facts, (*experiment.remarks, *remarks, *_flag_words(flags, fits)))
+    means = [data[name][1] for name in ("mean_polymer_fraction", "mean_polymer_fraction_std", "calibration_std")]
+    odd = () if experiment.fringes >= FRINGES else unbalanced(experiment, *means)
+    said = (*experiment.remarks, *remarks, *_flag_words(flags, fits), *odd)
+    result.attrs = _provenance(experiment, fits, facts, said)
     return result
 
 
