@@ -10,9 +10,10 @@ from spinline.xray.frame.lean import Lean
 from spinline.xray.frame.shared import Block
 from spinline.xray.frame.track import Track
 
-__all__ = ["blocks_of_frame"]
+__all__ = ["blocks_of_frame", "steady_rows"]
 
 _FEWEST, _MOST = 8, 30  # blocks
+_STEADY = 0.5  # pixels
 _STILL = 1.5  # pixels that radius and axis may change in a block
 
 
@@ -87,3 +88,11 @@ def _block(frame: Frame, track: Track, lean: Lean, start: int, stop: int, known:
         smear,
         known,
     )
+
+
+def steady_rows(track: Track) -> tuple[int, int]:
+    """Rows from the widest one on, over which radius and axis stay within half a pixel: first, and the one after the last."""
+    start = int(np.argmax(np.where(track.found, track.radius, 0.0)))
+    steady = np.hypot(track.radius - track.radius[start], track.axis - track.axis[start]) < _STEADY
+    changed = np.flatnonzero(~steady[start:])
+    return start, start + int(changed[0]) if changed.size else int(steady.size)

@@ -133,8 +133,8 @@ def dark_words(fields: Fields, summed: FrameSum) -> list[str]:
             continue
         said.append(
             f"the dark's hot pixels stand out of the {key} by {told[0]:.2g} +/- {told[1]:.1g} of what they do in the dark: "
-            "it is taken off already (0), or of another exposure. Give raw frames with the dark of their exposure; dark = 0 where "
-            "it is taken off counts and flat alike"
+            "it is taken off already (0), or of another exposure. Give raw frames with the dark of their exposure; dark = 0 "
+            "where it is taken off counts and flat alike"
         )
     return said
 

@@ -176,17 +176,15 @@ def require_upright(frame: Frame) -> None:
 
 def require_one_stretch(frame: Frame) -> None:
     """Refuse frames whose shadow jumps from one row to the next: more than a jet is in view."""
-    breaks = row_breaks(frame.counts, frame.flat, frame.dark, frame.good)
-    if not breaks:
+    if not (breaks := row_breaks(frame.counts, frame.flat, frame.dark, frame.good)):
         return
-    rows = frame.good.shape[0]
-    ends = [-_AWAY, *(b.row for b in breaks), rows + _AWAY]
+    ends = [-_AWAY, *(b.row for b in breaks), frame.good.shape[0] + _AWAY]
     start, stop = max(((a + _AWAY, b - _AWAY) for a, b in pairwise(ends)), key=lambda part: part[1] - part[0])
-    first = max(breaks, key=lambda b: abs(b.below - b.above))
+    most = max(breaks, key=lambda b: abs(b.below - b.above))
     raise InputError(
         "counts",
-        f"show more than one jet down the rows: its shadow (the sum of 1 - T over a row) jumps from {first.above:.3g} to "
-        f"{first.below:.3g} pixels at row {first.row}: the nozzle's end, a drop, the end of the jet",
+        f"show more than one jet down the rows: its shadow (the sum of 1 - T over a row) jumps from {most.above:.3g} to "
+        f"{most.below:.3g} pixels at row {most.row}: the nozzle's end, a drop, the end of the jet",
         value=f"{len(breaks)} such rows: {', '.join(str(b.row) for b in breaks[:6])}",
         allowed="a shadow that changes by less than a factor of 2 from row to row",
         remedy=f"take the rows of the jet alone, roi = {{ rows = [{start}, {stop}] }}; or, of an opaque nozzle, name "

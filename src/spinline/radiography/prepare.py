@@ -19,7 +19,6 @@ from spinline.images.photons import dark_words, photons_frame
 from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, one_frame, sample_frames
 from spinline.radiography.absorber import build_absorber, given_medium, uncalibrated
-from spinline.radiography.blur_check import steady_rows
 from spinline.radiography.calibration import Calibration, scaled_medium
 from spinline.radiography.detector import SharedDetector, shared_detector
 from spinline.radiography.experiment import Experiment, bent, joint_detector
@@ -43,7 +42,7 @@ from spinline.setup.build import build_solution
 from spinline.xray.frame.blocks import Frame, require_track
 from spinline.xray.frame.lean import axis_lean
 from spinline.xray.frame.outliers import residual_outliers
-from spinline.xray.frame.still import blocks_of_frame
+from spinline.xray.frame.still import blocks_of_frame, steady_rows
 from spinline.xray.frame.track import Track
 from spinline.xray.matter.medium import Medium
 
