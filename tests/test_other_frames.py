@@ -14,6 +14,7 @@ from spinline.radiography.reduce import reduce_images
 from spinline.scene.images_file import images_from_dict
 from spinline.xray.frame.breaks import row_breaks
 from spinline.xray.frame.hot_pixels import dark_share
+from spinline.xray.frame.moved_beam import moved_beam
 
 BEAM, TALL = 4e5, 60
 
@@ -200,3 +201,56 @@ def test_a_bend_of_the_beam_that_is_not_sure_is_said(reduced) -> None:
     found, said = reduced(counts, flat, exposures(np.zeros(COLUMNS), seed=3), flat_shape=2)
     assert abs(off(found)) < 2.5
     assert "may have changed" not in said
+
+
+def stripes(moved: float) -> np.ndarray:
+    """A beam with stripes of a few per cent, as a multilayer makes them, moved to the right."""
+    rough = np.convolve(np.random.default_rng(7).normal(size=COLUMNS + 40), np.ones(5) / 5.0, "same")
+    return np.interp(20.0 + np.arange(COLUMNS) - moved, np.arange(COLUMNS + 40), 1.0 + 0.066 * rough)
+
+
+def slit(moved: float, edge: float = 1.5) -> np.ndarray:
+    at = np.arange(COLUMNS) - moved
+    return 1.0 / (1.0 + np.exp((8.0 - at) / edge)) / (1.0 + np.exp((at - 132.0) / edge)) + 1e-4
+
+
+@pytest.mark.parametrize(("beam", "moved"), [(stripes, 0.5), (stripes, -1.0), (slit, 0.5), (slit, 2.0)])
+def test_a_beam_that_moved_since_the_flat_is_named(reduced, beam, moved) -> None:
+    """Had been Fresnel fringes of 20 to 300 standard deviations, with phase as the remedy, or no jet."""
+    counts, flat = exposures(transmission() * beam(moved), beam=BEAM), exposures(beam(0.0), beam=BEAM, seed=2)
+    words = rf"structure \(stripes, the edge of a slit\) moved by \{moved:+.1f}"[:-2]
+    with pytest.raises(InputError, match=words):
+        reduced(counts, flat, exposures(np.zeros(COLUMNS), seed=3))
+    same = exposures(beam(moved), beam=BEAM, seed=2)
+    found, said = reduced(counts, same, exposures(np.zeros(COLUMNS), seed=3))
+    assert "structure" not in said
+    assert abs(off(found)) < 2.5
+
+
+@pytest.mark.parametrize("beam", [30.0, 4e3, 4e6])
+def test_a_beam_that_stays_has_not_moved(beam) -> None:
+    """Even and striped beams, pixels of their own sensitivity, noise of flats, jets deep and shallow."""
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        shape = (stripes(0.0) if seed % 2 else 1.0) * (1.0 + 0.02 * rng.normal(size=(40, COLUMNS)))
+        for depth in (1.0, 10.0, 60.0):
+            flat = rng.poisson(beam * shape, (40, COLUMNS)) + 1e-9
+            counts = rng.poisson(beam * shape * transmission(3.0) ** depth)
+            assert moved_beam(counts / flat, flat, flat > 0.5) is None
+
+
+@pytest.mark.parametrize("moved", [0.6, -0.8, 1.5])
+def test_the_shift_is_that_of_the_beam(moved) -> None:
+    from scipy.ndimage import gaussian_filter, shift
+
+    rng = np.random.default_rng(3)
+    rough = gaussian_filter(rng.normal(size=(100, COLUMNS)), 2.0)
+    shape = 1.0 + 0.03 * rough / rough.std()
+    for axis in (0, 1):
+        by = np.eye(2)[axis] * moved
+        flat = rng.poisson(BEAM * shape).astype(float)
+        counts = rng.poisson(BEAM * shift(shape, by, mode="nearest") * transmission())
+        found = moved_beam(counts / flat, flat, np.ones(flat.shape, dtype=bool))
+        assert found is not None
+        assert (found.down, found.across)[axis] == pytest.approx(moved, abs=0.15)
+        assert (found.across, found.down)[axis] == 0.0

@@ -12,10 +12,10 @@ from scipy.integrate import quad
 from spinline import xray
 from spinline.base.errors import InputError
 from spinline.images import images_from_dict
-from spinline.images.flat_and_dark import linear
 from spinline.images.geometry import path_factor
 from spinline.images.noise import pair_noise
 from spinline.images.stacks import open_stack
+from spinline.xray.frame.response import linear
 from spinline.xray.frame.shared import row_shifts
 from spinline.xray.row.forward import row_model
 from spinline.xray.row.model import EXTRAS

@@ -11,7 +11,6 @@ MOVED = {
     "absorber": "radiography.absorber",
     "air": "setup.air",
     "attributes": "solve.attributes",
-    "blur_check": "radiography.blur_check",
     "build": "setup.build",
     "checkpoint": "base.checkpoint",
     "checks": "base.checks",

@@ -6,13 +6,14 @@ its error is the scatter about that line.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spinline.base.checks import BoolArray, FloatArray
 
 __all__ = ["dark_share"]
 
 _HOT, _LEAST = 10.0, 12  # standard deviations of the dark's pixels; pixels
-_AROUND = 5  # pixels
+_AROUND, _MOST = 5, 20_000  # pixels
 
 
 def dark_share(image: FloatArray, dark: FloatArray, good: BoolArray) -> tuple[float, float] | None:
@@ -24,17 +25,34 @@ def dark_share(image: FloatArray, dark: FloatArray, good: BoolArray) -> tuple[fl
         Counts of one exposure.
     good : ndarray of bool, shape (rows, columns)
     """
-    from scipy.ndimage import median_filter
-
-    over, light = (a - median_filter(a, _AROUND, mode="mirror") for a in (dark, image))
-    seen = good & np.isfinite(over) & np.isfinite(light)
-    if not seen.any():
+    seen = good & np.isfinite(dark) & np.isfinite(image)
+    if seen.sum() < _LEAST:
         return None
-    usual, spread = (1.4826 * float(np.median(np.abs(a[seen]))) for a in (over, light))
-    hot = seen & (over > _HOT * usual)
+    some = _picked(np.flatnonzero(seen))
+    usual, spread = (1.4826 * float(np.median(np.abs(_over(a, some)))) for a in (dark, image))
+    high = seen & (dark > np.median(dark[seen]) + _HOT * usual)
+    at = _picked(np.flatnonzero(high))
+    d, f = _over(dark, at), _over(image, at)
+    hot = (d > _HOT * usual) & np.isfinite(f)
     if hot.sum() < _LEAST:
         return None
-    d, f = over[hot], light[hot]
+    d, f = d[hot], f[hot]
     square = float(d @ d)
     share = float(d @ f) / square
-    return share, float(np.sqrt(max(float(((f - share * d) * d) @ ((f - share * d) * d)), spread**2 * square))) / square
+    off = (f - share * d) * d
+    return share, float(np.sqrt(max(float(off @ off), spread**2 * square))) / square
+
+
+def _picked(at: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Of many pixels as many as will do, evenly spread."""
+    return at[:: -(-at.size // _MOST)] if at.size else at
+
+
+def _over(a: FloatArray, at: NDArray[np.int64]) -> FloatArray:
+    """What some pixels are over the median of the square around them."""
+    half = _AROUND // 2
+    rows, columns = np.unravel_index(at, a.shape)
+    steps = np.arange(-half, half + 1)
+    around_r = np.clip(rows[:, None] + steps, 0, a.shape[0] - 1)[:, :, None]
+    around_c = np.clip(columns[:, None] + steps, 0, a.shape[1] - 1)[:, None, :]
+    return np.asarray(a[rows, columns] - np.median(a[around_r, around_c], axis=(1, 2)))

@@ -18,8 +18,9 @@ from spinline.images.stacks import Stack
 from spinline.images.sums import FrameSum, sample_frames, sum_frames
 from spinline.images.transmission import as_transmission
 from spinline.scene.images_file import Images, Source
+from spinline.xray.frame.response import linear
 
-__all__ = ["Fields", "build_fields", "linear", "mean_part", "open_counts", "slices"]
+__all__ = ["Fields", "build_fields", "mean_part", "open_counts", "slices"]
 
 _MOST_SATURATED = 1e-3  # share of the frame that is masked rather than refused
 _AVERAGED = 2.5  # times less noise in the flats than their gain says: they are means
@@ -114,23 +115,6 @@ def open_counts(images: Images) -> Stack:
             "block_rows", "is more than the frame has", value=images.block_rows, allowed=f"[1, {stack.rows}]"
         )
     return stack
-
-
-def linear(measured: FloatArray, nonlinearity: float, level: float) -> FloatArray:
-    """Light t that a response ``m = t (1 - e t/F)`` shows as m; `level` is F (1 - e), the flat as it is measured.
-
-    Parameters
-    ----------
-    measured : ndarray
-        Mean counts of an exposure, above dark.
-    nonlinearity, level : float
-        e, within +-0.2, and the measured level.
-    """
-    if nonlinearity == 0.0:
-        return measured
-    full = level / (1.0 - nonlinearity)
-    inside = np.maximum(1.0 - 4.0 * nonlinearity * measured / full, 0.0)
-    return np.asarray(2.0 * measured / (1.0 + np.sqrt(inside)))
 
 
 def build_fields(images: Images, counts: Stack) -> Fields:

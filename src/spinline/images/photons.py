@@ -15,11 +15,12 @@ import numpy as np
 
 from spinline.base.checks import BoolArray, FloatArray
 from spinline.base.errors import InputError
-from spinline.images.flat_and_dark import Fields, linear, mean_part, slices
+from spinline.images.flat_and_dark import Fields, mean_part, slices
 from spinline.images.sums import FrameSum
 from spinline.scene.images_file import Images
 from spinline.xray.frame.hot_pixels import dark_share
 from spinline.xray.frame.outliers import lone_outliers
+from spinline.xray.frame.response import linear
 
 if TYPE_CHECKING:
     from spinline.xray.frame.blocks import Frame

@@ -13,6 +13,7 @@ from spinline.scene.images_file import Images
 from spinline.xray.frame.blocks import Frame, require_track
 from spinline.xray.frame.breaks import row_breaks
 from spinline.xray.frame.lean import Lean
+from spinline.xray.frame.moved_beam import moved_beam
 from spinline.xray.frame.track import Track, track_jet
 from spinline.xray.phase.fit import phase_law
 from spinline.xray.phase.frame import track_fringes
@@ -34,6 +35,7 @@ __all__ = [
     "part_of",
     "require_one_jet",
     "require_one_stretch",
+    "require_the_flats_beam",
     "require_upright",
     "row_law",
     "without_nozzle",
@@ -41,6 +43,7 @@ __all__ = [
 
 #: Significance of fringes that is an alarm.
 FRINGES = 5.0
+_MOVED = 0.1  # of the shadow
 _AWAY = 2  # rows from a break
 _OTHER = 1.4  # times the flat's exposure
 _UNTOLD, _STEEPEST = 0.1, 60.0  # of the paths; degrees
@@ -174,9 +177,32 @@ def require_upright(frame: Frame) -> None:
         )
 
 
-def require_one_stretch(frame: Frame) -> None:
-    """Refuse frames whose shadow jumps from one row to the next: more than a jet is in view."""
-    if not (breaks := row_breaks(frame.counts, frame.flat, frame.dark, frame.good)):
+def require_the_flats_beam(frame: Frame) -> list[str]:
+    """Words where the beam's structure moved since the flat; refused where that is more than a tenth of the jet's shadow."""
+    ratio = np.where(frame.good, (frame.counts - frame.dark) / np.where(frame.good, frame.flat, 1.0), np.nan)
+    moved = moved_beam(np.nan_to_num(ratio), frame.flat, frame.good)
+    if moved is None:
+        return []
+    middle = _smooth(np.nanmedian(ratio, axis=0))
+    depth = 1.0 - float(np.quantile(middle, 0.1)) / float(np.quantile(middle, 0.9))
+    problem = (
+        f"the beam's structure (stripes, the edge of a slit) moved by {moved.across:+.2g} pixels across and "
+        f"{moved.down:+.2g} down since the flat: that alone makes {100 * moved.size:.2g} % of the counts (root mean square), "
+        f"the jet {100 * depth:.2g} %"
+    )
+    remedy = "take flats before and after the jet (flat_after), and by roi the columns where the beam is even"
+    if moved.size > _MOVED * depth:
+        raise InputError("flat", f"does not show the beam that the counts had: {problem}", remedy=remedy)
+    return [f"{problem}; {remedy}"]
+
+
+def require_one_stretch(frame: Frame, images: Images) -> None:
+    """Refuse frames whose shadow jumps from one row to the next: more than a jet is in view, beside flat and dark in it."""
+    good = frame.good.copy()
+    for source in (images.flat, images.dark):
+        if source is not None and source.file is None and source.rows is not None:
+            good[slice(*source.rows)] = False
+    if not (breaks := row_breaks(frame.counts, frame.flat, frame.dark, good)):
         return
     ends = [-_AWAY, *(b.row for b in breaks), frame.good.shape[0] + _AWAY]
     start, stop = max(((a + _AWAY, b - _AWAY) for a, b in pairwise(ends)), key=lambda part: part[1] - part[0])
@@ -187,7 +213,7 @@ def require_one_stretch(frame: Frame) -> None:
         f"{most.below:.3g} pixels at row {most.row}: the nozzle's end, a drop, the end of the jet",
         value=f"{len(breaks)} such rows: {', '.join(str(b.row) for b in breaks[:6])}",
         allowed="a shadow that changes by less than a factor of 2 from row to row",
-        remedy=f"take the rows of the jet alone, roi = {{ rows = [{start}, {stop}] }}; or, of an opaque nozzle, name "
+        remedy=f"take the rows of the jet alone, perhaps roi = {{ rows = [{start}, {stop}] }}; or, of an opaque nozzle, name "
         "nozzle_diameter and nozzle_rows",
     )
 

@@ -33,6 +33,7 @@ from spinline.radiography.looks import (
     part_of,
     require_one_jet,
     require_one_stretch,
+    require_the_flats_beam,
     require_upright,
     without_nozzle,
 )
@@ -104,7 +105,8 @@ def first_look(
     blur = _given_blur(images, medium, pixel, notes)
     frame = without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
     require_upright(frame)
-    require_one_stretch(frame)
+    remarks += require_the_flats_beam(frame)
+    require_one_stretch(frame, images)
     wave = medium if medium is not None else given_medium(images, solution, absorber)
     track = find_track(images, medium if images.method == "phase" else wave, frame)
     lean = axis_lean(track)
