@@ -31,6 +31,8 @@ def dark_share(image: FloatArray, dark: FloatArray, good: BoolArray) -> tuple[fl
     some = _picked(np.flatnonzero(seen))
     usual, spread = (1.4826 * float(np.median(np.abs(_over(a, some)))) for a in (dark, image))
     high = seen & (dark > np.median(dark[seen]) + _HOT * usual)
+    if high.sum() < _LEAST:
+        return None
     at = _picked(np.flatnonzero(high))
     d, f = _over(dark, at), _over(image, at)
     hot = (d > _HOT * usual) & np.isfinite(f)
@@ -45,7 +47,7 @@ def dark_share(image: FloatArray, dark: FloatArray, good: BoolArray) -> tuple[fl
 
 def _picked(at: NDArray[np.int64]) -> NDArray[np.int64]:
     """Of many pixels as many as will do, evenly spread."""
-    return at[:: -(-at.size // _MOST)] if at.size else at
+    return at[:: -(-at.size // _MOST)]
 
 
 def _over(a: FloatArray, at: NDArray[np.int64]) -> FloatArray:
