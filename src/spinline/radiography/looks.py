@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FRINGES",
+    "broken_rows",
     "expect_fringes",
     "find_track",
     "fringes_in",
@@ -34,7 +35,6 @@ __all__ = [
     "odd_facts",
     "part_of",
     "require_one_jet",
-    "require_one_stretch",
     "require_the_flats_beam",
     "require_upright",
     "row_law",
@@ -196,18 +196,18 @@ def require_the_flats_beam(frame: Frame) -> list[str]:
     return [f"{problem}; {remedy}"]
 
 
-def require_one_stretch(frame: Frame, images: Images) -> None:
-    """Refuse frames whose shadow jumps from one row to the next: more than a jet is in view, beside flat and dark in it."""
+def broken_rows(frame: Frame, images: Images) -> InputError | None:
+    """What is wrong with a frame whose shadow jumps from one row to the next, its own flat and dark left aside."""
     good = frame.good.copy()
     for source in (images.flat, images.dark):
         if source is not None and source.file is None and source.rows is not None:
             good[slice(*source.rows)] = False
     if not (breaks := row_breaks(frame.counts, frame.flat, frame.dark, good)):
-        return
+        return None
     ends = [-_AWAY, *(b.row for b in breaks), frame.good.shape[0] + _AWAY]
     start, stop = max(((a + _AWAY, b - _AWAY) for a, b in pairwise(ends)), key=lambda part: part[1] - part[0])
     most = max(breaks, key=lambda b: abs(b.below - b.above))
-    raise InputError(
+    return InputError(
         "counts",
         f"show more than one jet down the rows: its shadow (the sum of 1 - T over a row) jumps from {most.above:.3g} to "
         f"{most.below:.3g} pixels at row {most.row}: the nozzle's end, a drop, the end of the jet",

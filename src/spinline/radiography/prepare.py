@@ -25,6 +25,7 @@ from spinline.radiography.experiment import Experiment, bent, joint_detector
 from spinline.radiography.given_quantities import doubt_words, hardened, ideal_mixture, relative_doubts
 from spinline.radiography.looks import (
     FRINGES,
+    broken_rows,
     expect_fringes,
     find_track,
     fringes_in,
@@ -32,7 +33,6 @@ from spinline.radiography.looks import (
     odd_facts,
     part_of,
     require_one_jet,
-    require_one_stretch,
     require_the_flats_beam,
     require_upright,
     without_nozzle,
@@ -106,11 +106,17 @@ def first_look(
     frame = without_nozzle(replace(rough, pixel=pixel, blur=blur), images)
     require_upright(frame)
     remarks += require_the_flats_beam(frame)
-    require_one_stretch(frame, images)
+    broken = broken_rows(frame, images)
     wave = medium if medium is not None else given_medium(images, solution, absorber)
-    track = find_track(images, medium if images.method == "phase" else wave, frame)
-    lean = axis_lean(track)
-    require_one_jet(lean)
+    try:
+        track = find_track(images, medium if images.method == "phase" else wave, frame)
+        lean = axis_lean(track)
+        require_one_jet(lean)
+    except InputError as error:
+        raise (broken or error) from None
+    if broken is not None:
+        words = "blocks there are wrong, and fringes, glare or blur that are said may be nothing else"
+        remarks.append(f"the counts {broken.problem}; {words}: {broken.remedy}")
     frame, fields, facts = _cleaned(frame, fields, track, facts)
     factor, _ = path_factor(images)
     experiment = Experiment(
