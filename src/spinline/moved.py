@@ -11,6 +11,7 @@ MOVED = {
     "absorber": "radiography.absorber",
     "air": "setup.air",
     "attributes": "solve.attributes",
+    "blur_check": "xray.frame.still",
     "build": "setup.build",
     "checkpoint": "base.checkpoint",
     "checks": "base.checks",
