@@ -51,6 +51,7 @@ _USUAL = {
 }
 _THINNER, _THICKER = 30.0, 1.5  # of the first element against the nozzle
 _GROWS = 2.0  # of the radius from the jet's start to its end
+_BACK = 0.2  # of the beads; half and more where they stand in no order
 
 
 def implausible(context: Context) -> list[str]:
@@ -115,6 +116,15 @@ def _beads(jet: "LagrangianJet") -> list[str]:
         said.append(
             f"the jet thickens along its arc, from {1e6 * first:.3g} to {1e6 * last:.3g} um: are its beads in the order "
             "from the collector to the nozzle? Turn the table round"
+        )
+    there = np.isfinite(one.x)
+    steps = np.diff(np.column_stack([one.x[there], one.y[there], one.z[there]]), axis=0)
+    turns = np.sum(steps[1:] * steps[:-1], axis=1)
+    back = float(np.mean(turns < -0.5 * np.linalg.norm(steps[1:], axis=1) * np.linalg.norm(steps[:-1], axis=1)))
+    if back > _BACK:
+        said.append(
+            f"at {100 * back:.0f} % of its beads the jet turns back by more than 120 degrees: are they in the order from the "
+            "nozzle on? Sort them"
         )
     ratio = one.initial_radius / float(radius[0])
     if ratio > _THINNER or ratio < 1 / _THICKER:
