@@ -16,7 +16,6 @@ from spinline.base.naming import kind_of, reason_of
 __all__ = ["LONGEST_TEXT", "csv_rows", "decoded", "known_binary", "parsed_toml", "read_text", "read_toml_text"]
 
 _DEEPEST = 32
-_UNPACK = "unpack it first"
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 # the micro sign of µm there: no two letters that Western text has side by side
@@ -73,7 +72,7 @@ def decoded(data: bytes, name: str, binary: str = "give a text file, or save it 
         For bytes that are text in none of them.
     """
     if what := known_binary(data):
-        raise InputError(name, f"is {what}, and no text", remedy=_UNPACK if "compressed" in what else binary)
+        raise InputError(name, f"is {what}, and no text", remedy=binary)
     for mark, codec in _MARKS:
         if data.startswith(mark):
             return _as(data, codec, name), "UTF-8" if codec == "utf-8-sig" else "UTF-16"
