@@ -89,7 +89,7 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
     if not Path(path).exists():
         raise InputError(name, "cannot be read: there is no such file", allowed=allowed, remedy="check the path")
     if Path(path).suffix.lower() in WORKBOOKS:
-        lines, kind = ["\t".join(row) for row in sheet_rows(path)], "Excel workbook"
+        lines, kind = ["\t".join(row) for row in sheet_rows(path)], "Excel workbook, its first sheet"
     else:
         try:
             text, encoding = read_text(path)
@@ -131,7 +131,9 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
             body = body[1:]
     seen = f"{kind}, {_NAMES[mark]} between {len(headers)} columns"
     if not body:
-        raise InputError(name, f"holds no numbers ({seen})", remedy="give at least one row below the header")
+        book = "; the table stands on the first sheet, and formulas have numbers once Excel has saved them"
+        remedy = f"give at least one row below the header{book if kind.startswith('Excel') else ''}"
+        raise InputError(name, f"holds no numbers ({seen})", remedy=remedy)
     columns = _numbers(body, mark, headers, name, seen)
     for i, (header, column) in enumerate(zip(headers, columns, strict=True), 1):
         if not header.name and not (np.diff(column) == 1.0).all():  # a column that counts the rows may have no name

@@ -381,3 +381,14 @@ def test_refusals_of_tables_say_the_row_and_what_to_do(tmp_path, text, words):
 def test_a_straight_table_among_beads_is_told_its_profile(tmp_path):
     with pytest.raises(InputError, match='profile = "table"'):
         read_beads(put(tmp_path, "p.csv", "z [mm] radius [um]\n" + ROWS))
+
+
+def test_a_workbook_says_which_sheet_was_read(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["my notes"])
+    for row in (["z [mm]", "radius [um]"], [0, 125], [1, 60]):
+        book.create_sheet("data").append(row)
+    book.save(tmp_path / "p.xlsx")
+    with pytest.raises(InputError, match=r"Excel workbook, its first sheet.*; the table stands on the first sheet"):
+        Table.from_csv(tmp_path / "p.xlsx", flow_rate=1e-9)
