@@ -18,6 +18,10 @@ from spinline.jetprofile.table_text import Header, read_table_text
 __all__ = ["ALIASES", "read_columns"]
 
 _SPREAD = re.compile(r"std|sd|err|sigma|unc|dev")
+_SPATIAL = (
+    'of beads in space a scene takes the file as it is: [jet] profile = "lagrangian", path; else leave one of them out'
+)
+_STRAIGHT = 'a straight jet of z and radius is named by [jet] profile = "table", path'
 # other name: (column, factor)
 ALIASES = {
     "r": ("radius", 1.0),
@@ -25,6 +29,8 @@ ALIASES = {
     "d": ("radius", 0.5),
     "diameter": ("radius", 0.5),
     "jet_diameter": ("radius", 0.5),
+    "dia": ("radius", 0.5),
+    "diam": ("radius", 0.5),
     "ø": ("radius", 0.5),
     "diameter_std": ("radius_std", 0.5),
     "r_std": ("radius_std", 1.0),
@@ -96,20 +102,24 @@ def read_columns(
             remedy = _mistaken(header.name, kinds)
             if not others or remedy:
                 problem = f"has a column that is not known ({table.seen})"
-                raise InputError(file, problem, value=header.name, allowed=allowed, remedy=remedy)
+                raise InputError(file, problem, value=header.name, allowed=allowed, remedy=remedy or "leave it out")
             unused.append(header.name)
             continue
         name, unit, factor = found
         if name in columns:
             problem = f"has two columns that mean {name} ({table.seen})"
-            raise InputError(file, problem, value=f"{told[name]}, {header.name}", remedy="leave one of them out")
+            spatial = "x" not in kinds and {told[name].lower(), header.name.lower()} == {"x", "z"}
+            remedy = _SPATIAL if spatial else "leave one of them out"
+            raise InputError(file, problem, value=f"{told[name]}, {header.name}", remedy=remedy)
         told[name] = header.name
         columns[name] = factor * _scaled(values, kinds[name], unit, f"{file}: {header.name}", table.seen)
     for each in required:
         either = (each,) if isinstance(each, str) else each
         if not any(one in columns for one in either):
             names = ", ".join(header.name for header in table.headers)
-            raise InputError(file, f"has no column {' or '.join(either)} ({table.seen})", value=names, allowed=allowed)
+            problem = f"has no column {' or '.join(either)} ({table.seen})"
+            remedy = _STRAIGHT if each == "x" and "z" in columns else ""
+            raise InputError(file, problem, value=names, allowed=allowed, remedy=remedy)
     if unused:
         shown = ", ".join(unused[:4]) + (f" and {len(unused) - 4} more" if len(unused) > 4 else "")
         warnings.warn(f"{file}: columns left out: {shown}", SpinlineWarning, stacklevel=3)

@@ -189,6 +189,9 @@ class LagrangianJet:
             if "radius" not in padded:
                 raise InputError("initial_radius", "is needed where the file has no radius", remedy="give r_0")
             initial_radius = float(padded["radius"].reshape(-1, width)[0, 0])
+            if not np.isfinite(initial_radius):
+                remedy = "a row's radius is that towards the next bead: write it in every row but the last"
+                raise InputError(str(path), "has no radius in its first row", remedy=remedy)
         elements = {name: padded[name][..., :-1] for name in ("radius", "volume", "stretch_ratio") if name in padded}
         return cls.from_arrays(
             padded["x"],

@@ -88,6 +88,7 @@ class Table(StraightJet):
         """
         kinds = {"z": "length", "radius": "length", "velocity": "velocity"}
         columns = read_columns(path, kinds, required=("z", ("radius", "velocity")), others=True)
+        _rows(str(path), columns)
         if columns["z"].size > 1 and (np.diff(columns["z"]) < 0).all():  # written from the far end to the nozzle
             columns = {name: values[::-1] for name, values in columns.items()}
         if "radius" in columns and "velocity" in columns:
@@ -157,6 +158,33 @@ class Table(StraightJet):
         points = np.asarray(low)[..., np.newaxis] + half * (1 + nodes)
         value: FloatArray = np.sum(half * weights / self._ratio(points), axis=-1)
         return value
+
+
+def _rows(file: str, columns: dict[str, FloatArray]) -> None:
+    """Refuse rows that lack a number or stand in no order, by the row: what a spreadsheet or a merged file brings."""
+    for name, values in columns.items():
+        empty = np.flatnonzero(~np.isfinite(values))
+        if empty.size:
+            problem = f"has no finite {name} in row {int(empty[0]) + 1} below the header ({empty.size} such rows)"
+            raise InputError(file, problem, remedy="drop those rows, or write the numbers")
+    z = columns["z"]
+    if (z < 0).any():
+        row = int(np.argmax(z < 0)) + 1
+        remedy = "z is the distance from the nozzle: turn its sign, or shift it"
+        raise InputError(
+            file, f"has a negative z in row {row} below the header", value=f"{1e3 * z[row - 1]:g} mm", remedy=remedy
+        )
+    step = np.diff(z)
+    if (step < 0).all():
+        return
+    bad = np.flatnonzero(step <= 0)
+    if bad.size:
+        row, shown = int(bad[0]) + 1, f"{1e3 * z[bad[0]]:g} mm, {1e3 * z[bad[0] + 1]:g} mm"
+        twice = step[bad[0]] == 0
+        what = "stands twice" if twice else "falls"
+        problem = f"z must strictly increase along the jet; it {what} in rows {row} and {row + 1}"
+        remedy = "keep one of the rows, or their mean" if twice else "sort the rows by z, and give one jet a file"
+        raise InputError(file, problem, value=shown, remedy=remedy)
 
 
 _AGREEMENT = 0.02  # of pi r^2 v with the flow rate, in a table of both; r and v of four digits round to less

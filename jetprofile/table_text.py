@@ -16,13 +16,14 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.base.text import csv_rows, read_text
 from spinline.base.workbook import WORKBOOKS, sheet_rows
+from spinline.jetprofile.foreign import foreign_text
 
 __all__ = ["Header", "TextTable", "read_table_text"]
 
 _MARKS = ("#", "%", "!")
 _UNIT = r"""(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]|/\s*(?P<over>[^\s,;"]+))?"?\s*"""
 _CELL = re.compile(
-    r"""\s*"?(?P<name>[^\W\d](?:[\w .-]*\w)?)\s*""" + _UNIT
+    r"""\s*"?(?P<name>[^\W\d](?:[\w .:-]*\w)?)\s*""" + _UNIT
 )  # where something else than blanks separates
 _ERRORS = ("#n/a", "#div/0!", "#value!", "#num!", "#ref!", "#name?", "#null!")  # of spreadsheets: a cell's, no comments
 _NOTHING = ("", "na", "n/a", "-", "--", "---", "null", "none", "?", *_ERRORS)
@@ -31,6 +32,11 @@ _TOKEN = re.compile(
 )
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3})?|[-+]?(?:inf|nan)", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d+,\d+(?:[eEdD][-+]?\d+)?")
+_PLACE = re.compile(r"(?:Points|Coordinates|coords)_([012])")
+_COMSOL = re.compile(r"%\s*(Model|Version|Dimension)\b", re.IGNORECASE)
+_LENGTH = re.compile(r"%\s*Length unit:?[\s,\"]*(\w+)", re.IGNORECASE)
+_MOMENT = re.compile(r"\s*@\s*(?:\d+:\s*)?[\w()]+\s*=\s*[-+.\w]+")  # COMSOL: "r (um) @ t=0.1"
+_PLACES = ("x", "y", "z", "r", "arc_length")
 _NAMES = {",": "commas", ";": "semicolons", "\t": "tabs", None: "blanks"}
 
 
@@ -83,7 +89,7 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
     if not Path(path).exists():
         raise InputError(name, "cannot be read: there is no such file", allowed=allowed, remedy="check the path")
     if Path(path).suffix.lower() in WORKBOOKS:
-        lines, kind = ["\t".join(row) for row in sheet_rows(path)], "Excel workbook"
+        lines, kind = ["\t".join(row) for row in sheet_rows(path)], "Excel workbook, its first sheet"
     else:
         try:
             text, encoding = read_text(path)
@@ -91,6 +97,7 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
             raise InputError(
                 name, f"is not a CSV table: it {error.problem}", allowed=allowed, remedy=error.remedy
             ) from None
+        foreign_text(text, name)
         lines, kind = text.rstrip("\x1a").replace("\u2212", "-").splitlines(), f"text table, {encoding}"
     return _parse(lines, name, kind, allowed)
 
@@ -113,7 +120,8 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
             remedy=f'put a first line above it, for example "{_example(allowed)}"',
         )
     headers, mark = _headers(title, name, kind, allowed)
-    body = [(i, line) for i, line in enumerate(lines[start:], start + 1) if line.strip() and not _comment(line)]
+    headers, kind = _of_programs(headers, lines[:start], kind)
+    body = [(i, line) for i, line in enumerate(lines[start:], start + 1) if not _bare(line) and not _comment(line)]
     headers = _of_several_words(headers, mark, title, body)
     if body and _is_units(body[0][1], mark, len(headers)):
         units = _fields(body[0][1], mark)
@@ -123,7 +131,9 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
             body = body[1:]
     seen = f"{kind}, {_NAMES[mark]} between {len(headers)} columns"
     if not body:
-        raise InputError(name, f"holds no numbers ({seen})", remedy="give at least one row below the header")
+        book = "; the table stands on the first sheet, and formulas have numbers once Excel has saved them"
+        remedy = f"give at least one row below the header{book if kind.startswith('Excel') else ''}"
+        raise InputError(name, f"holds no numbers ({seen})", remedy=remedy)
     columns = _numbers(body, mark, headers, name, seen)
     for i, (header, column) in enumerate(zip(headers, columns, strict=True), 1):
         if not header.name and not (np.diff(column) == 1.0).all():  # a column that counts the rows may have no name
@@ -137,14 +147,32 @@ def _comment(line: str) -> bool:
     return bare.startswith(_MARKS) and not bare.lower().startswith(_ERRORS)
 
 
+def _bare(line: str) -> bool:
+    """Whether a line holds nothing, or nothing between separators, as spreadsheets leave below a table."""
+    return not line.strip(' ,;\t\r"')
+
+
+def _of_programs(headers: tuple[Header, ...], above: list[str], kind: str) -> tuple[tuple[Header, ...], str]:
+    """What ParaView calls places, and the unit that COMSOL gives once above the table."""
+    if any(_PLACE.fullmatch(header.name) for header in headers):
+        places = (_PLACE.fullmatch(header.name) for header in headers)
+        named = (Header("xyz"[int(p[1])], h.unit) if p else h for p, h in zip(places, headers, strict=True))
+        return tuple(named), f"{kind}, ParaView, whose Points:0, 1, 2 are x, y, z"
+    if not any(_COMSOL.match(line) for line in above):
+        return headers, kind
+    unit = next((found[1] for line in above if (found := _LENGTH.match(line))), "")
+    given = (Header(h.name, h.unit or (unit if h.name.lower() in _PLACES else "")) for h in headers)
+    return tuple(given), f"{kind}, COMSOL"
+
+
 def _first_row(lines: list[str]) -> tuple[int | None, str | None]:
     """Where the numbers begin, and the line that names their columns; a workbook's ``sep=;`` is no line of the table."""
     above = None
     for i, line in enumerate(lines):
-        if not line.strip() or line.strip().lower().startswith("sep="):
+        if _bare(line) or line.strip().lower().startswith("sep="):
             continue
         if _comment(line):
-            words = line.lstrip().lstrip("".join(_MARKS)).strip()
+            words = _MOMENT.sub("", line.lstrip().lstrip("".join(_MARKS))).strip()
             above = words if words else above
             continue
         if _numeric(line):
@@ -214,7 +242,7 @@ def _headers(title: str, name: str, kind: str, allowed: str) -> tuple[tuple[Head
 
 
 def _header(match: re.Match[str]) -> Header:
-    return Header(re.sub(r"[\s.-]+", "_", match["name"]), match["unit"] or match["over"] or "")
+    return Header(re.sub(r"[\s.:-]+", "_", match["name"]), match["unit"] or match["over"] or "")
 
 
 def _of_several_words(

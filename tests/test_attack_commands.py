@@ -28,6 +28,12 @@ def _command(folder: Path, *arguments: str, before: str = "", **environment: str
     )
 
 
+def _python(code: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, cwd=folder
+    )
+
+
 @pytest.mark.parametrize(
     "words", [("run", "peo5-water"), ("import-jet", str(DATA / "jetspin" / "ex2_1d_insert"), "-o j.nc")]
 )
@@ -204,9 +210,7 @@ def test_a_signal_is_not_lost(number, status, where, tmp_path) -> None:
         f"def asked(words):\n def run(**_):\n  exec({lost!r}, globals())\n  time.sleep(5)\n  print('lost')\n return run\n"
         "commands._asked = asked\ncommands.main()"
     )
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
-    )
+    ran = _python(code, tmp_path)
     assert ran.returncode in (status, -int(number)), ran.stderr
     assert "lost" not in ran.stdout
     assert "fault of this program" not in ran.stderr
@@ -219,9 +223,7 @@ def test_a_signal_before_the_command_itself_ends_without_a_traceback(number, sta
         f"def note(words):\n os.kill(os.getpid(), {int(number)}); time.sleep(5)\n"
         "commands._note_arguments = note\ncommands.main()"
     )
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path
-    )
+    ran = _python(code, tmp_path)
     assert (ran.returncode, ran.stderr) == (status, "")
 
 

@@ -9,10 +9,10 @@ from spinline.base.errors import InputError
 from spinline.base.text import parsed_toml
 from spinline.recipe.mixture_text import mixture_remedy
 from spinline.recipe.recipe_file import fibre, load_recipe
-from spinline.recipe.table import GAUGES
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
+from spinline.scene.advice import GAUGES
 
 BASE = """[solution]
 polymer = "PAN"

@@ -418,6 +418,24 @@ def test_a_store_is_what_memory_holds_and_opens_as_a_grid(tmp_path):
         as_grid(run_sweep(sweep_from_dict(spec(samples=4))))
 
 
+def test_a_signal_waits_for_a_store_that_is_being_made(tmp_path, monkeypatch):
+    """zarr's threads wrote on into a folder that was being given up: "was made by another process meanwhile", status 2."""
+    from spinline.study import store
+
+    path, checksum = tmp_path / "s.zarr", store._checksum
+
+    def stopped(place, told):
+        signal.raise_signal(signal.SIGINT)
+        return checksum(place, told)
+
+    monkeypatch.setattr(store, "_checksum", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(sweep_from_dict(spec(samples=40, chunk=8)), path)
+    monkeypatch.undo()
+    assert os.listdir(tmp_path) == ["s.zarr"]
+    same(run_sweep(sweep_from_dict(spec(samples=40, chunk=8)), path), run_sweep(sweep_from_dict(spec(samples=40))))
+
+
 @pytest.mark.slow
 def test_a_store_goes_on_refuses_another_sweep_and_starts_anew_when_forced(tmp_path):
     path = tmp_path / "s.zarr"

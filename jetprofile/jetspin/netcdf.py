@@ -15,6 +15,7 @@ from spinline.base.netcdf_file import NetcdfFile
 from spinline.jetprofile.jetspin.detect import file_kind
 from spinline.jetprofile.jetspin.reading import Time, Unit, open_reading
 from spinline.jetprofile.jetspin.run import read_jetspin
+from spinline.jetprofile.jetspin.zipped import run_folder
 
 __all__ = ["write_jet"]
 
@@ -34,7 +35,7 @@ def write_jet(
     Parameters
     ----------
     path_or_run, source, time, unit
-        As in `read_jetspin`.
+        As in `read_jetspin`; a zipped run too.
     out : path
         File to write; what is there is replaced once the new file is whole.
     progress : callable, optional
@@ -53,6 +54,9 @@ def write_jet(
         As `read_jetspin`, and if `out` cannot be written.
     """
     out, given = Path(out), Path(path_or_run)
+    if given.is_file() and given.suffix.lower() == ".zip":
+        with run_folder(given) as folder:
+            return write_jet(folder, out, source=source, time=time, unit=unit, progress=progress, force=force)
     if given.is_file() and file_kind(given) not in ("xyz", "beads"):
         table = read_jetspin(given, source=source, time=time, unit=unit)
         save_dataset(table, out, force=force)

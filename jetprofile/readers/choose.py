@@ -5,6 +5,9 @@ from typing import Protocol
 
 from spinline.base.errors import InputError
 from spinline.base.files import readable
+from spinline.base.text import known_binary
+from spinline.base.workbook import WORKBOOKS
+from spinline.jetprofile.foreign import foreign_text
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.readers.jet_file import JetFile
 from spinline.jetprofile.readers.jetspin_run import JetspinRun
@@ -84,8 +87,22 @@ def read_beads(
         if not head:
             raise InputError(str(path), "is empty", remedy="give a file that holds beads")
     chosen = reader or next((one for one in _READERS if one.claims(file, head)), None)
+    if chosen is None or isinstance(chosen, BeadTable):
+        _named(file, head)
     if chosen is None:
         remedy = "save the beads as a CSV table, one row a bead: x [cm], y [cm], z [cm], radius [cm]"
         known = ", ".join(one.name for one in _READERS)
         raise InputError(str(path), "is in no format that is known here", allowed=known, remedy=remedy)
     return chosen.read(file, unit=unit, initial_radius=initial_radius)
+
+
+def _named(file: Path, head: bytes) -> None:
+    """Refuse a format that is known, and read nowhere here, by its name."""
+    if file.suffix.lower() in WORKBOOKS:
+        return  # zip archives, or refused there by name
+    what = known_binary(head) or ("a MATLAB file (.mat)" if file.suffix.lower() == ".mat" else "")
+    if what:
+        packed = "compressed" in what
+        remedy = "unpack it first" if packed else "save the beads as a CSV table: x [cm], y [cm], z [cm], radius [cm]"
+        raise InputError(str(file), f"is {what}, which is not read here", remedy=remedy)
+    foreign_text(head.decode("latin-1"), str(file))

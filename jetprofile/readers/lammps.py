@@ -1,12 +1,14 @@
 """LAMMPS dumps in text: ``ITEM: TIMESTEP`` ... ``ITEM: ATOMS id x y z radius``; beads in the order of their id."""
 
+import warnings
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
-from spinline.base.errors import InputError
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.text import read_text
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.readers.polyline import jet_of_points, length_scale
@@ -51,8 +53,14 @@ class LammpsDump:
             else np.arange(len(next(iter(columns.values()))))
         )
         columns = {key: values[order] for key, values in columns.items()}
+        if "id" not in columns:
+            text = (
+                f"{name}: atoms without an id are taken in the order of their rows, which LAMMPS changes: dump id too"
+            )
+            warnings.warn(text, SpinlineWarning, stacklevel=2)
         if "id" in columns and (np.diff(columns["id"]) == 0).any():
             raise InputError(name, f"has two atoms of one id ({kind})", remedy="dump one jet, each bead once")
+        _one_jet(columns, name, kind)
         scale, speed = _scales(system, unit, name, kind)
         parts = [columns[key] for key in ("vx", "vy", "vz") if key in columns]
         data = {key: values for key, values in columns.items() if key not in ("vx", "vy", "vz")}
@@ -121,30 +129,83 @@ def _columns(items: dict[str, list[str]], name: str, kind: str) -> dict[str, Flo
     return columns
 
 
+def _one_jet(columns: dict[str, FloatArray], name: str, kind: str) -> None:
+    """Refuse several molecules; say it where atoms of several types are taken for one jet."""
+    several = {key: np.unique(columns[key]).astype(int) for key in ("mol", "type") if key in columns}
+    if len(several.get("mol", ())) > 1:
+        shown = ", ".join(map(str, several["mol"][:5]))
+        raise InputError(name, f"has several molecules ({kind})", value=shown, remedy="dump one jet a file")
+    if len(several.get("type", ())) > 1:
+        shown = ", ".join(map(str, several["type"][:5]))
+        text = f"{name}: atoms of types {shown} are taken for the beads of one jet, in the order of their id"
+        warnings.warn(text, SpinlineWarning, stacklevel=4)
+
+
 def _places(columns: dict[str, FloatArray], items: dict[str, list[str]], name: str, kind: str) -> FloatArray:
-    for keys in _PLACES:
-        if not all(key in columns for key in keys):
-            continue
-        points = np.column_stack([columns[key] for key in keys])
-        if "s" not in keys[0]:
-            return points
-        try:
-            bounds = np.array([line.split() for line in items["BOX BOUNDS"][1:4]], dtype=np.float64)
-        except (KeyError, ValueError):
-            bounds = np.empty((0, 0))
-        if bounds.shape != (3, 2):
-            raise InputError(
-                name, f"has scaled places in a box that is not orthogonal, or no box ({kind})", remedy="dump x y z"
-            )
-        return bounds[:, 0] + points * np.diff(bounds, axis=1)[:, 0]
-    raise InputError(
-        name, f"has no places ({kind})", value=list(columns), allowed="x y z", remedy="dump id x y z radius"
-    )
+    """Places along the jet; atoms that were put back into a periodic box stand where they were before."""
+    keys = next((keys for keys in _PLACES if all(key in columns for key in keys)), None)
+    if keys is None:
+        raise InputError(
+            name, f"has no places ({kind})", value=list(columns), allowed="x y z", remedy="dump id x y z radius"
+        )
+    points = np.column_stack([columns[key] for key in keys])
+    box = _box(items)
+    if box is None and "s" in keys[0]:
+        raise InputError(name, f"has scaled places and no box that is known ({kind})", remedy="dump xu yu zu")
+    if box is not None and "s" in keys[0]:
+        points = box.corner + points @ box.edges
+    if "u" in keys[0] or box is None:
+        return points
+    flags = [columns[key] for key in ("ix", "iy", "iz") if key in columns]
+    if len(flags) == 3:
+        whole: FloatArray = points + np.column_stack(flags) @ box.edges
+        return whole
+    steps = np.abs(np.diff(points, axis=0) @ np.linalg.inv(box.edges))
+    if (steps[:, box.periodic] > 0.5).any():
+        problem = f"has a jet that leaves a periodic box and comes in again on the other side ({kind})"
+        raise InputError(name, problem, remedy="dump xu yu zu, or ix iy iz beside x y z")
+    return points
+
+
+@dataclass(frozen=True)
+class _Box:
+    """Corner (3,), edges (3, 3) as rows, and which of them repeat."""
+
+    corner: FloatArray
+    edges: FloatArray
+    periodic: np.ndarray
+
+
+def _box(items: dict[str, list[str]]) -> _Box | None:
+    """The box of a moment, orthogonal or tilted (docs.lammps.org, "Howto triclinic"); None where it is not known."""
+    try:
+        title, *lines = items["BOX BOUNDS"]
+        rows = np.array([line.split() for line in lines[:3]], dtype=np.float64)
+    except (KeyError, ValueError):
+        return None
+    words = title.split()
+    marks = [word for word in words if len(word) == 2 and set(word) <= set("pfsm")]
+    periodic = np.array([mark == "pp" for mark in marks]) if len(marks) == 3 else np.zeros(3, dtype=bool)
+    if rows.shape == (3, 2):
+        return _Box(rows[:, 0], np.diag(rows[:, 1] - rows[:, 0]), periodic) if (rows[:, 1] > rows[:, 0]).all() else None
+    if rows.shape == (3, 4) and words[:1] == ["abc"]:  # general triclinic: edge and origin a line
+        return _Box(rows[:, 3], rows[:, :3], periodic) if np.linalg.det(rows[:, :3]) else None
+    if rows.shape != (3, 3) or words[:3] != ["xy", "xz", "yz"]:
+        return None
+    xy, xz, yz = rows[:, 2]
+    low = rows[:, 0] - [min(0.0, xy, xz, xy + xz), min(0.0, yz), 0.0]
+    high = rows[:, 1] - [max(0.0, xy, xz, xy + xz), max(0.0, yz), 0.0]
+    x, y, z = high - low
+    return _Box(low, np.array([[x, 0.0, 0.0], [xy, y, 0.0], [xz, yz, z]]), periodic) if min(x, y, z) > 0 else None
 
 
 def _scales(system: str | None, unit: str | None, name: str, kind: str) -> tuple[float, float]:
     if unit is not None:
-        return length_scale(unit, name, kind), float("nan")
+        said = length_scale(unit, name, kind)
+        if system in _UNITS and not np.isclose(said, _UNITS[system][0], rtol=1e-9):
+            problem = f"is not the one of the dump ({kind}, units {system})"
+            raise InputError("unit", problem, value=unit, remedy="leave it out: the dump carries its units")
+        return said, _UNITS[system][1] if system in _UNITS else float("nan")
     if system in _UNITS:
         return _UNITS[system]
     return length_scale(None, name, f"{kind}, units {system or 'not said'}"), float("nan")

@@ -12,6 +12,7 @@ from spinline.jetprofile.lagrangian import LagrangianJet
 __all__ = ["jet_of_points", "length_scale"]
 
 _RADIUS = {"radius": 1.0, "jet_radius": 1.0, "r": 1.0, "diameter": 0.5, "d": 0.5}
+_AGREE = 0.01  # numbers of three digits, at points or at elements, round to less
 _VOLUME = ("volume", "bead_volume")
 _STRETCH = ("stretch_ratio", "stretch")
 _VELOCITY = ("velocity", "v", "u")
@@ -20,7 +21,9 @@ _VELOCITY = ("velocity", "v", "u")
 def length_scale(unit: str | None, name: str, kind: str) -> float:
     """Metres in the unit of length that the user says; these formats carry none."""
     if unit is None:
-        raise InputError(name, f"has no unit of length ({kind})", remedy='say it: unit = "cm" (in a scene: jet.unit)')
+        raise InputError(
+            name, f"has no unit of length ({kind})", remedy='say it: jet.unit = "cm" in a scene, --unit cm of a command'
+        )
     return parse_unit(unit, "length", "unit")[0]
 
 
@@ -74,6 +77,7 @@ def _of_elements(
     data: Mapping[str, FloatArray], cells: Mapping[str, FloatArray], name: str, kind: str, scale: float
 ) -> dict[str, FloatArray]:
     """Radius, volume or stretch of the elements; what stands at beads is the mean of an element's two ends."""
+    told: list[tuple[str, FloatArray]] = []
     for where, table in (("cells", cells), ("points", data)):
         for given, values in table.items():
             key, values = given.lower(), np.asarray(values, dtype=np.float64)
@@ -81,11 +85,19 @@ def _of_elements(
                 continue
             per_element = values if where == "cells" else 0.5 * (values[1:] + values[:-1])
             if key in _RADIUS:
-                return {"radius": per_element * _RADIUS[key] * scale}
-            if key in _STRETCH:
+                told.append((given, per_element * _RADIUS[key] * scale))
+            elif key in _STRETCH and not told:
                 return {"stretch_ratio": per_element}
-            if key in _VOLUME and where == "cells":
+            elif key in _VOLUME and where == "cells" and not told:
                 return {"volume": per_element * scale**3}
+    for given, other in told[1:]:
+        if other.shape == told[0][1].shape and not np.allclose(
+            other, told[0][1], rtol=_AGREE, atol=0.0, equal_nan=True
+        ):
+            problem = f"has two radii of the jet that are not the same ({kind}; a diameter is halved)"
+            raise InputError(name, problem, value=f"{told[0][0]}, {given}", remedy="leave one of them out")
+    if told:
+        return {"radius": told[0][1]}
     problem, known = f"has no radius of the jet ({kind})", ", ".join([*_RADIUS, *_STRETCH])
     raise InputError(
         name,

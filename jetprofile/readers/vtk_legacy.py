@@ -3,6 +3,7 @@
 VTK, "File formats", legacy format 3.0 and 5.1 (``POLYDATA`` or ``UNSTRUCTURED_GRID``).
 """
 
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,8 +13,9 @@ from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
 from spinline.jetprofile.lagrangian import LagrangianJet
 from spinline.jetprofile.readers.polyline import jet_of_points, length_scale
+from spinline.jetprofile.readers.vtk_cells import LineCells, cells_of_types, grid_refused, poly_cells
 
-__all__ = ["VtkLegacy", "line_order"]
+__all__ = ["VtkLegacy"]
 
 _TYPES = {
     "float": "f4",
@@ -31,6 +33,17 @@ _TYPES = {
     "vtkidtype": "i8",
 }
 _LARGEST = 50_000_000  # values of one array
+_BEYOND = 1e30  # no place in any unit: bytes in the other order
+_CELLS = ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS")
+_PASSED: dict[str, Callable[[list[str]], tuple[int, str]]] = {  # values a row, and their type
+    "TENSORS": lambda words: (9, words[2]),
+    "TENSORS6": lambda words: (6, words[2]),
+    "TEXTURE_COORDINATES": lambda words: (int(words[2]), words[3]),
+    "GLOBAL_IDS": lambda words: (1, words[2]),
+    "PEDIGREE_IDS": lambda words: (1, words[2]),
+    "COLOR_SCALARS": lambda words: (int(words[2]), "unsigned_char"),
+    "LOOKUP_TABLE": lambda words: (4, "unsigned_char"),
+}
 
 
 class VtkLegacy:
@@ -54,15 +67,12 @@ class VtkLegacy:
             raise InputError(
                 str(path), f"is damaged, or no {self.name} ({error})", remedy="write the file again"
             ) from None
-        order, elements = line_order(file.lines, len(points), str(path), self.name)
+        found = file.found()
+        order, elements = found.order(len(points), str(path), self.name)
         return jet_of_points(
             points[order],
             {key: values[order] for key, values in data.items()},
-            {
-                key: values[elements]
-                for key, values in cells.items()
-                if elements is not None and len(values) > elements.max()
-            },
+            found.data(cells, elements),
             name=str(path),
             kind=self.name,
             scale=scale,
@@ -70,38 +80,13 @@ class VtkLegacy:
         )
 
 
-def line_order(lines: list[list[int]], count: int, name: str, kind: str) -> tuple[np.ndarray, np.ndarray | None]:
-    """Order of the points along one line, and which cell each element is, where every element is a cell of its own.
-
-    One polyline gives its own order; two-point cells are joined end to end. Without cells the points stand in order.
-    """
-    if any(not 0 <= index < count for line in lines for index in line):
-        raise InputError(name, f"has a line through points that are not there ({kind})", remedy="write the file again")
-    lines = [line for line in lines if len(line) > 1]
-    if not lines:
-        return np.arange(count), None
-    if len(lines) == 1:
-        if len(set(lines[0])) < len(lines[0]):
-            raise InputError(name, f"has a closed line ({kind})", remedy="give a jet, from the nozzle to its far end")
-        return np.array(lines[0]), np.zeros(1, dtype=int) if len(lines[0]) == 2 else None
-    order = list(lines[0])
-    for line in lines[1:]:
-        if line[0] != order[-1]:
-            raise InputError(
-                name, f"has several lines ({kind})", value=len(lines), remedy="write one jet a file, its cells in order"
-            )
-        order += line[1:]
-    if len(set(order)) < len(order):
-        raise InputError(name, f"has a closed line ({kind})", remedy="give a jet, from the nozzle to its far end")
-    return np.array(order), np.arange(len(lines)) if all(len(line) == 2 for line in lines) else None
-
-
 class _Legacy:
     """A cursor over the bytes of a legacy file."""
 
     def __init__(self, data: bytes, name: str, kind: str) -> None:
         self.data, self.name, self.kind, self.at = data, name, kind, 0
-        self.lines: list[list[int]] = []
+        self.cells: dict[str, list[list[int]]] = {}
+        self.types: list[int] = []
 
     def parse(self) -> tuple[FloatArray, dict[str, FloatArray], dict[str, FloatArray]]:
         """Points, point data and cell data."""
@@ -113,30 +98,36 @@ class _Legacy:
         self.binary = coding == "BINARY"
         points: FloatArray = np.empty((0, 3))
         tables: dict[str, dict[str, FloatArray]] = {"POINT_DATA": {}, "CELL_DATA": {}}
-        target, count, offsets = None, 0, None
+        target, count = None, 0
         while (words := self._words()) is not None:
             key = words[0].upper()
             if key == "POINTS":
                 points = self._array(3 * self._count(words, 1), words[2]).reshape(-1, 3).astype(np.float64)
-            elif key in ("LINES", "CELLS"):
-                if len(words) > 2 and self._peek().upper().startswith("OFFSETS"):
-                    offsets = self._array(self._count(words, 1), self._line().split()[1]).astype(int)
-                    heading = self._words() or ["", ""]
-                    joined = self._array(self._count(words, 2), heading[-1]).astype(int).tolist()
-                    self.lines += [joined[a:b] for a, b in pairwise(offsets.tolist())]
-                else:
-                    self.lines += self._cells(self._array(self._count(words, 2), "int").astype(int).tolist())
-            elif key in ("VERTICES", "POLYGONS", "TRIANGLE_STRIPS"):
-                self._array(self._count(words, 2), "int")
+                if self.binary and not (np.abs(points) < _BEYOND).all():
+                    raise self._damaged("its binary numbers are no places; the legacy format wants them big-endian")
+            elif key == "DIMENSIONS":
+                grid_refused([self._count(words, i) for i in (1, 2, 3)], self.name, self.kind)
+            elif key in _CELLS:
+                self.cells.setdefault(key, []).extend(self._cells(words))
             elif key == "CELL_TYPES":
-                self._array(self._count(words, 1), "int")
+                self.types += self._array(self._count(words, 1), "int").astype(int).tolist()
+            elif key == "METADATA":
+                self._metadata()
             elif key in tables:
                 target, count = tables[key], self._count(words, 1)
+            elif key == "FIELD":
+                self._field(words, {} if target is None else target)  # before the points: of the whole file
             elif target is not None:
                 self._attribute(key, words, target, count)
         if not len(points):
             raise self._damaged("it has no POINTS")
         return points, tables["POINT_DATA"], tables["CELL_DATA"]
+
+    def found(self) -> LineCells:
+        """The file's lines."""
+        if "CELLS" in self.cells:
+            return cells_of_types(self.cells["CELLS"], self.types, self.name, self.kind)
+        return poly_cells(self.cells, self.name, self.kind)
 
     def _attribute(self, key: str, words: list[str], target: dict[str, FloatArray], count: int) -> None:
         if key == "SCALARS":
@@ -147,21 +138,45 @@ class _Legacy:
             target[words[1]] = values if parts == 1 else values.reshape(count, parts)
         elif key in ("VECTORS", "NORMALS"):
             target[words[1]] = self._array(3 * count, words[2]).reshape(count, 3).astype(np.float64)
-        elif key == "FIELD":
-            for _ in range(self._count(words, 2)):
-                field = self._words()
-                if field is None or len(field) < 4:
-                    raise self._damaged("a FIELD ends early")
-                parts, rows = self._count(field, 1), self._count(field, 2)
-                values = self._array(parts * rows, field[3]).astype(np.float64)
-                target[field[0]] = values if parts == 1 else values.reshape(rows, parts)
+        elif key in _PASSED:  # to be passed by, as binary numbers may look like anything
+            parts, kind = _PASSED[key](words)
+            table = self._count(words, 2) if key == "LOOKUP_TABLE" else count
+            self._array(parts * table, kind if self.binary or kind != "unsigned_char" else "float")
 
-    def _cells(self, flat: list[int]) -> list[list[int]]:
+    def _field(self, words: list[str], target: dict[str, FloatArray]) -> None:
+        for _ in range(self._count(words, 2)):
+            field = self._words()
+            if field is not None and field[0].upper() == "METADATA":  # of the array before
+                self._metadata()
+                field = self._words()
+            if field is None or len(field) < 4:
+                raise self._damaged("a FIELD ends early")
+            parts, rows = self._count(field, 1), self._count(field, 2)
+            if field[3].lower() in ("string", "utf8_string") and not self.binary:  # one a line
+                for _ in range(parts * rows):
+                    self._line()
+                continue
+            values = self._array(parts * rows, field[3]).astype(np.float64)
+            target[field[0]] = values if parts == 1 else values.reshape(rows, parts)
+
+    def _metadata(self) -> None:
+        """Pass by what VTK 9 and ParaView write behind an array; it ends with an empty line."""
+        while self.at < len(self.data) and self._line():
+            pass
+
+    def _cells(self, words: list[str]) -> list[list[int]]:
+        if self._peek().upper().startswith("OFFSETS"):  # 5.1
+            ends = self._array(self._count(words, 1), self._line().split()[1]).astype(int).tolist()
+            heading = self._words() or ["", ""]
+            joined = self._array(self._count(words, 2), heading[-1]).astype(int).tolist()
+            return [joined[a:b] for a, b in pairwise(ends)]
+        flat = self._array(self._count(words, 2), "int").astype(int).tolist()
         cells, at = [], 0
         while at < len(flat):
             size = flat[at]
             if size < 0 or at + 1 + size > len(flat):
-                raise self._damaged("a cell reaches beyond the list of cells")
+                hint = "; the legacy format wants binary numbers big-endian" if self.binary else ""
+                raise self._damaged(f"a cell reaches beyond the list of cells{hint}")
             cells.append(flat[at + 1 : at + 1 + size])
             at += 1 + size
         return cells

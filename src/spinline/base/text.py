@@ -13,7 +13,7 @@ from spinline.base.file_format import HDF5_HEAD
 from spinline.base.files import note_input, readable
 from spinline.base.naming import kind_of, reason_of
 
-__all__ = ["LONGEST_TEXT", "csv_rows", "decoded", "parsed_toml", "read_text", "read_toml_text"]
+__all__ = ["LONGEST_TEXT", "csv_rows", "decoded", "known_binary", "parsed_toml", "read_text", "read_toml_text"]
 
 _DEEPEST = 32
 LONGEST_TEXT = 2**31  # bytes of a file that is read whole
@@ -36,7 +36,15 @@ _BINARY = (
     (b"II*\x00", "a TIFF picture"),
     (b"MM\x00*", "a TIFF picture"),
     (b"%PDF-", "a PDF document"),
+    (b"MATLAB 5.0 MAT-file", "a MATLAB file (.mat)"),
+    (b"MATLAB 7.3 MAT-file", "a MATLAB file (.mat, version 7.3)"),
+    (b"\x28\xb5\x2f\xfd", "compressed by zstd"),
 )
+
+
+def known_binary(head: bytes) -> str:
+    """What a file of a well-known binary format is, by its first bytes; "" for any other."""
+    return next((what for mark, what in _BINARY if head.startswith(mark)), "")
 
 
 def decoded(data: bytes, name: str, binary: str = "give a text file, or save it as text, UTF-8") -> tuple[str, str]:
@@ -63,9 +71,8 @@ def decoded(data: bytes, name: str, binary: str = "give a text file, or save it 
     InputError
         For bytes that are text in none of them.
     """
-    for mark, what in _BINARY:
-        if data.startswith(mark):
-            raise InputError(name, f"is {what}, and no text", remedy=binary)
+    if what := known_binary(data):
+        raise InputError(name, f"is {what}, and no text", remedy=binary)
     for mark, codec in _MARKS:
         if data.startswith(mark):
             return _as(data, codec, name), "UTF-8" if codec == "utf-8-sig" else "UTF-16"

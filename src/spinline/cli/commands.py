@@ -303,7 +303,7 @@ def fit_jet(
 
 @app.command("import-jet")
 def import_jet(
-    run_dir: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="JETSPIN run directory, or one file of it.")],
+    run_dir: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="JETSPIN run directory, zip, or a file of it.")],
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="Jet file, netCDF. Default: RUN_DIR's name with .nc.")
     ] = None,
@@ -318,7 +318,7 @@ def import_jet(
     from spinline.jetprofile.jetspin.detect import file_kind
 
     target = out or Path(run_dir.resolve().stem + ".nc")
-    if run_dir.is_file():
+    if run_dir.is_file() and run_dir.suffix.lower() != ".zip":
         file_kind(run_dir)  # before anything is said of the output, which may be the input
     writable(target, force=force)
     write_jet(run_dir, target, source=source, unit=unit, force=force)

@@ -69,6 +69,10 @@ def deposit(
         from spinline.scene.mat_file import load_mat_scene
 
         scene = load_mat_scene(source, set_ or [])
+        from spinline.plan.odd_settings import odd_laydown
+
+        for odd in odd_laydown(scene):
+            warnings.warn(odd, SpinlineWarning, stacklevel=1)
         rows = rows_of(scene)
         if plan:
             say(f"{rows} segments, {rows * _ROW_BYTES / 1e6:.3g} MB, about {max(rows / 1.5e6, 0.1):.2g} s")

@@ -1,11 +1,12 @@
 """The command that spins a jet: bead by bead, from the nozzle to the collector."""
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from spinline.base.errors import InputError
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.words import label
 from spinline.cli.options import ForceOption, JsonOption, SetOption, load
 from spinline.cli.progress import progress_of
@@ -143,7 +144,14 @@ def _nozzles(scene: "Scene | None", flow_rate: Text, law: Text) -> "FloatArray":
     if law is not None:
         raise InputError("--law", "is for a JETSPIN input.dat", value=law, remedy="--set jet.law=...")
     if not isinstance(scene.jet, SpunJet):
-        raise InputError("jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"')
+        remedy = "`spinline run` takes any scene; `spinline scenes --copy peo5-spun` gives one to spin"
+        raise InputError(
+            "jet.profile", "is not a jet to spin", value=scene.jet.profile, allowed='"spun", "blown"', remedy=remedy
+        )
+    from spinline.plan.odd_settings import odd_spinning
+
+    for odd in odd_spinning(scene.jet, scene.solution):
+        warnings.warn(odd, SpinlineWarning, stacklevel=1)
     return spun_nozzles(scene.jet)
 
 

@@ -204,6 +204,8 @@ def _of_recipe(
     else:
         low, high = 1e9 * answer["fibre_diameter_least"], 1e9 * answer["fibre_diameter_most"]
         words = [f"fibres of {low:.3g} to {high:.3g} nm (medians); of the window: {share}"]
+    if median.size == 1:
+        words.append('one point: a range is mapped, for example --voltage "8 kV .. 25 kV"')
     odd = found["remark"].values[1].ravel()
     answer["outside"] = int(np.count_nonzero(odd != ""))
     if answer["outside"]:

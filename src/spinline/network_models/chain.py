@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["RUNG", "SettledChain", "TransientChain"]
 
+_MORE = 30  # strands joined into one, where the chain of all is too stiff
 _FRONT_RTOL = 0.03
 _MOST_BEADS = 3000  # of a chain that is free to join strands
 _AFFORDABLE = 3000  # steps of a chain in a trade
@@ -108,11 +109,15 @@ class TransientChain(SlippingRung):
                 chain, duration, start=start, rtol=rtol, output_times=[0.9 * duration], most_steps=scene.accuracy.steps
             )
         except ChainError as error:
+            remedy = "raise accuracy.steps or accuracy.rtol, or join more strands (network.coarse_grain)"
+            if over:  # rtol is that of the front there
+                end = 1.2e3 * float(jet.position_of(full))
+                remedy = (
+                    f'follow the jet to a little beyond full stretch only, jet.length = "{end:.2g} mm", or join more strands, '
+                    f"network.coarse_grain = {_MORE * max(joined, 1.0):.0f}"
+                )
             raise InputError(
-                "network.model",
-                f"the chain cannot be followed ({error})",
-                value=self.name,
-                remedy="raise accuracy.steps or accuracy.rtol, or join more strands (network.coarse_grain)",
+                "network.model", f"the chain cannot be followed ({error})", value=self.name, remedy=remedy
             ) from None
         profile = run.profile
         if not profile.position.size:

@@ -11,9 +11,9 @@ from spinline.rheology.materials import POLYMERS
 __all__ = ["outside_remarks", "size_remarks", "watery"]
 
 _BREAKDOWN = 3e6  # V/m, of air
-_RATES = (1e-14, 1e-7)  # m3/s: 0.04 uL/hour to 0.4 L/hour
-_GAPS = (5e-3, 2.0)  # m
-_LEAST_POLYMER, _MOST_POLYMER = 1e-3, 0.6
+_RATES = (2.5e-12, 1.4e-8)  # m3/s: 0.009 to 50 mL/hour; 611 published settings have 0.1 to 22
+_GAPS = (0.019, 0.6)  # m; 2 to 50 cm are published
+_LEAST_POLYMER, _MOST_POLYMER = 1e-3, 0.5
 # what solutions that spin have, by the recipe's fields: least, most, and the same in words
 _SPUN: dict[str, tuple[float, float, str]] = {
     "voltage": (100.0, 2e5, "{:.3g} V is out of the 100 to 200000 at which jets are spun"),
@@ -70,7 +70,7 @@ def outside_remarks(recipe: Recipe) -> tuple[str, ...]:
     if field > _BREAKDOWN:
         said.append(f"{field / 1e5:.3g} kV/cm between needle and collector: air breaks down at 30")
     if not _RATES[0] <= recipe.flow_rate <= _RATES[1]:
-        said.append(f"a flow of {recipe.flow_rate * 3.6e9:.3g} mL/hour is out of the usual 0.01 to 100: check its unit")
+        said.append(f"a flow of {recipe.flow_rate * 3.6e9:.3g} mL/hour is out of the usual 0.05 to 20: check its unit")
     if not _GAPS[0] <= recipe.gap <= _GAPS[1]:
         said.append(f"a gap of {100 * recipe.gap:.3g} cm is out of the usual 5 to 30: check its unit")
     if recipe.mass_fraction > _MOST_POLYMER:

@@ -18,10 +18,10 @@ from spinline.recipe.elsewhere import elsewhere
 from spinline.recipe.measured import Measurement
 from spinline.recipe.mixture_text import in_toml, mixture_remedy
 from spinline.recipe.predict import Fibre, predict
-from spinline.recipe.table import GAUGES
 from spinline.rheology.materials import POLYMERS, polymer
 from spinline.rheology.names import known_as
-from spinline.rheology.solvents import SOLVENTS, mixture_density
+from spinline.rheology.solvents import SOLVENTS, mixture_density, solvent_density
+from spinline.scene.advice import GAUGES
 from spinline.scene.file import checked, read_toml
 from spinline.scene.quantities import (
     Conductivity,
@@ -42,6 +42,9 @@ __all__ = ["RecipeSheet", "bundled_recipes", "fibre", "load_recipe"]
 Potential = Annotated[Measured, Read("potential", 1.0, 1e6)]
 Tension = Annotated[Measured, Read("surface tension", 1e-4, 1.0)]
 Current = Annotated[Measured, Read("current", 1e-15, 1.0)]
+
+
+_COLDEST, _HOTTEST = 200.0, 450.0  # K, of a line
 
 
 class PerVolume(Measured):
@@ -187,6 +190,8 @@ class RecipeSheet(Sheet):
             "a row of `spinline fibre --table` takes any name, as a usual chain",
         )
         solvent = _solvent(s.solvent)
+        where = "solution.temperature" if air.temperature is None else "ambient.temperature"
+        _liquid(solvent, kelvin, where)
         return Recipe(
             polymer=chain,
             solvent=solvent,
@@ -293,6 +298,23 @@ def bundled_recipes() -> dict[str, Path]:
 
     folder = Path(str(resources.files("spinline") / "data" / "recipes"))
     return {file.stem: file for file in sorted(folder.glob("*.toml"))}
+
+
+def _liquid(solvent: Mapping[str, float], kelvin: float, field: str) -> None:
+    """Refuse a temperature at which a solvent freezes, boils at once, or that no line has."""
+    if kelvin != kelvin:
+        return
+    shown, remedy = f"{kelvin - 273.15:.4g} degC", 'lines are usually at "23 degC"'
+    if not _COLDEST <= kelvin <= _HOTTEST:
+        allowed = f"[{_COLDEST - 273.15:.0f}, {_HOTTEST - 273.15:.0f}] degC"
+        raise InputError(field, "is out of range", value=shown, allowed=allowed, remedy=remedy)
+    for name in solvent:
+        try:
+            solvent_density(name, kelvin)
+        except InputError as error:
+            raise InputError(
+                field, f"{error.problem}: {name} is no liquid there", value=shown, allowed=error.allowed, remedy=remedy
+            ) from None
 
 
 def load_recipe(source: str | Path, overrides: tuple[str, ...] | list[str] = ()) -> RecipeSheet:

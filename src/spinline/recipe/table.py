@@ -21,6 +21,7 @@ from spinline.recipe.table_columns import COLUMNS, NOTHING, columns_of, number_i
 from spinline.rheology.materials import POLYMERS
 from spinline.rheology.names import known_as
 from spinline.rheology.solvents import SOLVENTS
+from spinline.scene.advice import GAUGES
 
 __all__ = ["predict_table", "read_experiments", "recipes_of"]
 
@@ -34,31 +35,6 @@ _ALSO = {
     "PLLA": "PLA",
 }
 _NEEDED = ("polymer", "solvent", "voltage_kV", "flow_rate_mL_per_h", "distance_cm")
-# inner radius of a needle by its gauge, m: half the nominal inner diameter of regular walls in suppliers' charts (0.413 mm of
-# 22 G; 0.00525, 0.00425, 0.00425 and 0.00325 inch of 31 to 34 G); ISO 9626 has the least inner diameters of metric tubes
-GAUGES = {
-    14: 0.80e-3,
-    15: 0.69e-3,
-    16: 0.60e-3,
-    17: 0.54e-3,
-    18: 0.42e-3,
-    19: 0.34e-3,
-    20: 0.30e-3,
-    21: 0.26e-3,
-    22: 0.21e-3,
-    23: 0.17e-3,
-    24: 0.155e-3,
-    25: 0.13e-3,
-    26: 0.13e-3,
-    27: 0.105e-3,
-    28: 0.09e-3,
-    29: 0.09e-3,
-    30: 0.08e-3,
-    31: 0.0665e-3,
-    32: 0.054e-3,
-    33: 0.054e-3,
-    34: 0.0413e-3,
-}
 
 
 def read_experiments(path: str | Path) -> list[dict[str, str]]:

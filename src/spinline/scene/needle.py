@@ -13,7 +13,9 @@ from spinline.scene.quantities import Conductivity, FlowRate, Length, Number, Nu
 __all__ = ["FieldTable", "NeedleJet"]
 
 Voltage = Annotated[Measured, Read("potential", 1e-3, 1e7)]
-SurfaceTension = Annotated[Measured, Read("surface tension", 1e-9, 1e2)]
+SurfaceTension = Annotated[
+    Measured, Read("surface tension", 1e-5, 2.0, remedy="72 mN/m for water, 20 to 40 for other solvents")
+]
 Current = Annotated[Measured, Read("current", 1e-18, 1e3)]
 Acceleration = Annotated[Measured, Read("acceleration", -1e4, 1e4)]
 Permittivity = Annotated[Measured, Read("number", 1.0, 1e6, closed=True, remedy="relative, 80 for water")]

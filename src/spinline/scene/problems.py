@@ -9,6 +9,8 @@ from pydantic_core import ErrorDetails
 
 from spinline.base.errors import InputError
 from spinline.base.units import Measured
+from spinline.rheology.constitutive import LAWS
+from spinline.scene.advice import instead, usual
 from spinline.scene.air_and_rheology import AmbientSection, EffectsSection, RheologySection
 from spinline.scene.mat_sections import CollectorSection, JetsSection, MatSection
 from spinline.scene.sections import (
@@ -60,16 +62,15 @@ def _key(detail: ErrorDetails) -> str:
     kept = [
         step
         for i, step in enumerate(steps)
-        if not ((step in _FORMS or step in JET_SECTIONS) and i == (2 if steps[0] == "solution" else 1))
+        if not (
+            (step in _FORMS or step in JET_SECTIONS)
+            and i == (2 if steps[0] == "solution" else 1)
+            and not (detail["type"] == "extra_forbidden" and i == len(steps) - 1)  # a key of that name
+        )
         and "[" not in step
     ]
     context = detail.get("ctx") or {}
     return ".".join([*kept, context["key"]] if "key" in context else kept) or "scene"
-
-
-_USUAL = {
-    "jet.beta": "add it to [jet]: measured jets give 0.4 to 0.6, 0.47 for PEO in water; fit yours with `spinline fit-jet`",
-}
 
 
 _NEEDLE = (
@@ -79,10 +80,7 @@ _NEEDLE = (
 
 
 _OF_A_NEEDLE = dict.fromkeys(
-    (
-        f"jet.{name}"
-        for name in ("voltage", "gap", "distance", "surface_tension", "permittivity", "current", "needle", "gauge")
-    ),
+    (f"jet.{name}" for name in ("voltage", "gap", "distance", "surface_tension", "permittivity", "current")),
     _NEEDLE,
 )
 
@@ -97,13 +95,15 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
         remedy = context["remedy"] or ("" if kind == "refusal" else _change(key, root))
         return InputError(key, detail["msg"], value=shown, allowed=context["allowed"], remedy=remedy)
     if kind == "missing":
-        where = f"add it to [{key.rpartition('.')[0]}]" if "." in key else "add it"
-        return InputError(key, "is missing", remedy=_USUAL.get(key, where))
+        return InputError(key, "is missing", remedy=usual(key, recipe="measured" in root.model_fields))
     if kind == "extra_forbidden":
         known = _known_keys(key, data, root)
-        near = _nearest(key.rpartition(".")[2], known)
-        elsewhere = _OF_A_NEEDLE.get(key, "take it out") if root is Scene else "take it out"
-        hint = f"did you mean {near!r}?" if near else elsewhere
+        home, _, last = key.rpartition(".")
+        near = _nearest(last, known)
+        elsewhere = instead(last, value, known, _other_sections(home, data, root))
+        if root is Scene and not elsewhere:
+            elsewhere = _OF_A_NEEDLE.get(f"jet.{last}", "")
+        hint = f"did you mean {near!r}?" if near else elsewhere or "take it out"
         return InputError(key, "is not a known key", value=value, allowed=", ".join(known), remedy=hint)
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         section = value if isinstance(value, Mapping) else {}
@@ -120,6 +120,10 @@ def _problem(detail: ErrorDetails, data: Mapping[str, Any], root: type[BaseModel
     if not allowed:
         words = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
         allowed = ", ".join(f"{words[k]} {v}" for k, v in context.items() if k in words)
+    law = next((law for law in LAWS if law.lower() == str(value).lower()), "")
+    if key == "network.model" and law:
+        remedy = f'{law} is a law of the stress: [rheology] constitutive = "{law}", with network.model = "conformation"'
+        return InputError(key, "is not known", value=value, allowed=allowed, remedy=remedy)
     message = "is not known" if kind == "literal_error" else detail["msg"].replace("Input should be", "should be")
     return InputError(key, message, value=value, allowed=allowed, remedy=_change(key, root))
 
@@ -144,6 +148,7 @@ _ALSO_CALLED = {
     **dict.fromkeys(("mw", "molecular_weight", "molecular_mass"), "molar_mass"),
     **dict.fromkeys(("rh", "humidity"), "relative_humidity"),
     **dict.fromkeys(("needle", "needle_gauge"), "gauge"),
+    **dict.fromkeys(("type", "collector_type"), "kind"),
     **dict.fromkeys(("process", "spinning", "parameters"), "jet"),
     **dict.fromkeys(("environment", "air", "atmosphere"), "ambient"),
     **dict.fromkeys(("material", "materials"), "solution"),
@@ -157,6 +162,14 @@ def _nearest(name: str, known: list[str]) -> str:
     if called in known:
         return called
     return next(iter(difflib.get_close_matches(name, known, n=1)), "")
+
+
+def _other_sections(section: str, data: Mapping[str, Any], root: type[BaseModel]) -> dict[str, list[str]]:
+    """Keys of the other sections of a file, by section."""
+    names = [name for name in root.model_fields if name not in ("title", section)]
+    if root is Scene and "profile" not in (data["jet"] if isinstance(data.get("jet"), Mapping) else {}):
+        names = [name for name in names if name != "jet"]
+    return {name: keys for name in names if (keys := _known_keys(f"{name}.", data, root)) != list(root.model_fields)}
 
 
 def _change(key: str, root: type[BaseModel]) -> str:
@@ -188,5 +201,5 @@ def _known_keys(key: str, data: Mapping[str, Any], root: type[BaseModel]) -> lis
             for name in kind.model_fields
         ]
     if section == "jet":
-        section = f"jet {data['jet']['profile']}"
+        section = f"jet {data['jet'].get('profile')}"
     return list(models.get(section, root).model_fields)

@@ -36,7 +36,8 @@ class Read:
         try:
             measured = parse(text, self.kind, "")
         except InputError as error:
-            words = {"problem": error.problem, "allowed": error.allowed or self.allowed, "remedy": error.remedy}
+            remedy = _by_mass(self.kind, text) or error.remedy
+            words = {"problem": error.problem, "allowed": error.allowed or self.allowed, "remedy": remedy}
             raise PydanticCustomError("quantity", "{problem}", words) from None
         value = measured.value
         if not (self.low <= value <= self.high if self.closed else self.low < value < self.high):
@@ -51,6 +52,17 @@ class Read:
         quantity = QUANTITIES[self.kind]
         kinds: Any = "string" if quantity.unit else ["string", "number"]
         return {"type": kinds, "description": f"{self.kind}, {self.allowed}", "examples": [quantity.example]}
+
+
+def _by_mass(kind: str, text: Any) -> str:
+    """The key of a share by mass that stands where a mass in a volume is due."""
+    if kind != "concentration":
+        return ""
+    try:
+        parse(text, "mass fraction", "")
+    except InputError:
+        return ""
+    return f'a share by mass is another key: mass_fraction = "{text}"'
 
 
 def _percent(kind: str, value: float) -> str:

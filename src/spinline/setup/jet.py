@@ -154,8 +154,10 @@ def _jet_dataset(section: JetspinJet, path: Path) -> "xr.Dataset":
 
         return open_dataset(path)
     from spinline.jetprofile.jetspin import read_jetspin
+    from spinline.jetprofile.jetspin.zipped import run_folder
 
-    return read_jetspin(path, source=section.source, unit=section.unit)
+    with run_folder(path) as run:
+        return read_jetspin(run, source=section.source, unit=section.unit)
 
 
 _BUILDERS: dict[type[Section], Builder] = {

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.file_format import FORMAT, require_format
 from spinline.base.files import discard, new_folder
+from spinline.base.held_signals import signals_held
 from spinline.base.naming import clear_leavings, lock_folder, unlock_folder
 from spinline.scene.keys import unit_of
 from spinline.solve.results import VARIABLES
@@ -125,6 +126,7 @@ class Store:
         self.attributes = dict(self._group.attrs)
         self.chunk = int(self.attributes["chunk"])
 
+    @signals_held()  # zarr writes in threads: a folder that is given up is not still
     def _create(self, zarr: Any, chunk: int, attributes: Mapping[str, Any]) -> None:
         """Make the store beside its place, then move it there whole."""
         from zarr.codecs import Crc32cCodec, ZstdCodec
