@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,6 @@ PAN = Recipe(
 
 
 def of(**changes):
-    from dataclasses import replace
-
     return predict(replace(PAN, **changes), shares=False)
 
 
@@ -76,8 +75,6 @@ def test_no_jump_where_a_setting_sweeps():
 
 
 def test_what_is_given_narrows_the_interval():
-    from dataclasses import replace
-
     from spinline.recipe import spun
     from spinline.recipe.believe import believe
     from spinline.recipe.model import normals
@@ -93,9 +90,19 @@ def test_what_is_given_narrows_the_interval():
     assert width(current) < 0.9 * width(chain)
 
 
-def test_one_measured_fibre_calibrates_the_rest():
-    from dataclasses import replace
+def test_what_is_taken_on_the_way_has_its_own_interval():
+    """A current and a viscosity that are measured lie within a tenth; laws' within the factors they are known to."""
+    guessed, known = predict(PAN), predict(replace(PAN, viscosity=0.8, current=2e-7))
+    for name in ("current", "viscosity"):
+        middle, (low, high) = getattr(guessed, name), getattr(guessed, f"{name}_68")
+        assert low < middle < high
+        assert high / low > 4.0
+        low, high = getattr(known, f"{name}_68")
+        assert np.sqrt(low * high) == pytest.approx(getattr(known, name), rel=0.02)
+        assert 1.15 < high / low < 1.3
 
+
+def test_one_measured_fibre_calibrates_the_rest():
     before = of(mass_fraction=0.12, usual_fraction=0.1)
     after = predict(replace(PAN, mass_fraction=0.12, usual_fraction=0.1), [Measurement(PAN, 6e-7)], shares=False)
     own = predict(PAN, [Measurement(PAN, 6e-7, 0.02)], shares=False)
@@ -467,7 +474,6 @@ def test_a_sample_is_predicted_as_committed():
 def test_the_calibration_finds_what_made_the_fibres():
     """Fibres made by the model itself with other constants are told apart from the priors' medians."""
     import sys
-    from dataclasses import replace
 
     sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
     import spindb_calibrate as sc

@@ -135,8 +135,10 @@ def lines(found: "Fibre") -> list[str]:
     parts = [f"{known[name]} {100 * share:.0f} %" for name, share in found.variance_shares.items() if share > 0.03]
     if parts:
         said.append("The interval is made of: " + ", ".join(parts) + ".")
+    nano, thick = [1e9 * value for value in found.current_68], found.viscosity_68
     said.append(
-        f"On the way: current {1e9 * found.current:.3g} nA, viscosity {found.viscosity:.2g} Pa s; by "
+        f"On the way: current {1e9 * found.current:.3g} nA ({nano[0]:.3g} to {nano[1]:.3g}), viscosity {found.viscosity:.2g} "
+        f"Pa s ({thick[0]:.2g} to {thick[1]:.2g}, 68 %); by "
         + ", ".join(f"the {_BY[name]} {nm(size)} nm" for name, size in found.trade.items())
         + "."
     )

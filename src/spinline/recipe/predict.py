@@ -54,6 +54,8 @@ class Fibre:
         First-order share of the variance of ln d, by unknown; they add up to 1 less what unknowns do together.
     current, viscosity, charge_density : float
         Medians, SI.
+    current_68, viscosity_68 : tuple of float
+        What the recipe and the priors say of them; SI.
     trade : mapping
         Median diameter by the other rungs, m.
     borrowed : mapping
@@ -79,6 +81,8 @@ class Fibre:
     variance_shares: Mapping[str, float]
     current: float
     viscosity: float
+    current_68: tuple[float, float]
+    viscosity_68: tuple[float, float]
     charge_density: float
     trade: Mapping[str, float]
     borrowed: Mapping[str, str]
@@ -154,7 +158,7 @@ def predict(
         fibre_diameter_68=(float(low68), float(high68)),
         fibre_diameter_95=(float(low95), float(high95)),
         orientation=float(np.median(orientation)),
-        orientation_68=tuple(float(v) for v in np.quantile(orientation, (0.16, 0.84))),  # type: ignore[arg-type]
+        orientation_68=_middle(orientation),
         regime=regime.name,
         regimes=regime.shares,
         rung=rung,
@@ -162,6 +166,8 @@ def predict(
         variance_shares=_with_rest(shares_of(log_d, z), bool(measured)) if shares else {},
         current=float(np.median(found.current)),
         viscosity=float(np.median(found.viscosity)),
+        current_68=_middle(found.current),
+        viscosity_68=_middle(found.viscosity),
         charge_density=float(np.median(found.charge_density)),
         trade=trade,
         borrowed=borrowed,
@@ -178,6 +184,11 @@ def predict(
         flight_time=float(np.median(found.thinning.time)),
         envelope_radius=_loops(found),
     )
+
+
+def _middle(values: FloatArray) -> tuple[float, float]:
+    low, high = np.quantile(values, (0.16, 0.84)).tolist()
+    return low, high
 
 
 def _loops(found: Fibres) -> float | None:
