@@ -199,6 +199,8 @@ import numpy as np
 from spinline.base.files import streaming
 from spinline.base.netcdf_file import NetcdfFile
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
+
 class Asked:
     def __init__(self, sink, moment):
         self.sink, self.moment, self.calls = sink, moment, 0
