@@ -5,7 +5,7 @@ import pytest
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.images.frames import open_stack, sample_frames, sum_frames
-from spinline.images.odd_frames import light_of, with_jet, without_shadow
+from spinline.images.odd_frames import light_of, with_jet, without_light, without_shadow
 from spinline.radiography.reduce import reduce_images
 from spinline.scene.images_file import images_from_dict
 from spinline.xray.frame import strips
@@ -211,6 +211,22 @@ def test_too_many_frames_to_look_at_each_are_refused_with_what_to_do(tmp_path, m
     assert total.kept == tuple(range(0, 30, 3))
     with pytest.raises(InputError, match=r'4 of 30 frames show no jet.*of 10 .*looked at.*frames = "each"'):
         with_jet(stack, total, np.full((ROWS, COLUMNS), 100.0), np.full((ROWS, COLUMNS), 4e4), 1.0)
+
+
+def test_flats_and_darks_that_were_not_all_looked_at_are_refused_too(tmp_path, monkeypatch) -> None:
+    """Of 4,096 darks half would have been left out, and the other half not, without a word."""
+    monkeypatch.setattr(strips, "_FRAMES", 10)
+    below = np.full((ROWS, COLUMNS), 100.0)
+    jet, _ = summed(tmp_path, exposures(transmission(), frames=4))
+    flats = exposures(np.ones(COLUMNS), seed=2, frames=30)
+    flats[::9] = exposures(transmission(), seed=5)[0]
+    stack, total = summed(tmp_path, flats, "flat")
+    with pytest.raises(InputError, match=r"flat = .frames 0, 9, 18, 27.: 4 of 30 frames show the jet, of 10"):
+        without_shadow(stack, total, below, sample_frames(jet, 16), 1.0)
+    darks = exposures(np.zeros(COLUMNS), seed=3, frames=30)
+    darks[3] = flats[1]
+    with pytest.raises(InputError, match=r"dark = .frames 3.: 1 of 30 frames are far brighter.*of 10"):
+        without_light(*summed(tmp_path, darks, "dark"))
 
 
 def test_strips_of_a_sum_that_goes_on_are_those_of_one_go(tmp_path, monkeypatch) -> None:

@@ -423,19 +423,13 @@ def test_a_signal_waits_for_a_store_that_is_being_made(tmp_path, monkeypatch):
     from spinline.study import store
 
     path, checksum = tmp_path / "s.zarr", store._checksum
-
-    def stopped(place, told):
-        signal.raise_signal(signal.SIGINT)
-        return checksum(place, told)
-
+    stopped = lambda *given: [signal.raise_signal(signal.SIGINT), checksum(*given)][1]  # noqa: E731
     monkeypatch.setattr(store, "_checksum", stopped)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has none
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            run_sweep(sweep_from_dict(spec(samples=40, chunk=8)), path)
-    finally:
-        signal.signal(signal.SIGINT, before)
-        monkeypatch.undo()
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(sweep_from_dict(spec(samples=40, chunk=8)), path)
+    signal.signal(signal.SIGINT, before)
+    monkeypatch.undo()
     assert os.listdir(tmp_path) == ["s.zarr"]
     same(run_sweep(sweep_from_dict(spec(samples=40, chunk=8)), path), run_sweep(sweep_from_dict(spec(samples=40))))
 

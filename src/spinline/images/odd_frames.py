@@ -48,20 +48,22 @@ def with_jet(
     gone = told & (seen.depth < _GONE) & (1.0 - seen.depth > _SURELY * np.hypot(seen.depth_std, scatter))
     if not gone.any():
         return summed, _unsteady(seen, told, stack.bands.wide)
-    which = tuple(summed.kept[i] for i in np.flatnonzero(gone))
-    words = (
-        f"of {summed.frames} frames show no jet where the others do (flats among them, or a jet that comes and goes)"
-    )
-    if len(summed.kept) < summed.used:
-        raise InputError(
-            stack.key,
-            f"{len(which)} {words}, of {len(summed.kept)} that were looked at",
-            value=f"frames {listed(which)}",
-            remedy='leave them out of its file, or take frames = "each"',
-        )
-    said = [f"{stack.key}: {len(which)} {words} and are left out: {listed(which)}"]
-    same, more = with_jet(stack, without(stack, summed, which), dark, flat, gain)  # now their own mean is that of a jet
+    words = "show no jet where the others do (flats among them, or a jet that comes and goes)"
+    rest, said = _left_out(stack, summed, gone, words, ', or take frames = "each"')
+    same, more = with_jet(stack, rest, dark, flat, gain)  # now their own mean is that of a jet
     return same, [*said, *more]
+
+
+def _left_out(
+    stack: Stack, summed: FrameSum, odd: BoolArray, words: str, remedy: str = ""
+) -> tuple[FrameSum, list[str]]:
+    """The sum without some of the frames whose strips are kept; refused where there are others, that were not looked at."""
+    which = tuple(summed.kept[i] for i in np.flatnonzero(odd))
+    told = f"{len(which)} of {summed.frames} frames {words}"
+    if len(summed.kept) < summed.used:
+        told += f", of {len(summed.kept)} that were looked at"
+        raise InputError(stack.key, told, value=f"frames {listed(which)}", remedy=f"leave them out of its file{remedy}")
+    return without(stack, summed, which), [f"{stack.key}: {told} and are left out: {listed(which)}"]
 
 
 def light_of(
@@ -110,7 +112,7 @@ def without_shadow(
     """
     bands = stack.bands
     kept = summed.strips.astype(np.float64) - bands.strips(dark[None], [0])[0]
-    if len(kept) < 2 or len(kept) < summed.used or kept.shape[1:] != jet.strips.shape[1:]:
+    if len(kept) < 2 or kept.shape[1:] != jet.strips.shape[1:]:
         return summed, []
     level = np.nanquantile(kept, 0.8, axis=(1, 2))
     if not (level > 0.0).all():
@@ -129,9 +131,7 @@ def without_shadow(
     odd = (depth > 0.5) & (depth > _SURELY * error)
     if not odd.any() or odd.all():
         return summed, []
-    which = tuple(summed.kept[i] for i in np.flatnonzero(odd))
-    words = f"{len(which)} of {summed.frames} frames show the jet and are left out: {listed(which)}"
-    return without(stack, summed, which), [f"{stack.key}: {words}"]
+    return _left_out(stack, summed, odd, "show the jet")
 
 
 def without_light(stack: Stack, total: FrameSum) -> tuple[FrameSum, list[str]]:
@@ -144,13 +144,12 @@ def without_light(stack: Stack, total: FrameSum) -> tuple[FrameSum, list[str]]:
         return total, []
     levels = np.nanmedian(total.strips, axis=(1, 2))
     usual = float(np.median(levels))
-    lit = [i for i, level in zip(total.kept, levels.tolist(), strict=True) if _far(level - usual, usual)]
-    if not lit:
+    lit = np.array([_far(level - usual, usual) for level in levels.tolist()])
+    if not lit.any():
         return total, []
-    over = float(levels.max() - usual)
-    told = f"{len(lit)} of {stack.frames} frames are far brighter than the others (by up to {over:.4g} counts)"
-    said = f"{stack.key}: {told} and are left out: {listed(tuple(lit))}. Was the shutter open?"
-    return without(stack, total, tuple(lit)), [said]
+    words = f"are far brighter than the others (by up to {levels.max() - usual:.4g} counts)"
+    rest, said = _left_out(stack, total, lit, words)
+    return rest, [f"{said[0]}. Was the shutter open?"]
 
 
 def _far(excess: float, level: float) -> bool:
