@@ -32,6 +32,12 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
+def pytest_make_parametrize_id(val: object, argname: str) -> str | None:
+    """Name a test not by bytes that it reads: a compressed file holds the second it was made in, and the processes that share
+    the tests would each know them under another name."""
+    return argname if isinstance(val, bytes) else None
+
+
 os.environ["SPINLINE_QUIET"] = "1"  # how far a command is would depend on the machine; tests of it take this away
 
 IMAGES_PIXEL, IMAGES_PHI = 0.67e-6, 0.0444256
