@@ -40,6 +40,8 @@ def by_beads(data, y, rungs):
         return {}
     done = json.loads(path.read_text(encoding="utf-8"))["experiments"]
     spun_ = {int(key): one for key, one in done.items() if "fibre_diameter" in one}
+    if not spun_:
+        return {}
     index = np.array(sorted(spun_))
     logs = {"lagrangian": np.log([spun_[i]["fibre_diameter"] for i in index])}
     logs |= {rung: q[index, 2] for rung, q in rungs.items()}

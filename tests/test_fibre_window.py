@@ -48,7 +48,7 @@ def test_every_point_is_that_of_its_recipe(sheet):
             alone = predict(recipe, sheet.measurements(), draws=512, shares=False)
             cell = found.sel(voltage=u, mass_fraction=w).squeeze()
             low, high = alone.fibre_diameter_68
-            np.testing.assert_array_equal(cell["fibre_diameter"], [low, alone.fibre_diameter, high])
+            np.testing.assert_allclose(cell["fibre_diameter"], [low, alone.fibre_diameter, high], rtol=1e-13)
             assert set(cell["regime"].values.tolist()) == {alone.regime}
     assert found.attrs["intervals"].endswith("of what is not known, one measured fibre")
     assert np.all(np.diff(found["fibre_diameter"].values, axis=0) > 0)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import mpmath
@@ -11,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spinline.base.errors import InputError
+from spinline.recipe.believe import _OVERLAPS
 from spinline.rheology import POLYMERS, SOLVENTS, Solution
-from spinline.rheology.intrinsic import intrinsic_viscosity
+from spinline.rheology.intrinsic import MARK_HOUWINK, intrinsic_viscosity
 from spinline.rheology.names import ALIASES, known_as
 from spinline.rheology.prior import VISCOSITY_FACTOR, estimated_relaxation_time, estimated_viscosity, specific_viscosity
 
@@ -30,6 +32,13 @@ def test_published_viscosities_are_within_the_band() -> None:
     inside = np.abs(np.log(ratios)) < np.log(VISCOSITY_FACTOR)
     assert inside.mean() >= 0.95  # two standard deviations
     assert np.exp(2 * np.sqrt(np.mean(np.log(ratios) ** 2))) < VISCOSITY_FACTOR
+
+
+def test_recipes_are_entangled_where_published_solutions_are() -> None:
+    found = json.loads((BENCHMARKS / "published_viscosity.json").read_text())["summary"]
+    for name in ("PEO", "PVA", "PVP"):
+        assert pytest.approx(found[name]["c_e [eta]"], rel=0.22) == _OVERLAPS
+    assert pytest.approx(found["all"]["c_e [eta]"], rel=0.03) == _OVERLAPS
 
 
 @pytest.mark.parametrize("quality", ["good", "theta"])
@@ -88,6 +97,31 @@ def test_intrinsic_viscosity_by_the_table_and_by_the_chain() -> None:
         intrinsic_viscosity("PEO", "water", -1.0)
     with pytest.raises(InputError, match="solvent_quality"):
         intrinsic_viscosity("PEO", "water", 1.0, "poor")
+
+
+def test_intrinsic_viscosities_are_foretold_from_the_other_rows(monkeypatch) -> None:
+    """Each row of the table, left out of it: as far off as is said, and in the mean right."""
+    off = []
+    for (name, solvent), (k, a, _) in MARK_HOUWINK.items():
+        rest = {pair: row for pair, row in MARK_HOUWINK.items() if pair != (name, solvent)}
+        monkeypatch.setattr("spinline.rheology.intrinsic.MARK_HOUWINK", rest)
+        foretold = intrinsic_viscosity(name, solvent, 100.0)
+        off.append(np.log(k * 1e5**a * 1e-3 / foretold.value) / (0.5 * np.log(foretold.factor)))
+    assert np.all(np.abs(off) < 2.0)
+    assert abs(np.mean(off)) < 0.3
+    assert np.std(off) == pytest.approx(1.0, abs=0.2)
+
+
+def test_a_chain_is_swollen_where_it_is_longer_than_a_thermal_blob() -> None:
+    unknown = {"solvent": "nothing known", "data": replace(POLYMERS["PEO"], name="another")}
+    masses = np.geomspace(1.0, 1e4, 60)
+    good = np.array([intrinsic_viscosity(molar_mass=m, **unknown).value for m in masses])
+    theta = np.array([intrinsic_viscosity(molar_mass=m, solvent_quality="theta", **unknown).value for m in masses])
+    slopes = np.diff(np.log(good)) / np.diff(np.log(masses))
+    assert good[0] == theta[0]
+    assert np.all(slopes > 0)
+    assert slopes[0] == pytest.approx(0.5)
+    assert slopes[-1] == pytest.approx(3 * 0.588 - 1)
 
 
 def test_what_is_missing_is_named() -> None:

@@ -172,10 +172,10 @@ def test_of_a_pure_solvent_is_believed_what_is_its_own(polymer):
     known = {"molar_mass": 150.0, "mass_fraction": 0.1, "usual_fraction": 0.1}
     for name in SOLVENTS:
         eta = intrinsic_viscosity(polymer, name, 150.0)
-        own = np.hypot(0.6, 0.5 * np.log(eta.factor))
-        ce = np.log(10 / eta.value / solvent_density(name, 296.15))
-        weights = np.array([own**-2, 0.5**-2])
-        coil = 0.1 / np.exp(weights @ [ce, np.log(0.1 / 2.5)] / weights.sum())
+        own = np.hypot(0.3, 0.5 * np.log(eta.factor))
+        ce = np.log(7 / eta.value / solvent_density(name, 296.15))
+        weights = np.array([own**-2, 0.4**-2])
+        coil = 0.1 / np.exp(weights @ [ce, np.log(0.1 / 2.6)] / weights.sum())
         prior = CONDUCTIVITY.get(name)
         other = "DMSO" if name == "water" else "water"
         for solvent in ({name: 1.0}, {name: 1 - 1e-14, other: 1e-14}):

@@ -28,14 +28,16 @@ from spinline.rheology.wet_bulb import wet_bulb
 __all__ = ["DAMPEST", "USUAL_TEMPERATURE", "Recipe", "believe", "evaporation_rate", "volume_shares"]
 
 _GAS = 8.31446261815324
-_OVERLAPS = 10.0  # c_e [eta], semidilute entangled; 5 to 20
+# c_e [eta], c_e where the specific viscosity is `TAKEN.viscosity_at_entanglement` and grows with the power of 5: PEO 6.2,
+# PVA 7.0, PVP 8.4 by the makers' viscosities of aqueous solutions (`benchmarks/published_viscosity.py`)
+_OVERLAPS = 7.0
 _ANY_DENSITY = 1250.0  # kg/m3
 _USUAL = {"voltage": 15e3, "flow_rate": 1e-6 / 3600, "gap": 0.15}
 #: Relative humidity above which water dries as there: at 1 nothing would ever be solid. `outside_remarks` says so.
 DAMPEST = 0.97
 #: Of a laboratory that says none, K.
 USUAL_TEMPERATURE = 296.15
-_ENTANGLED_SD = 0.6  # of ln c_e at a known molar mass
+_ENTANGLED_SD = 0.3  # of ln c_e at a known [eta]: 0.15 of those solutions, and which average a molar mass is
 
 
 @dataclass(frozen=True)
@@ -205,7 +207,7 @@ def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -
         sd["entanglement_concentration"] = float(np.hypot(TAKEN.spun_at_sd, 0.3))
         borrowed["solution.concentration"] = f"{100 * w:.3g} wt%, where such chains are usually spun"
         return TAKEN.spun_at, w
-    # where people spin: ln(usual/c_e) about ln 2.5
+    # where people spin
     precision = (own**-2, TAKEN.spun_at_sd**-2)
     said = np.log(usual) - np.log(TAKEN.spun_at)
     log_ce = (precision[0] * log_ce + precision[1] * said) / sum(precision)

@@ -23,20 +23,20 @@ class Prior:
 # kg/mol, weight average
 #: What is usual of a polymer, kg/mol.
 MOLAR_MASS: Mapping[str, Prior] = {
-    "PEO": Prior(600.0, 0.7, _GRADES),
-    "PMMA": Prior(350.0, 0.7, _GRADES),
-    "PCL": Prior(80.0, 0.3, _GRADES),
-    "PVP": Prior(1300.0, 0.5, _GRADES),
-    "PAN": Prior(150.0, 0.4, _GRADES),
-    "PS": Prior(280.0, 0.5, _GRADES),
-    "PVA": Prior(100.0, 0.5, _GRADES),
-    "PLA": Prior(150.0, 0.5, _GRADES),
-    "PVDF": Prior(350.0, 0.5, _GRADES),
-    "nylon 6": Prior(30.0, 0.5, _GRADES),
-    "PET": Prior(50.0, 0.5, _GRADES),
-    "cellulose acetate": Prior(50.0, 0.4, _GRADES),
-    "PVB": Prior(100.0, 0.5, _GRADES),
-    "gelatin": Prior(60.0, 0.5, _GRADES),
+    "PEO": Prior(600.0, 1, _GRADES),
+    "PMMA": Prior(350.0, 1, _GRADES),
+    "PCL": Prior(80.0, 0.45, _GRADES),
+    "PVP": Prior(1300.0, 0.75, _GRADES),
+    "PAN": Prior(150.0, 0.6, _GRADES),
+    "PS": Prior(280.0, 0.75, _GRADES),
+    "PVA": Prior(100.0, 0.75, _GRADES),
+    "PLA": Prior(150.0, 0.75, _GRADES),
+    "PVDF": Prior(350.0, 0.75, _GRADES),
+    "nylon 6": Prior(30.0, 0.75, _GRADES),
+    "PET": Prior(50.0, 0.75, _GRADES),
+    "cellulose acetate": Prior(50.0, 0.6, _GRADES),
+    "PVB": Prior(100.0, 0.75, _GRADES),
+    "gelatin": Prior(60.0, 0.75, _GRADES),
 }
 _ANY = Prior(150.0, 0.9, "no entry for this polymer: a usual chain")
 
