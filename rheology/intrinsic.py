@@ -147,6 +147,6 @@ def _of_chain(data: Polymer, molar_mass: float, solvent_quality: str, kuhn_lengt
     unit = polymer_property(data, "repeat_unit_molar_mass")
     bonds = polymer_property(data, "backbone_bonds")
     b = polymer_property(data, "kuhn_length") if kuhn_length is None else positive("kuhn_length", kuhn_length, "m")
-    segments = bonds * BOND_PROJECTION * molar_mass / unit / b
-    swelling = max(segments / _BLOB, 1.0) ** _SWELLING if solvent_quality == "good" else 1.0
-    return float(_FLORY_FOX * (segments * b * b) ** 1.5 / molar_mass * swelling)
+    per_mass = bonds * BOND_PROJECTION / unit / b  # segments
+    swelling = max(molar_mass * per_mass / _BLOB, 1.0) ** _SWELLING if solvent_quality == "good" else 1.0
+    return float(_FLORY_FOX * (per_mass * b * b) ** 1.5 * np.sqrt(molar_mass) * swelling)

@@ -114,13 +114,13 @@ def lines(found: "Fibre") -> list[str]:
 
     (low, high), (lower, higher) = found.fibre_diameter_68, found.fibre_diameter_95
     hinges = found.orientation_68[1] > 100 * found.orientation_68[0]
-    known = "hinging on how fast they relax, which no recipe says" if hinges else "an order of magnitude"
+    strands = "hinging on how fast they relax, which no recipe says" if hinges else "an order of magnitude"
     said = [
         f"Fibre diameter {nm(found.fibre_diameter)} nm; 68 %: {nm(low)} to {nm(high)}, 95 %: {nm(lower)} to {nm(higher)} nm.",
         f"Regime: {found.regime} ({REGIMES[found.regime]}), {100 * found.regimes[found.regime]:.0f} %. "
         f"Decided by {found.decides}.",
         f"Strands in the solid fibre: {'mostly relaxed, ' if found.orientation < 0.05 else ''}orientation O = "
-        f"{found.orientation:.2g} ({found.orientation_68[0]:.2g} to {found.orientation_68[1]:.2g}), {known}; "
+        f"{found.orientation:.2g} ({found.orientation_68[0]:.2g} to {found.orientation_68[1]:.2g}), {strands}; "
         "neither drawing by a drum nor crystals are in it.",
     ]
     dry = "dry" if found.landing_fraction > 0.69 else "wet" if found.landing_fraction < 0.4 else "damp"

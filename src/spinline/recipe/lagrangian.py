@@ -4,9 +4,9 @@ The chain starts as wide as conduction lets the surface take the current over, `
 the current brings, frozen in, but no more than a straight thread of that width holds at the supply's voltage, ``q <= 2 eps0
 V/(a_0^2 ln(2 H/a_0))``. On most recipes that is a tenth of I/Q and less: what conduction adds downstream, where the jet is
 thinner, is not in it, so that these jets bend later and lie thicker than the other rungs' (a bound from that side).
-The liquid is FENE-P with the chain's extensional viscosity (a third of it in shear), a plateau modulus ``2 MPa phi^2.3/3``
-and ``L^2 = phi^-2``; it dries at the recipe's rate (a mixture as one solvent that is gone as late as all of it) and thickens as
-its viscosity does. Air drags along the thread.
+The liquid is FENE-P with ten times the viscosity of shear (a Trouton ratio of 30, less than the race's, whose hardening the
+springs bring themselves), a plateau modulus ``2 MPa phi^2.3/3`` and ``L^2 = phi^-2``; it dries at the recipe's rate (a
+mixture as one solvent that is gone as late as all of it) and thickens as its viscosity does. Air drags along the thread.
 """
 
 import math
@@ -29,6 +29,7 @@ __all__ = ["TOO_THICK", "Laid", "laid", "settings_of"]
 #: Times by which such chains lay published fibres too thick, median (`benchmarks/spindb_rungs.py`, "by beads").
 TOO_THICK = 22
 
+_TROUTON = 30.0  # before the springs harden: the median of the prior of `Calibrated.trouton`, which has what they add in it
 _ELEMENT, _LONGEST = 4.0, 2e-3  # radii at the start; m in flight
 _CIRCLE = 0.2  # of the radius: what bends has something to grow from
 
@@ -73,7 +74,7 @@ def settings_of(believed: Believed, constants: Calibrated = CONSTANTS) -> tuple[
     from spinline.jetprofile.whipping import log_term
 
     middle = spun(believed, np.zeros((1, len(UNKNOWNS))), constants=constants)
-    current, mu = float(middle.current[0]), constants.trouton / 3 * float(middle.viscosity[0])
+    current, mu = float(middle.current[0]), _TROUTON / 3 * float(middle.viscosity[0])
     flow, gap, volts, phi = believed.flow_rate, believed.gap, believed.voltage, believed.volume_fraction
     a0 = min(math.sqrt(current * gap / (math.pi * believed.conductivity * volts)), believed.needle_radius)
     if a0 > 0.01 * gap:
