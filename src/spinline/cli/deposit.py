@@ -54,7 +54,16 @@ def deposit(
     file = given_file(source, bundled_scenes())
     source = str(file)
     target = out or Path(file.name if file.suffix == "" else file.stem).with_suffix(".h5")
-    from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of, scene_jet
+    from spinline.setup.mat import (
+        kept_options,
+        laid_file,
+        landings_of,
+        lay_scene,
+        options_of,
+        options_text,
+        rows_of,
+        scene_jet,
+    )
 
     if out is None and target == file and laid_file(source) is None:
         landings_of(source)  # what holds no landings is told so, not that it is in the way of its own fibres
@@ -92,6 +101,8 @@ def deposit(
             raise InputError("--set", "changes keys of a scene, and this is a jet", value=set_[0])
         from spinline.deposit.landing import feed_remark, lay
 
+        if kept := kept_options(run or source):
+            attributes.setdefault("mat", kept)
         segments = laid_file(run or source)
         if segments is not None and (distance, speed, radius) != (None, None, None):
             raise InputError(

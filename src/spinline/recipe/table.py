@@ -202,8 +202,9 @@ def predict_table(
     A row that cannot be predicted has them empty, and the reason as its regime. The remarks are those of a recipe, one after
     the other; a column of that name that the table brings keeps its words before them.
     """
-    from spinline.recipe.predict import predict
+    from spinline.recipe.predict import known_rung, predict
 
+    known_rung(rung)
     out: list[dict[str, str | float]] = []
     recipes = recipes_of(rows)
     known: dict[str, Any] = {}  # experiments that differ in what no law has are predicted once
