@@ -147,6 +147,7 @@ def mat(
     measured_unit: Annotated[
         str | None, typer.Option(help="m, mm, um, nm or px, where the table does not say.")
     ] = None,
+    measured_column: Annotated[str | None, typer.Option(help="Its name, where several could be meant.")] = None,
     pixel_size: Annotated[str | None, typer.Option(help="Of the measured image.")] = None,
     export: Annotated[
         list[Path] | None, typer.Option(help="First window for other programs: .vtp, .ply, .csv, .tif, .raw.")
@@ -167,7 +168,7 @@ def mat(
     from spinline.base.files import outputs
     from spinline.base.units import parse
 
-    size = _size_of_pixels(measured, measured_unit, pixel_size)
+    size = _size_of_pixels(measured, measured_unit, measured_column, pixel_size)
     target = out or fibres.with_suffix(".nc")
     sheet = None if no_figure else figure or target.with_suffix(".png")
     raw = [path.with_suffix(".json") for path in export or [] if path.suffix.lower() == ".raw"]  # it says their shape
@@ -211,7 +212,7 @@ def mat(
         stack = first_stack(mat_of, options) if export else None
     result.attrs |= {"title": label(str(file.attributes.get("title", "")) or fibres.stem), "source": fibres.name}
     if measured is not None:
-        _compare(result, measured, measured_unit, size)
+        _compare(result, measured, measured_unit, measured_column, size)
     _save(result, target, sheet, picture, report, csv, force=force)
     for path in export or []:
         _export(path, stack, options, force=force)
@@ -289,24 +290,28 @@ def _collector(
     )
 
 
-def _size_of_pixels(measured: Path | None, unit: str | None, pixel_size: str | None) -> float | None:
+def _size_of_pixels(
+    measured: Path | None, unit: str | None, column: str | None, pixel_size: str | None
+) -> float | None:
     """In m, where it is given; what says how measured diameters are read is refused without them."""
     from spinline.base.units import parse
 
-    for name, given in (("--measured-unit", unit), ("--pixel-size", pixel_size)):
+    for name, given in (("--measured-unit", unit), ("--measured-column", column), ("--pixel-size", pixel_size)):
         if measured is None and given is not None:
             raise InputError(name, "is for measured diameters", value=given, remedy="give them by --measured TABLE")
     return None if pixel_size is None else parse(pixel_size, "length", "--pixel-size").value
 
 
-def _compare(result: "xr.Dataset", measured: Path, unit: str | None, pixel_size: float | None) -> None:
+def _compare(
+    result: "xr.Dataset", measured: Path, unit: str | None, column: str | None, pixel_size: float | None
+) -> None:
     """Measured diameters beside the mat's, into the result."""
     import numpy as np
 
     from spinline.deposit.diameters import compare_diameters
     from spinline.deposit.measured import read_diameters
 
-    sample = read_diameters(measured, unit=unit, pixel_size=pixel_size)
+    sample = read_diameters(measured, unit=unit, pixel_size=pixel_size, column=column)
     width = (result["diameter_high"] - result["diameter_low"]).values
     weight = result["diameter_density"].values * width
     rng = np.random.default_rng(int(result.attrs["seed"]))
