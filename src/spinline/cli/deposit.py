@@ -67,7 +67,7 @@ def deposit(
 
     if out is None and target == file and laid_file(source) is None:
         landings_of(source)  # what holds no landings is told so, not that it is in the way of its own fibres
-    outputs(target, csv, force=force)
+    outputs(target, csv, force=force, result=target, form=("HDF5", ".h5"))
 
     attributes: dict[str, Any] = {"source": file.name}
     numbers: dict[str, Any] = {}
