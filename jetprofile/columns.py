@@ -161,9 +161,9 @@ def _mistaken(name: str, kinds: Mapping[str, str]) -> str:
 
 
 def _split(header: Header) -> tuple[str, str]:
-    """``x_mm`` is x in mm, where no other unit stands."""
+    """``x_mm`` is x in mm, and so is ``x in mm``, where no other unit stands."""
     name, _, unit = header.name.rpartition("_")
-    return (name, unit) if name and not header.unit else (header.name, header.unit)
+    return (name.removesuffix("_in"), unit) if name and not header.unit else (header.name, header.unit)
 
 
 def _scaled(values: FloatArray, kind: str, unit: str, field: str, seen: str) -> FloatArray:

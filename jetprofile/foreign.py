@@ -21,6 +21,11 @@ _KINDS: tuple[tuple[str, str, str], ...] = (
         "a Tecplot file",
         "put one header, z [mm] radius [um], for its TITLE, VARIABLES and ZONE",
     ),
+    (
+        r"^# Curve \d+ of \d+, \d+ points",
+        "what `set table` of gnuplot writes, with a letter behind each point",
+        "take that column out (`plot ... with table` writes none), and put a line z [mm]  radius [um] above the numbers",
+    ),
     (r"\A\s*IGOR\s*$", "an Igor text file", _CSV),
     (r"\A\s*solid\b[\s\S]*^\s*facet\b", "an STL surface", "give the axis of the jet with its radii, as a CSV table"),
     (r"\A(?-i:ATOM  |HETATM|CRYST1)", "a PDB file, which carries no radius", _CSV),

@@ -6,46 +6,36 @@ row of units below the header, decimal commas (only where something else separat
 """
 
 import re
-from contextlib import suppress
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from spinline.base.checks import FloatArray
 from spinline.base.errors import InputError
-from spinline.base.text import csv_rows, read_text
-from spinline.base.workbook import WORKBOOKS, sheet_rows
+from spinline.base.workbook import WORKBOOKS, sheet_rows, table_text
 from spinline.jetprofile.foreign import foreign_text
+from spinline.jetprofile.table_header import (
+    NOTHING,
+    NUMBER,
+    Header,
+    bare,
+    comment,
+    fields_of,
+    find_header,
+    headers_of,
+    is_rule,
+    is_units,
+    of_programs,
+    of_several_words,
+    with_told_units,
+)
 
 __all__ = ["Header", "TextTable", "read_table_text"]
 
-_MARKS = ("#", "%", "!")
-_UNIT = r"""(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]|/\s*(?P<over>[^\s,;"]+))?"?\s*"""
-_CELL = re.compile(
-    r"""\s*"?(?P<name>[^\W\d](?:[\w .:-]*\w)?)\s*""" + _UNIT
-)  # where something else than blanks separates
-_ERRORS = ("#n/a", "#div/0!", "#value!", "#num!", "#ref!", "#name?", "#null!")  # of spreadsheets: a cell's, no comments
-_NOTHING = ("", "na", "n/a", "-", "--", "---", "null", "none", "?", *_ERRORS)
-_TOKEN = re.compile(
-    r"""\s*"?(?P<name>[^\W\d][\w]*)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]|/\s*(?P<over>[^\s,;"]+))?"?\s*"""
-)
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3})?|[-+]?(?:inf|nan)", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d+,\d+(?:[eEdD][-+]?\d+)?")
-_PLACE = re.compile(r"(?:Points|Coordinates|coords)_([012])")
-_COMSOL = re.compile(r"%\s*(Model|Version|Dimension)\b", re.IGNORECASE)
-_LENGTH = re.compile(r"%\s*Length unit:?[\s,\"]*(\w+)", re.IGNORECASE)
-_MOMENT = re.compile(r"\s*@\s*(?:\d+:\s*)?[\w()]+\s*=\s*[-+.\w]+")  # COMSOL: "r (um) @ t=0.1"
-_PLACES = ("x", "y", "z", "r", "arc_length")
 _NAMES = {",": "commas", ";": "semicolons", "\t": "tabs", None: "blanks"}
-
-
-@dataclass(frozen=True)
-class Header:
-    """One column's name and unit, as written; the unit is "" where none stands."""
-
-    name: str
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -92,7 +82,7 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
         lines, kind = ["\t".join(row) for row in sheet_rows(path)], "Excel workbook, its first sheet"
     else:
         try:
-            text, encoding = read_text(path)
+            text, encoding = table_text(path)
         except InputError as error:
             raise InputError(
                 name, f"is not a CSV table: it {error.problem}", allowed=allowed, remedy=error.remedy
@@ -103,7 +93,7 @@ def read_table_text(path: str | Path, *, allowed: str) -> TextTable:
 
 
 def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
-    start, title = _first_row(lines)
+    start, title, told = find_header(lines)
     if start is None:
         raise InputError(
             name,
@@ -119,21 +109,21 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
             allowed=allowed,
             remedy=f'put a first line above it, for example "{_example(allowed)}"',
         )
-    headers, mark = _headers(title, name, kind, allowed)
-    headers, kind = _of_programs(headers, lines[:start], kind)
-    body = [(i, line) for i, line in enumerate(lines[start:], start + 1) if not _bare(line) and not _comment(line)]
-    headers = _of_several_words(headers, mark, title, body)
-    if body and _is_units(body[0][1], mark, len(headers)):
-        units = _fields(body[0][1], mark)
-        headers = tuple(Header(h.name, h.unit or u.strip(" []()\"'")) for h, u in zip(headers, units, strict=False))
-        body = body[1:]
-        if len(body) > 1 and _is_units(body[0][1], mark, len(headers)):  # a third line of words, as Origin's comments
-            body = body[1:]
+    headers, mark = headers_of(title, name, kind, allowed)
+    headers, kind = of_programs(headers, lines[:start], kind)
+    rows = [(i, line) for i, line in enumerate(lines[start:], start + 1) if not bare(line) and not comment(line)]
+    headers = of_several_words(headers, mark, title, rows)
+    if rows and title != lines[start - 1].strip().lstrip("\ufeff"):  # a comment
+        mark = _mark_of_rows(rows[0][1], mark, len(headers))
+    headers, body = _below(rows, headers, mark)
+    if not any(header.unit for header in headers):
+        headers, kind = with_told_units(headers, told, kind)
     seen = f"{kind}, {_NAMES[mark]} between {len(headers)} columns"
     if not body:
         book = "; the table stands on the first sheet, and formulas have numbers once Excel has saved them"
         remedy = f"give at least one row below the header{book if kind.startswith('Excel') else ''}"
         raise InputError(name, f"holds no numbers ({seen})", remedy=remedy)
+    _one_block(lines, body, name, seen)
     columns = _numbers(body, mark, headers, name, seen)
     for i, (header, column) in enumerate(zip(headers, columns, strict=True), 1):
         if not header.name and not (np.diff(column) == 1.0).all():  # a column that counts the rows may have no name
@@ -142,140 +132,42 @@ def _parse(lines: list[str], name: str, kind: str, allowed: str) -> TextTable:
     return TextTable(tuple(headers[i] for i in kept), tuple(columns[i] for i in kept), seen)
 
 
-def _comment(line: str) -> bool:
-    bare = line.lstrip()
-    return bare.startswith(_MARKS) and not bare.lower().startswith(_ERRORS)
+def _mark_of_rows(row: str, mark: str | None, count: int) -> str | None:
+    """What parts the columns below a comment that names them: a comment may have commas where its rows have blanks."""
+    ways = (mark, "\t", ";", ",", None)
+    return next((way for way in ways if len(fields_of(row, way)) == count), mark)
 
 
-def _bare(line: str) -> bool:
-    """Whether a line holds nothing, or nothing between separators, as spreadsheets leave below a table."""
-    return not line.strip(' ,;\t\r"')
+def _below(
+    rows: list[tuple[int, str]], headers: tuple[Header, ...], mark: str | None
+) -> tuple[tuple[Header, ...], list[tuple[int, str]]]:
+    """Headers with the units of a row below them, and the rows of numbers; a line of dashes is no row."""
+    body = rows[1:] if rows and is_rule(rows[0][1]) else rows
+    if not body or not is_units(body[0][1], mark, len(headers)):
+        return headers, body
+    units = fields_of(body[0][1], mark)
+    headers = tuple(Header(h.name, h.unit or u.strip(" []()\"'")) for h, u in zip(headers, units, strict=False))
+    body = body[1:]
+    if len(body) > 1 and (is_rule(body[0][1]) or is_units(body[0][1], mark, len(headers))):
+        body = body[1:]  # dashes, or a third line of words, as Origin's comments
+    return headers, body
 
 
-def _of_programs(headers: tuple[Header, ...], above: list[str], kind: str) -> tuple[tuple[Header, ...], str]:
-    """What ParaView calls places, and the unit that COMSOL gives once above the table."""
-    if any(_PLACE.fullmatch(header.name) for header in headers):
-        places = (_PLACE.fullmatch(header.name) for header in headers)
-        named = (Header("xyz"[int(p[1])], h.unit) if p else h for p, h in zip(places, headers, strict=True))
-        return tuple(named), f"{kind}, ParaView, whose Points:0, 1, 2 are x, y, z"
-    if not any(_COMSOL.match(line) for line in above):
-        return headers, kind
-    unit = next((found[1] for line in above if (found := _LENGTH.match(line))), "")
-    given = (Header(h.name, h.unit or (unit if h.name.lower() in _PLACES else "")) for h in headers)
-    return tuple(given), f"{kind}, COMSOL"
-
-
-def _first_row(lines: list[str]) -> tuple[int | None, str | None]:
-    """Where the numbers begin, and the line that names their columns; a workbook's ``sep=;`` is no line of the table."""
-    above = None
-    for i, line in enumerate(lines):
-        if _bare(line) or line.strip().lower().startswith("sep="):
-            continue
-        if _comment(line):
-            words = _MOMENT.sub("", line.lstrip().lstrip("".join(_MARKS))).strip()
-            above = words if words else above
-            continue
-        if _numeric(line):
-            return i, above if above is not None and _looks_like_header(above) else None
-        return i + 1, line.strip().lstrip("﻿")
-    return None, None
-
-
-def _numeric(line: str) -> bool:
-    parts = [part for part in re.split(r"[,;\s]+", line.strip()) if part]
-    return bool(parts) and all(_NUMBER.fullmatch(part.strip('"')) for part in parts)
-
-
-def _looks_like_header(text: str) -> bool:
-    return _tokens(text) is not None
-
-
-def _tokens(text: str) -> tuple[list[Header], str] | None:
-    """Names and units of a header line, and what stands between the first two; None if it is no header."""
-    found, at, marks = [], 0, []
-    text = text.rstrip()
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        if match is None or match.end() == at:
-            return None
-        found.append(Header(match["name"], match["unit"] or match["over"] or ""))
-        at = match.end()
-        if at < len(text):
-            if text[at] in ",;\t":
-                marks.append(text[at])
-                at += 1
-                while at < len(text) and text[at] == marks[-1] and not text[at + 1 :].strip(marks[-1]).strip():
-                    at += 1  # separators behind the last name
-            elif text[at - 1].isspace():
-                marks.append("\t" if "\t" in match[0] else " ")
-            else:
-                return None
-    return (found, marks[0] if marks else " ") if len(set(marks)) <= 1 else None
-
-
-def _headers(title: str, name: str, kind: str, allowed: str) -> tuple[tuple[Header, ...], str | None]:
-    mark = next((m for m in ("\t", ";", ",") if m in re.sub(r"[\[(].*?[\])]", "", title)), None)
-    headers = []
-    for part in _fields(title.rstrip(mark + " "), mark) if mark else []:
-        match = _CELL.fullmatch(part)
-        if part.strip() and match is None:
-            raise InputError(
-                name,
-                f"has a column that is not known ({kind})",
-                value=part.strip(),
-                allowed=allowed,
-                remedy="a header is a name and its unit, z [mm]; begin lines above it with #",
-            )
-        headers.append(_header(match) if match else Header("", ""))
-    if mark is None:
-        tokens = _tokens(title)
-        if tokens is None:
-            raise InputError(
-                name,
-                f"is not a CSV table ({kind}): its first line is no header",
-                value=title,
-                allowed=allowed,
-                remedy="give columns with units in the header, between commas, semicolons, tabs or blanks; begin others with #",
-            )
-        headers = tokens[0]
-    return tuple(headers), mark
-
-
-def _header(match: re.Match[str]) -> Header:
-    return Header(re.sub(r"[\s.:-]+", "_", match["name"]), match["unit"] or match["over"] or "")
-
-
-def _of_several_words(
-    headers: tuple[Header, ...], mark: str | None, title: str, body: list[tuple[int, str]]
-) -> tuple[Header, ...]:
-    """Headers that several blanks part, where the columns between blanks are as many: "Arc length (mm)   radius (um)"."""
-    parts = re.split(r"\s{2,}", title.strip())
-    if mark is not None or not body or len(parts) == len(headers) or len(parts) != len(body[0][1].split()):
-        return headers
-    found = [_CELL.fullmatch(part) for part in parts]
-    return tuple(_header(match) for match in found if match) if all(found) else headers
-
-
-def _fields(line: str, mark: str | None) -> list[str]:
-    if mark is None:
-        return line.split()
-    if '"' in line:
-        with suppress(InputError):
-            rows = csv_rows([line], mark, "", skipinitialspace=True)
-            return [part.strip() for part in rows[0]] if rows else []
-    return [part.strip().strip('"') for part in line.split(mark)]
-
-
-def _is_units(line: str, mark: str | None, count: int) -> bool:
-    fields = [field.strip(" []()") for field in _fields(line, mark)]
-    return (
-        len(fields) == count
-        and any(fields)
-        and not any(
-            re.match(r"[-+]?[.\d](?!/)", f) or _NUMBER.fullmatch(f) for f in fields
-        )  # 1/s is a unit, 0.55 mm is none
-        and not any(f.lower() in _NOTHING and f not in ("", "-") for f in fields)
-    )
+def _one_block(lines: list[str], body: list[tuple[int, str]], name: str, seen: str) -> None:
+    """Refuse rows in blocks that blank lines part, as gnuplot parts curves: they had been strung together as one jet."""
+    if body[-1][0] - body[0][0] == len(body) - 1:
+        return
+    starts = [
+        line
+        for (before, _), (line, _) in pairwise(body)
+        if line - before > 1 and any(bare(between) for between in lines[before : line - 1])
+    ]
+    if not starts or len(starts) == len(body) - 1:  # none, or one behind every row
+        return
+    shown = ", ".join(map(str, [body[0][0], *starts[:3]])) + (", ..." if len(starts) > 3 else "")
+    problem = f"has its rows in {len(starts) + 1} blocks that blank lines part ({seen}): from lines {shown}"
+    remedy = "give each block a file of its own if they are several jets or moments; else take the blank lines out"
+    raise InputError(name, problem, remedy=remedy)
 
 
 def _numbers(
@@ -284,10 +176,10 @@ def _numbers(
     count = len(headers)
     quick = _at_once([line for _, line in body], mark, count)
     if quick is not None:
-        _no_thousands([(i, _fields(line, mark)) for i, line in body[:_LOOKED_AT]], headers, name, seen)
+        _no_thousands([(i, fields_of(line, mark)) for i, line in body[:_LOOKED_AT]], mark, headers, name, seen)
         return tuple(quick.T.copy())
-    rows = _even([(i, _fields(line, mark)) for i, line in body], mark, count, name, seen)
-    _no_thousands(rows, headers, name, seen)
+    rows = _even([(i, fields_of(line, mark)) for i, line in body], mark, count, name, seen)
+    _no_thousands(rows, mark, headers, name, seen)
     commas = any(_COMMA.fullmatch(field) for _, fields in rows for field in fields)  # between commas: in quotes
     if commas and any("." in field for _, fields in rows for field in fields):
         line = next(i for i, fields in rows if any("." in field for field in fields))
@@ -304,16 +196,24 @@ def _numbers(
         except ValueError:
             line, text = next((rows[i][0], text) for i, text in enumerate(texts) if not _readable(text))
             problem = f"holds text among its numbers ({seen}): line {line}, column {header.name}"
-            spread = re.search(r"±|\+/-|\+-", text)
-            own = f"{header.name}_std" if header.name else "a column of its own"
-            remedy = (
-                f"put what stands behind the {spread[0]} into {own}"
-                if spread
-                else "write a number, or leave the field empty"
-            )
-            raise InputError(name, problem, value=text, remedy=remedy) from None
+            raise InputError(name, problem, value=text, remedy=_instead(text, header, headers)) from None
         columns.append(column)
     return tuple(columns)
+
+
+_GROUPED = re.compile(r"[-+]?\d{1,3}(?:([,.' _\u00a0\u2009\u202f])\d{3})(?:\1\d{3})*(?:[.,]\d*)?")
+
+
+def _instead(text: str, header: Header, headers: tuple[Header, ...]) -> str:
+    """What to write for text that is no number."""
+    if spread := re.search(r"±|\+/-|\+-", text):
+        own = f"{header.name}_std" if header.name else "a column of its own"
+        return f"put what stands behind the {spread[0]} into {own}"
+    if _GROUPED.fullmatch(text):
+        return "write no marks between thousands"
+    if any(re.match(rf"{re.escape(one.name)}\b", text) for one in headers if one.name):
+        return "a second header, of a second table? Give each jet a file of its own"
+    return "write a number, leave the field empty, or take the column out"
 
 
 def _at_once(lines: list[str], mark: str | None, count: int) -> FloatArray | None:
@@ -349,6 +249,8 @@ def _even(
             remedy = (
                 f"part rows as the header, by {_NAMES[mark]}" if other else "leave a field empty between separators"
             )
+        elif line == rows[0][0] and not re.match(r"\s*[-+.\d]", fields[0]):
+            remedy = "the line above it is taken for the header: begin lines above the names of the columns with #"
         elif mark == ",":
             remedy = "if its decimals are commas, separate the columns by semicolons; else give every column a name"
         else:
@@ -360,15 +262,24 @@ def _even(
 _LOOKED_AT = 1000  # rows: marks of thousands show in the first
 
 
-def _no_thousands(rows: list[tuple[int, list[str]]], headers: tuple[Header, ...], name: str, seen: str) -> None:
-    """Refuse a column of whole numbers of three digits and of such as 1.550: no program writes a thousandth's nought so."""
+def _no_thousands(
+    rows: list[tuple[int, list[str]]], mark: str | None, headers: tuple[Header, ...], name: str, seen: str
+) -> None:
+    """Refuse a column of whole numbers and of such as 1.550: no program writes a thousandth's nought so.
+
+    Whole numbers have three digits, or stand beside 1.000; and ``"1,250"`` between commas needs none beside it.
+    """
     for j, header in enumerate(headers):
         texts = [(line, fields[j]) for line, fields in rows[:_LOOKED_AT] if j < len(fields) and fields[j]]
         marked = [(line, text) for line, text in texts if re.search("[.,]", text)]
-        whole = [text for _, text in texts if re.fullmatch(r"[-+]?\d{3}", text)]
         grouped = [(line, text) for line, text in marked if re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:[.,]\d{3})+", text)]
-        nought = next((pair for pair in grouped if pair[1].endswith("0")), None)
-        if whole and nought and len(grouped) == len(marked):
+        if not grouped or len(grouped) < len(marked):
+            continue
+        thousand = any(text.endswith("000") for _, text in grouped)
+        whole = any(re.fullmatch(r"[-+]?\d{1,3}" if thousand else r"[-+]?\d{3}", text) for _, text in texts)
+        quoted = mark == "," and any("," in text for _, text in grouped)
+        nought = next((pair for pair in grouped if pair[1].endswith("0")), grouped[0] if quoted else None)
+        if (whole or quoted) and nought:
             raise InputError(
                 name,
                 f"has numbers that may have marks between their thousands ({seen}): line {nought[0]}, column {header.name}",
@@ -385,12 +296,12 @@ def _floats(texts: list[str]) -> FloatArray:
 
 
 def _number(text: str) -> float:
-    if text.lower() in _NOTHING:
+    if text.lower() in NOTHING:
         return float("nan")
     try:
         return float(text)
     except ValueError:
-        if not _NUMBER.fullmatch(text):
+        if not NUMBER.fullmatch(text):
             raise
         text = re.sub("[dD]", "e", text)
         return float(

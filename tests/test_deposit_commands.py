@@ -129,6 +129,12 @@ def test_a_jetspin_run_on_a_drum(spinline, tmp_path):
         (("deposit", "one.toml", "--set", "laydown.sped=3 m/s"), "not a known key"),
         (("deposit", "one.toml", "--set", "laydown.speed=3"), "laydown.speed"),
         (("deposit", "one.toml", "--set", "laydown.step=1 mm"), "step"),
+        (("deposit", "one.toml", "--set", 'mat.permeability=["davis"]'), "did you mean 'davies'?"),
+        (("deposit", "one.toml", "--plan", "--set", 'mat.permeability=["davies", "darcy"]'), "'darcy' is no law"),
+        (("deposit", "one.toml", "--plan", "--set", "mat.permeability=[]"), "names no law"),
+        (("check", "peo5-spun", "--set", "mat.permeability=davis"), "did you mean 'davies'?"),
+        (("run", "peo5-water", "--no-figure", "--set", 'mat.permeability=["davis"]'), "did you mean 'davies'?"),
+        (("spin", "peo5-spun", "--set", 'mat.permeability=["davis"]'), "did you mean 'davies'?"),
     ],
 )
 def test_mistakes_are_named(spinline, scene, arguments, words):
@@ -212,3 +218,45 @@ def test_a_scene_with_a_bead_jet_names_its_collector(spinline, tmp_path):
         assert json.loads(file.attributes["mat"])["slope"] == 0.3
     analytic = spinline("deposit", "belt.toml", "--set", "jet.profile=hyperbolic")
     assert analytic.code == 2
+
+
+def test_laws_of_permeability_by_one_name_or_twice(spinline, scene, tmp_path):
+    scene()
+    made = spinline("deposit", "one.toml", "-o", "f.h5", "--set", "mat.permeability=happel")
+    assert made.code == 0, made.err
+    from spinline.deposit.fibres import FibreFile
+    from spinline.scene.mat_file import load_mat_scene
+
+    with FibreFile(tmp_path / "f.h5") as file:
+        assert json.loads(str(file.attributes["mat"]))["permeability"] == ["happel"]
+    twice = load_mat_scene(tmp_path / "one.toml", ['mat.permeability=["happel", "davies", "happel"]'])
+    assert twice.mat.permeability == ["happel", "davies"]
+
+
+def test_a_spun_scene_hands_its_mat_on(spinline, tmp_path):
+    """Its [mat] had been dropped without a word: the mat of a spin was analysed by the defaults."""
+    spun = spinline(
+        "spin",
+        "pan12-blown",
+        *("-o", "jet.nc", "--time", "1 ms", "--frames", "2"),
+        *("--set", "mat.slope=0.3", "--set", 'mat.permeability=["happel", "kuwabara"]'),
+    )
+    assert spun.code == 0, spun.err
+    kept = xr.open_dataset(tmp_path / "jet.nc", engine="h5netcdf").attrs["mat"]
+    assert json.loads(kept) | {"slope": 0.3, "permeability": ["happel", "kuwabara"]} == json.loads(kept)
+
+
+@pytest.mark.parametrize("kept", ["", '{"slope": 0.3, "permeability": ["happel"]}'])
+def test_deposit_keeps_the_mat_of_a_jet_file(spinline, tmp_path, kept):
+    numbers = np.arange(1.0, 4.0)
+    names = ("time", "y0", "z0", "y1", "z1", "radius", "volume", "polymer_volume", "flight_length")
+    values = (numbers, numbers, numbers, numbers + 1, numbers, numbers * 0 + 1e-6, numbers, 0.2 * numbers, numbers)
+    jet = xr.Dataset({f"deposit_{k}": ("deposit", 1e-4 * v) for k, v in zip(names, values, strict=True)})
+    jet.attrs |= {"mat": kept} if kept else {}
+    jet.to_netcdf(tmp_path / "jet.nc", engine="h5netcdf")
+    made = spinline("deposit", "jet.nc", "-o", "f.h5")
+    assert made.code == 0, made.err
+    from spinline.deposit.fibres import FibreFile
+
+    with FibreFile(tmp_path / "f.h5") as file:
+        assert str(file.attributes.get("mat", "")) == kept

@@ -26,7 +26,7 @@ def test_every_bundled_file_is_of_its_kind(kind, path):
     assert kind_of(parsed_toml(path.read_text(encoding="utf-8"), path.name, kind)) == kind
 
 
-@pytest.mark.parametrize("data", [{}, {"jet": 1}, {"jet": {}}, {"title": "x"}, {"collector": {}, "laydown": {}}])
+@pytest.mark.parametrize("data", [{}, {"jet": 1}, {"jet": {}}, {"title": "x"}, {"collector": {}, "mat": {}}])
 def test_of_others_nothing_is_said(data):
     assert kind_of(data) is None
 
@@ -55,3 +55,18 @@ def test_what_takes_both_takes_both(spinline):
     assert spinline("exposure", "peo5-images").code == 0
     assert spinline("exposure", "peo5-positions").code == 0
     assert spinline("exposure", "peo5-water").code == 0
+
+
+def test_a_file_of_laydown_leads_on_to_deposit(spinline, tmp_path):
+    """It had been three problems of a scene, one of them "laydown: take it out"."""
+    (tmp_path / "mat.toml").write_text(
+        '[laydown]\nspeed = "5 m/s"\nspread = "60 um"\nturning_length = "100 um"\ndiameter = "600 nm"\n'
+        '[collector]\ndistance = "20 cm"\ntime = "40 ms"\n'
+    )
+    for command, kind in ASKED.items():
+        ran = spinline(command, "mat.toml")
+        assert ran.code == 2
+        assert f"is a file of laydown, not a {kind}; `spinline deposit mat.toml`" in ran.err
+    assert spinline("deposit", "mat.toml", "--plan").code == 0
+    (tmp_path / "sweep.toml").write_text('scene = "peo5-water"\n[vary]\n"jet.k" = { values = [0.5, 1.0] }\n')
+    assert "not a file of laydown; `spinline sweep sweep.toml`" in spinline("deposit", "sweep.toml").err

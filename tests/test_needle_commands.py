@@ -196,7 +196,7 @@ def test_x_ray_frames_of_a_needles_jet(spinline, tmp_path) -> None:
         sl.results.save(sl.run(scene_of("network.model=affine")), tmp_path / "jet.nc")
     ran = spinline("simulate-image", "jet.nc", "--from", "0.2 mm", "--to", "0.6 mm")
     assert ran.code == 0, ran.err
-    assert (tmp_path / "jet.npz").exists()
+    assert (tmp_path / "jet-frames.npz").exists()
     refused = spinline("simulate-image", "jet.nc", "--from", "0.2 mm", "--to", "9 mm", "--force")
     assert refused.code == 2
     assert "0.005" in refused.err

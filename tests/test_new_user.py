@@ -1,5 +1,7 @@
 """One mistake each of a new user at the command line: the message says what to type instead."""
 
+from pathlib import Path
+
 import pytest
 
 
@@ -41,6 +43,7 @@ def test_a_law_for_input_dat_is_refused_elsewhere(spinline, tmp_path, scene):
         ["spin", "pvp-spun"],
         ["spin", "pan12-blown"],
         ["reduce", "peo5-images", "--no-figure"],
+        ["import-jet", Path(__file__).parent / "data" / "jetspin" / "pvp3d"],
     ],
 )
 @pytest.mark.parametrize("suffix", [".csv", ".png", ".XLSX"])
@@ -51,3 +54,15 @@ def test_a_result_is_not_named_as_another_format(spinline, tmp_path, given, suff
     assert "is written as netCDF" in ran.err
     assert "out.nc" in ran.err
     assert not (tmp_path / f"out{suffix}").exists()
+
+
+def test_fibres_are_not_named_as_a_table(spinline, tmp_path):
+    """HDF5 had been written into a .csv without a word."""
+    (tmp_path / "mat.toml").write_text(
+        '[laydown]\nspeed = "5 m/s"\nspread = "60 um"\nturning_length = "100 um"\ndiameter = "600 nm"\n'
+        '[collector]\ndistance = "20 cm"\ntime = "1 ms"\n'
+    )
+    ran = spinline("deposit", "mat.toml", "-o", "fibres.csv")
+    assert ran.code == 2
+    assert "is written as HDF5, and is named as .csv; allowed: .h5; name it fibres.h5" in ran.err
+    assert spinline("deposit", "mat.toml", "-o", "fibres.h5").code == 0

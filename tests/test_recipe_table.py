@@ -218,3 +218,12 @@ def test_a_column_of_diameters_is_no_distance(recipes, measured) -> None:
     (plain,) = recipes(text(rows=[ROWS[0]]))
     (beside,) = recipes(text([*HEAD, measured], [[*ROWS[0], "320"]]))
     assert beside == plain
+
+
+def test_a_rung_that_there_is_not_is_refused_before_any_row(spinline, tmp_path) -> None:
+    """It had been written into each row as the reason why it is not predicted, with status 0."""
+    (tmp_path / "t.csv").write_text(text())
+    ran = spinline("fibre", "--table", "t.csv", "--rung", "rase")
+    assert ran.code == 2
+    assert "rung = 'rase': is not known" in ran.err
+    assert not (tmp_path / "t-fibres.csv").exists()

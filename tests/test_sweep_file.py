@@ -96,6 +96,7 @@ def test_a_mistake_in_the_file_is_one_message(what, spinline, tmp_path):
         ("jet.k [um]\n100\n", "has a unit"),
         ("jet.k,jet.beta\n1\n", "row 1, jet.beta: is empty"),
         ("model\nafine\n", "is not known"),
+        ("jet.k,jet.beta\n0.5,0.5\n1,0,4\n", "row 2 = '1,0,4': has 3 cells under 2 keys; write decimals with points"),
     ],
 )
 def test_a_mistake_in_a_table_is_one_message(text, words, tmp_path):

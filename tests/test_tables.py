@@ -328,6 +328,7 @@ def test_decimals_of_three_digits_stay_decimals(tmp_path):
         ("z [mm],radius [um]\n1,48,19\n", "if its decimals are commas"),
         ("z,radius\n0.55 mm,62 um\n0.95,48\n", "line 2, column z"),  # no row of units
         ("z [mm];radius [um]\n0.55,62.3\n", "part rows as the header, by semicolons"),
+        ("# of May\nz [mm];radius [um]\n0.55,62.3\n", "part rows as the header, by semicolons"),
         ("z [mm],,radius [um]\n1,7,3\n2,7,2\n", "no name over column 2"),
         ("z [mm],radius [um]\n1,62.3 ± 0.5\n", "into radius_std"),
         ("Jet of 5 wt% PEO\nz [mm],radius [um]\n1,2\n", "begin others with #"),
@@ -336,3 +337,83 @@ def test_decimals_of_three_digits_stay_decimals(tmp_path):
 def test_refusals_say_what_to_write(tmp_path, text, words):
     with pytest.raises(InputError, match=words):
         read(tmp_path, text)
+
+
+PLAIN = "".join(f"{1e3 * a} {1e6 * b}\n" for a, b in zip(Z, R, strict=True))
+
+
+@pytest.mark.parametrize("between", ["\n", "\n\n", "\n\n# t = 2 ms\n", "\n\n# z [mm]  radius [um]\n"])
+def test_blocks_that_blank_lines_part_are_no_one_jet(tmp_path, between):
+    """Two curves of gnuplot had been strung together wherever z went on to rise."""
+    second = "".join(f"{1e3 * a + 50} {1e6 * b}\n" for a, b in zip(Z, R, strict=True))
+    with pytest.raises(
+        InputError, match=rf"2 blocks that blank lines part.*lines 2, {Z.size + 2 + between.count(chr(10))}"
+    ):
+        read(tmp_path, "# z [mm]  radius [um]\n" + PLAIN + between + second)
+
+
+@pytest.mark.parametrize("of", ["\n{}\n\n\n", "{}", "doubled"])
+def test_blank_lines_about_a_table_or_behind_each_row_are_nothing(tmp_path, of):
+    body = PLAIN.replace("\n", "\n\n") if of == "doubled" else of.format(PLAIN)
+    same(read(tmp_path, "# z [mm]  radius [um]\n" + body))
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "# z [mm]  radius [um]\nz radius\n",
+        "z radius\n# z [mm]  radius [um]\n",
+        "# Z (mm), Radius (um)\nz radius\n",
+        "# units: mm, um\nz radius\n",
+        "# [mm] [um]\nz radius\n",
+        "z radius\n# mm um\n",
+        "# z radius\n# mm um\n",
+        "# mm um\n# z radius\n",
+        "# z in mm, radius in um\n",
+        "# z [mm]  radius [um]\n# made by the high-speed camera\n",
+        "# z [mm]  radius [um]\n# of 3 May, 2 runs\n",
+        "z radius\nmm um\n-- ----\n",
+        "z [mm]   radius [um]\n--------------------\n",
+    ],
+)
+def test_units_that_stand_in_a_comment_or_over_a_line(tmp_path, above):
+    same(read(tmp_path, above + PLAIN))
+
+
+def test_units_of_a_comment_do_not_change_those_of_the_header(tmp_path):
+    found = read(tmp_path, "# z [m], radius [m]\nz [mm],radius [um]\n1,2\n2,1\n")
+    assert found["z"].tolist() == pytest.approx([1e-3, 2e-3], rel=1e-12)
+    with pytest.raises(InputError, match="needs a unit"):
+        read(tmp_path, "# z [mm], width [um]\nz,radius\n1,2\n2,1\n")  # of other names
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("z [um];radius [um]\n0;125\n1,234.5;60\n", "write no marks between thousands"),
+        ("z [um];radius [um]\n0;125\n1 234.5;60\n", "write no marks between thousands"),
+        ("z [um];radius [um]\n0;125\n1'234.5;60\n", "write no marks between thousands"),
+        ("z [um];radius [um]\n0;125\n1\u202f234;60\n", "write no marks between thousands"),
+        ('z [um],radius [um]\n"1,250",125\n"2,250",60\n', "may have marks between their thousands"),
+        ("z [um];radius [um]\n0;125\n1.000;60\n2.000;50\n", "may have marks between their thousands"),
+        ("z [mm],radius [um]\n1,2\nz [mm],radius [um]\n1,2\n", "second header"),
+        ("\n# Curve 0 of 1, 2 points\n# x y type\n 0 125  i\n 1 60  i\n", "`set table` of gnuplot"),
+        ("PEO jet\nz [mm],radius [um]\n1,2\n", "begin lines above the names of the columns with #"),
+    ],
+)
+def test_refusals_of_thousands_titles_and_second_tables(tmp_path, text, words):
+    with pytest.raises(InputError, match=words):
+        read(tmp_path, text)
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.txt", "t.dat"])
+def test_a_workbook_under_another_name_is_told_its_own(tmp_path, name):
+    """It had been "a zip archive"."""
+    openpyxl = pytest.importorskip("openpyxl")
+    from spinline.recipe.table import read_experiments
+
+    openpyxl.Workbook().save(tmp_path / "t.xlsx")
+    (tmp_path / "t.xlsx").rename(tmp_path / name)
+    for reader in (lambda path: read_columns(path, KINDS), read_experiments):
+        with pytest.raises(InputError, match=r"an Excel workbook.*name it \.xlsx, or save its sheet as CSV"):
+            reader(tmp_path / name)

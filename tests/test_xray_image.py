@@ -12,6 +12,7 @@ import spinline as sl
 from spinline import xray
 from spinline.base.errors import InputError
 from spinline.radiography.simulate import Camera, field_from_result, simulate
+from spinline.scene.file import bundled_scenes
 
 PIXEL = 1e-6
 WATER = xray.solution_medium("PEO", "water", 10.0)
@@ -209,18 +210,55 @@ def test_fringes_tiff_and_overrides(spinline, tmp_path) -> None:
     ("arguments", "words"),
     [
         (["--energy", "10"], "energy.*unit"),
+        (["--energy", "10 eV"], r"--energy = 0.01: is out of range; allowed: \[1, 200\] keV"),
+        (["--tilt", "90"], "--tilt = 90.*-60 to 60 degrees"),
+        (["--width", "3"], "--width = 3.*4"),
         (["--photons", "-1"], "photons"),
-        (["--from", "4 mm", "--to", "3 mm"], "stop"),
-        (["--to", "1 m"], "stop"),
+        (["--from", "4 mm", "--to", "3 mm"], "--to = 0.003: leaves no row"),
+        (["--to", "1 m"], r"--to = 1.0: is out of range; allowed: .* m"),
         (["--frames", "0"], "frames"),
         (["--frames", "100000"], "frames.*pixels in all"),
-        (["--width", "20", "--to", "5 um"], "pixels.*hold the jet"),
+        (["--width", "20", "--to", "5 um"], "--width = 20.*hold the jet"),
         (["--tilt", "80", "--to", "5 um"], "tilt"),
         (["-o", "x.png"], "npz"),
     ],
 )
 def test_refusals(spinline, arguments, words) -> None:
     ran = spinline("simulate-image", "peo5-water", *arguments)
+    assert ran.code == 2
+    assert re.search(words, ran.err), ran.err
+
+
+def test_frames_never_stand_in_the_way_of_their_scene(spinline, tmp_path) -> None:
+    """The images file had been NAME.toml, the scene itself: the remedy, --force, wrote over it or was refused."""
+    scene = (Path(bundled_scenes()["peo5-water"])).read_text("utf-8")
+    (tmp_path / "mine.toml").write_text(scene, "utf-8")
+    ran = spinline("simulate-image", "mine.toml", "--from", "0.2 mm", "--to", "0.21 mm", "--pixel", "2 um")
+    assert ran.code == 0, ran.err
+    assert "mine-frames.npz, mine-frames.toml" in ran.out
+    assert (tmp_path / "mine.toml").read_text("utf-8") == scene
+
+
+def test_a_jet_of_a_few_pixels_is_said(spinline) -> None:
+    ran = spinline("simulate-image", "peo5-water", "--pixel", "0.1 mm", "-o", "f.npz")
+    assert ran.code == 0
+    assert "pixels wide: no reduction tells its fraction" in ran.err
+    ran = spinline(
+        "simulate-image", "peo5-water", "--from", "0.2 mm", "--to", "0.21 mm", "--pixel", "2 um", "-o", "g.npz"
+    )
+    assert "pixels wide" not in ran.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--sigma", "5"], r"--sigma = 5.0.*allowed: \(0, 1\); a share: 0.05 for 5 %"),
+        (["--shells", "0"], "--shells = 0.*at least 1"),
+        (["--energy", "1 keV"], "--energy: lets no photon through.*a higher energy"),
+    ],
+)
+def test_exposures_that_cannot_be(spinline, arguments, words) -> None:
+    ran = spinline("exposure", "peo5-water", *arguments)
     assert ran.code == 2
     assert re.search(words, ran.err), ran.err
 

@@ -24,9 +24,10 @@ from spinline.xray.row.chords import equal_shells, shell_weights
 from spinline.xray.row.forward import Detector
 from spinline.xray.row.spectral import SpectralRowModel
 
-__all__ = ["JetField", "core_and_sheath", "expected_image", "transmission_image"]
+__all__ = ["STEEPEST", "JetField", "core_and_sheath", "expected_image", "transmission_image"]
 
-_STEEPEST = np.deg2rad(60.0)
+#: Tilt of a jet, rad, up to which a row is a section across it.
+STEEPEST = np.deg2rad(60.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,8 +161,8 @@ def transmission_image(
         For a jet outside the image, or as `fresnel_counts`.
     """
     z = number("distance", distance, least=0.0, unit="m")
-    turn = number("tilt", tilt, least=-_STEEPEST, most=_STEEPEST, unit="rad")
-    out = number("tilt_out", tilt_out, least=-_STEEPEST, most=_STEEPEST, unit="rad")
+    turn = number("tilt", tilt, least=-STEEPEST, most=STEEPEST, unit="rad")
+    out = number("tilt_out", tilt_out, least=-STEEPEST, most=STEEPEST, unit="rad")
     spread = number("blur", blur, least=0.0, unit="m")
     way = number("motion", motion, least=0.0, unit="m")
     p = positive("pixel", pixel, "m")

@@ -117,7 +117,13 @@ def covariance_bound(
     InputError
         Where the unknowns cannot be told apart: an eigenvalue of the matrix, scaled to unit diagonal, under 1e-12.
     """
-    if counts.size < jacobian.shape[1] or (counts <= 0).any():
+    if counts.size >= jacobian.shape[1] and (counts <= 0).any():
+        raise InputError(
+            "energy_kev",
+            f"lets no photon through to {int((counts <= 0).sum())} of {counts.size} pixels: the jet is black there",
+            remedy="a higher energy, or leave dark pixels out",
+        )
+    if counts.size < jacobian.shape[1]:
         raise InputError(
             "flat",
             "has fewer lit pixels than there are unknowns",

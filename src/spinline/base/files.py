@@ -170,10 +170,15 @@ _NO_RESULT = re.compile(
 )
 
 
-def outputs(*paths: str | Path | None, force: bool = False, result: Path | None = None) -> None:
+def outputs(
+    *paths: str | Path | None,
+    force: bool = False,
+    result: Path | None = None,
+    form: tuple[str, str] = ("netCDF", ".nc"),
+) -> None:
     """Check all files that a command is going to write, before anything is computed: each `writable`, no two the same.
 
-    `result` is written as netCDF: a name that says another format is refused.
+    `result` is written as `form`, a format and its ending: a name that says another format is refused.
 
     Raises
     ------
@@ -193,9 +198,9 @@ def outputs(*paths: str | Path | None, force: bool = False, result: Path | None 
     if result is not None and _NO_RESULT.fullmatch(result.suffix):
         raise InputError(
             str(result),
-            f"is written as netCDF, and is named as {result.suffix}",
-            allowed=".nc",
-            remedy=f"name it {result.with_suffix('.nc')}; tables, figures and pages have options of their own (--help)",
+            f"is written as {form[0]}, and is named as {result.suffix}",
+            allowed=form[1],
+            remedy=f"name it {result.with_suffix(form[1])}; tables, figures and pages have options of their own (--help)",
         )
 
 

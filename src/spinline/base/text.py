@@ -29,7 +29,7 @@ _BINARY = (
     (b"\x1f\x8b", "compressed by gzip"),
     (b"BZh91AY&SY", "compressed by bzip2"),
     (b"\xfd7zXZ\x00", "compressed by xz"),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a document of older Office programs"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a document of older Office programs (.xls), or one with a password"),
     (b"\x93NUMPY", "an array of numpy.save"),
     (b"\x89PNG\r\n\x1a\n", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
@@ -42,12 +42,25 @@ _BINARY = (
 )
 
 
+_PACKED = (
+    (b"xl/", "an Excel workbook"),
+    (b"opendocument.spreadsheet", "an OpenDocument workbook"),
+    (b"word/", "a Word document"),
+)  # what the archive of one names
+_TEXT = "give a text file, or save it as text, UTF-8"
+_SHEET = "save its sheet as CSV (UTF-8)"
+
+
 def known_binary(head: bytes) -> str:
-    """What a file of a well-known binary format is, by its first bytes; "" for any other."""
+    """What a file of a well-known binary format is, by its first bytes (of zip archives some thousand); "" for any other."""
+    if head.startswith(b"PK\x03\x04"):
+        found = next((what for name, what in _PACKED if name in head), "")
+        if found:
+            return found
     return next((what for mark, what in _BINARY if head.startswith(mark)), "")
 
 
-def decoded(data: bytes, name: str, binary: str = "give a text file, or save it as text, UTF-8") -> tuple[str, str]:
+def decoded(data: bytes, name: str, binary: str = _TEXT) -> tuple[str, str]:
     """Text of a file's bytes, and the encoding it was written in.
 
     Parameters
@@ -72,7 +85,8 @@ def decoded(data: bytes, name: str, binary: str = "give a text file, or save it 
         For bytes that are text in none of them.
     """
     if what := known_binary(data):
-        raise InputError(name, f"is {what}, and no text", remedy=binary)
+        sheet = what.endswith("workbook") or ".xls" in what
+        raise InputError(name, f"is {what}, and no text", remedy=_SHEET if sheet and binary == _TEXT else binary)
     for mark, codec in _MARKS:
         if data.startswith(mark):
             return _as(data, codec, name), "UTF-8" if codec == "utf-8-sig" else "UTF-16"

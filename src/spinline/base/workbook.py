@@ -3,10 +3,27 @@
 from pathlib import Path
 
 from spinline.base.errors import InputError
+from spinline.base.text import read_text
 
-__all__ = ["WORKBOOKS", "sheet_rows"]
+__all__ = ["WORKBOOKS", "sheet_rows", "table_text"]
 
 WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")  # the last two are refused by name
+
+
+def table_text(path: str | Path) -> tuple[str, str]:
+    """Text of a table and its encoding, as `read_text`; a workbook under another name is told its own.
+
+    Raises
+    ------
+    InputError
+        As `read_text`.
+    """
+    try:
+        return read_text(path)
+    except InputError as error:
+        if not error.problem.startswith("is an Excel workbook"):
+            raise
+        raise InputError(error.field, error.problem, remedy=f"name it .xlsx, or {error.remedy}") from None
 
 
 def sheet_rows(path: str | Path) -> list[list[str]]:

@@ -126,6 +126,7 @@ def spin_blown(
     from spinline.base.version import __version__
     from spinline.setup.blown import blown_dataset, gas_of
     from spinline.setup.build import build_solution
+    from spinline.setup.mat import mat_kept
 
     for kind in ("vtk", "xyz", "movie"):
         if files[kind] is not None:
@@ -141,7 +142,7 @@ def spin_blown(
         say(f"warning: {note}", err=True)
     jet: Any = None
     for index, name in enumerate(names):
-        about = {"title": scene.title, "spinline": __version__, "scene": scene.text}
+        about = {"title": scene.title, "spinline": __version__, "scene": scene.text, **mat_kept(scene)}
         jet = blown_dataset(scene, solution, frames=frames, seed=section.seed + index, about=about)
         save_dataset(jet, name, force=force)
         answer = _answer(jet, name)

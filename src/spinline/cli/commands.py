@@ -312,7 +312,7 @@ def import_jet(
     force: ForceOption = False,
 ) -> None:
     """Turn the output of a Lagrangian simulation into a jet file."""
-    from spinline.base.files import writable
+    from spinline.base.files import outputs
     from spinline.base.netcdf import sizes_in
     from spinline.jetprofile.jetspin import write_jet
     from spinline.jetprofile.jetspin.detect import file_kind
@@ -320,7 +320,7 @@ def import_jet(
     target = out or Path(run_dir.resolve().stem + ".nc")
     if run_dir.is_file() and run_dir.suffix.lower() != ".zip":
         file_kind(run_dir)  # before anything is said of the output, which may be the input
-    writable(target, force=force)
+    outputs(target, force=force, result=target)
     write_jet(run_dir, target, source=source, unit=unit, force=force)
     sizes = sizes_in(target)
     say(f"wrote {target}: {sizes.get('time', 1)} times, up to {sizes.get('bead', 0)} beads")

@@ -54,11 +54,20 @@ def deposit(
     file = given_file(source, bundled_scenes())
     source = str(file)
     target = out or Path(file.name if file.suffix == "" else file.stem).with_suffix(".h5")
-    from spinline.setup.mat import laid_file, landings_of, lay_scene, options_of, options_text, rows_of, scene_jet
+    from spinline.setup.mat import (
+        kept_options,
+        laid_file,
+        landings_of,
+        lay_scene,
+        options_of,
+        options_text,
+        rows_of,
+        scene_jet,
+    )
 
     if out is None and target == file and laid_file(source) is None:
         landings_of(source)  # what holds no landings is told so, not that it is in the way of its own fibres
-    outputs(target, csv, force=force)
+    outputs(target, csv, force=force, result=target, form=("HDF5", ".h5"))
 
     attributes: dict[str, Any] = {"source": file.name}
     numbers: dict[str, Any] = {}
@@ -92,6 +101,8 @@ def deposit(
             raise InputError("--set", "changes keys of a scene, and this is a jet", value=set_[0])
         from spinline.deposit.landing import feed_remark, lay
 
+        if kept := kept_options(run or source):
+            attributes.setdefault("mat", kept)
         segments = laid_file(run or source)
         if segments is not None and (distance, speed, radius) != (None, None, None):
             raise InputError(
@@ -136,6 +147,7 @@ def mat(
     measured_unit: Annotated[
         str | None, typer.Option(help="m, mm, um, nm or px, where the table does not say.")
     ] = None,
+    measured_column: Annotated[str | None, typer.Option(help="Its name, where several could be meant.")] = None,
     pixel_size: Annotated[str | None, typer.Option(help="Of the measured image.")] = None,
     export: Annotated[
         list[Path] | None, typer.Option(help="First window for other programs: .vtp, .ply, .csv, .tif, .raw.")
@@ -156,7 +168,7 @@ def mat(
     from spinline.base.files import outputs
     from spinline.base.units import parse
 
-    size = _size_of_pixels(measured, measured_unit, pixel_size)
+    size = _size_of_pixels(measured, measured_unit, measured_column, pixel_size)
     target = out or fibres.with_suffix(".nc")
     sheet = None if no_figure else figure or target.with_suffix(".png")
     raw = [path.with_suffix(".json") for path in export or [] if path.suffix.lower() == ".raw"]  # it says their shape
@@ -200,7 +212,7 @@ def mat(
         stack = first_stack(mat_of, options) if export else None
     result.attrs |= {"title": label(str(file.attributes.get("title", "")) or fibres.stem), "source": fibres.name}
     if measured is not None:
-        _compare(result, measured, measured_unit, size)
+        _compare(result, measured, measured_unit, measured_column, size)
     _save(result, target, sheet, picture, report, csv, force=force)
     for path in export or []:
         _export(path, stack, options, force=force)
@@ -278,24 +290,28 @@ def _collector(
     )
 
 
-def _size_of_pixels(measured: Path | None, unit: str | None, pixel_size: str | None) -> float | None:
+def _size_of_pixels(
+    measured: Path | None, unit: str | None, column: str | None, pixel_size: str | None
+) -> float | None:
     """In m, where it is given; what says how measured diameters are read is refused without them."""
     from spinline.base.units import parse
 
-    for name, given in (("--measured-unit", unit), ("--pixel-size", pixel_size)):
+    for name, given in (("--measured-unit", unit), ("--measured-column", column), ("--pixel-size", pixel_size)):
         if measured is None and given is not None:
             raise InputError(name, "is for measured diameters", value=given, remedy="give them by --measured TABLE")
     return None if pixel_size is None else parse(pixel_size, "length", "--pixel-size").value
 
 
-def _compare(result: "xr.Dataset", measured: Path, unit: str | None, pixel_size: float | None) -> None:
+def _compare(
+    result: "xr.Dataset", measured: Path, unit: str | None, column: str | None, pixel_size: float | None
+) -> None:
     """Measured diameters beside the mat's, into the result."""
     import numpy as np
 
     from spinline.deposit.diameters import compare_diameters
     from spinline.deposit.measured import read_diameters
 
-    sample = read_diameters(measured, unit=unit, pixel_size=pixel_size)
+    sample = read_diameters(measured, unit=unit, pixel_size=pixel_size, column=column)
     width = (result["diameter_high"] - result["diameter_low"]).values
     weight = result["diameter_density"].values * width
     rng = np.random.default_rng(int(result.attrs["seed"]))

@@ -2,6 +2,8 @@
 
 import inspect
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import Field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -31,18 +33,17 @@ def simulate_image(source: str, **given: Any) -> None:
 
     out, force = given.pop("out"), given.pop("force")
     z_from, z_to = given.pop("z_from"), given.pop("z_to")
-    target = out or Path(Path(source).name).with_suffix(".npz")
+    # a name of its own: NAME.toml, which goes beside NAME.npz, may be the very scene
+    target = out or Path(f"{Path(source).stem}-frames.npz")
     if Path(target).suffix.lower() not in (".npz", ".tif", ".tiff"):
         raise InputError("--out", "is neither .npz nor .tif", value=str(target), remedy="name it frames.npz")
     outputs(target, target.with_suffix(".toml"), force=force)
     camera = _camera(given)
     result = _result(source)
-    made = simulate(
-        result,
-        camera,
-        start=None if z_from is None else _read(z_from, "length", "--from"),
-        stop=None if z_to is None else _read(z_to, "length", "--to"),
-    )
+    start = None if z_from is None else _read(z_from, "length", "--from")
+    stop = None if z_to is None else _read(z_to, "length", "--to")
+    with _by_options():
+        made = simulate(result, camera, start=start, stop=stop)
     files = write_frames(made, result, target, force=force)
     _, rows, pixels = made.counts.shape
     say(
@@ -50,6 +51,22 @@ def simulate_image(source: str, **given: Any) -> None:
         f"under the beam, mean polymer fraction {made.jet.mean_fraction.min():.4g} to {made.jet.mean_fraction.max():.4g}"
     )
     say("wrote " + ", ".join(map(str, files)))
+
+
+@contextmanager
+def _by_options() -> Iterator[None]:
+    """Errors by the names of the options."""
+    options = {item.name: _option(item) for item in fields(Camera) if item.metadata} | {
+        "start": "--from",
+        "stop": "--to",
+    }
+    try:
+        yield
+    except InputError as error:
+        field, value, allowed = options.get(error.field, error.field), error.value, error.allowed
+        if error.field in ("tilt", "tilt_out"):
+            value, allowed = math.degrees(value), "-60 to 60 degrees"
+        raise InputError(field, error.problem, value=value, allowed=allowed, remedy=error.remedy) from None
 
 
 def _read(given: Any, kind: str, option: str) -> Any:
@@ -108,7 +125,7 @@ def _parameters() -> list[inspect.Parameter]:
             "out",
             Path | None,
             None,
-            typer.Option("-o", "--out", help="Frames, .npz or .tif. Default: SOURCE's name with .npz."),
+            typer.Option("-o", "--out", help="Frames, .npz or .tif. Default: SOURCE's name with -frames.npz."),
         ),
         ("z_from", str | None, None, typer.Option("--from", help='Field of view along the jet, "0.1 mm".')),
         ("z_to", str | None, None, typer.Option("--to", help='Its end, "0.4 mm".')),

@@ -65,6 +65,7 @@ def spin(
     from spinline.base.checkpoint import claimed
     from spinline.base.files import outputs
     from spinline.scene.blown import BlownJetSection
+    from spinline.setup.mat import mat_kept
 
     _check_counts(seeds, frames)
     scene = None if _is_input(source) else load(source, None, None, set_)
@@ -107,6 +108,7 @@ def spin(
             else:
                 seed = settings.seed + index
                 jet = together[index] if together else _one(settings, seed, end, frames, name, resume, title, notes)
+                jet.attrs |= {} if scene is None else mat_kept(scene)
                 _store(jet, name, force)
             _tell(jet, name, json)
     _extras(jet, figure, movie, vtk, xyz, force)

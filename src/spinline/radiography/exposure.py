@@ -101,6 +101,11 @@ def plan_exposure(
         For values out of range, or energies at which polymer and solvent absorb alike.
     """
     wanted, p = positive("sigma", sigma), positive("pixel", pixel, "m")
+    if wanted >= 1:
+        remedy = f"a share: {wanted / 100:g} for {wanted:g} %"
+        raise InputError("sigma", "is out of range", value=sigma, allowed="(0, 1)", remedy=remedy)
+    if isinstance(shells, bool) or not isinstance(shells, int) or shells < 1:
+        raise InputError("shells", "is not a whole number", value=shells, allowed="at least 1")
     each = None if photons_per_frame is None else positive("photons", photons_per_frame)
     heavy = Material(solution.polymer.repeat_unit or solution.polymer.name, solution.polymer.density)
     light = Material(solution.solvent, solution.solvent_density)

@@ -6,6 +6,7 @@ the file (`truth_*`), so that a reduction can be held against it.
 """
 
 import io
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spinline.base.checks import FloatArray, number, positive
-from spinline.base.errors import InputError
+from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.files import outputs, streaming, write_text
 from spinline.base.progress import report
 from spinline.radiography.camera import Camera
-from spinline.xray.frame.image import JetField, core_and_sheath, expected_image, transmission_image
+from spinline.xray.frame.image import STEEPEST, JetField, core_and_sheath, expected_image, transmission_image
 from spinline.xray.matter.medium import Medium, solution_medium
 from spinline.xray.matter.spectrum import Spectrum
 from spinline.xray.row.chords import equal_shells
@@ -139,13 +140,19 @@ def simulate(result: "xr.Dataset", camera: Camera, *, start: float | None = None
     """
     _check(camera)
     field = field_from_result(result)
-    first = float(field.position[0]) if start is None else number("start", start, least=float(field.position[0]))
-    last = float(field.position[-1]) if stop is None else number("stop", stop, most=float(field.position[-1]))
+    first = (
+        float(field.position[0]) if start is None else number("start", start, least=float(field.position[0]), unit="m")
+    )
+    last = float(field.position[-1]) if stop is None else number("stop", stop, most=float(field.position[-1]), unit="m")
     step = camera.pixel / np.cos(camera.tilt_out) / np.cos(camera.tilt)
     rows = int((last - first) / step)
     if rows < 1:
         raise InputError("stop", "leaves no row", value=last, allowed=f"over {first + step:g} m")
     jet = field.at(first + step * (np.arange(rows) + 0.5))
+    wide = 2 * float(jet.radius.max()) / camera.pixel
+    if wide < _FEWEST_ACROSS:
+        few = f"the jet is {wide:.2g} pixels wide: no reduction tells its fraction; take smaller pixels"
+        warnings.warn(few, SpinlineWarning, stacklevel=2)
     lean = abs(np.tan(camera.tilt)) * camera.pixel * rows
     width = 3.0 * float(jet.radius.max()) / np.cos(camera.tilt) + 2.0 * (abs(camera.axis) + lean)
     pixels = camera.pixels or int(np.ceil(width / camera.pixel)) + 8
@@ -322,6 +329,9 @@ def _stream(seed: int, index: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,)))
 
 
+_FEWEST_ACROSS = 6  # of a jet: a radius under 3 pixels, which `plan_exposure` refuses
+
+
 def _check(camera: Camera) -> None:
     for name in ("energy_kev", "pixel", "photons"):
         positive(name, getattr(camera, name))
@@ -329,6 +339,10 @@ def _check(camera: Camera) -> None:
         number(name, getattr(camera, name), least=0.0, below=1.0 if name in ("drift", "flat_structure") else 1e9)
     number("tail_share", camera.tail_share, least=0.0, below=0.8)
     number("tail_length", camera.tail_length, least=0.0, unit="m")
+    for name in ("tilt", "tilt_out"):
+        number(name, getattr(camera, name), least=-STEEPEST, most=STEEPEST, unit="rad")
+    if camera.pixels is not None:
+        number("pixels", camera.pixels, least=4)
     number("depth", camera.depth, least=0.5, most=2.0)
     number("bend", camera.bend, least=-0.5, most=0.5)
     number("harmonic", camera.harmonic, least=0.0, below=1.0)

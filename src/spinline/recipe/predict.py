@@ -124,8 +124,7 @@ def predict(
     Some 0.05 s (0.15 s with "envelope"; "lagrangian" up to a minute and a half). The quantiles of 2048 such draws are good
     to about 1 %, the shares to 0.01.
     """
-    if rung not in RUNGS:
-        raise InputError("rung", "is not known", value=rung, allowed=", ".join(RUNGS))
+    known_rung(rung)
     if not draws >= _FEWEST:
         raise InputError("draws", "are too few for edges of 95 %", value=draws, allowed=f"{_FEWEST} or more")
     recipe, measured = one_laboratory(recipe, measured)
@@ -184,6 +183,12 @@ def predict(
         flight_time=float(np.median(found.thinning.time)),
         envelope_radius=_loops(found),
     )
+
+
+def known_rung(rung: str) -> None:
+    """Refuse a way to compute the diameter that there is not."""
+    if rung not in RUNGS:
+        raise InputError("rung", "is not known", value=rung, allowed=", ".join(RUNGS))
 
 
 def _middle(values: FloatArray) -> tuple[float, float]:

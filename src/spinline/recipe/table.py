@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from spinline.base.errors import InputError
-from spinline.base.text import csv_rows, read_text
+from spinline.base.text import csv_rows
 from spinline.base.words import cell
-from spinline.base.workbook import WORKBOOKS, sheet_rows
+from spinline.base.workbook import WORKBOOKS, sheet_rows, table_text
 from spinline.recipe.believe import Recipe, known_solvents
 from spinline.recipe.mixture_text import parted
 from spinline.recipe.outside import outside_remarks
@@ -78,7 +78,7 @@ def _cells(path: str | Path) -> tuple[list[str], list[list[str]], bool]:
     if Path(path).suffix.lower() in WORKBOOKS:
         rows = [row for row in sheet_rows(path) if any(value.strip() for value in row)]
         return (rows[0], rows[1:], True) if rows else ([], [], True)
-    text, _ = read_text(path)
+    text, _ = table_text(path)
     lines = [line for line in io.StringIO(text, newline=None) if line.strip()]  # a line of a cell in quotes stays in it
     while lines and lines[0].lstrip().lower().startswith(("#", "sep=")):
         del lines[0]
@@ -202,8 +202,9 @@ def predict_table(
     A row that cannot be predicted has them empty, and the reason as its regime. The remarks are those of a recipe, one after
     the other; a column of that name that the table brings keeps its words before them.
     """
-    from spinline.recipe.predict import predict
+    from spinline.recipe.predict import known_rung, predict
 
+    known_rung(rung)
     out: list[dict[str, str | float]] = []
     recipes = recipes_of(rows)
     known: dict[str, Any] = {}  # experiments that differ in what no law has are predicted once

@@ -25,6 +25,7 @@ _KINDS: Mapping[str, _Kind] = {
     "file of images": _Kind("images/*.toml", "spinline reduce"),
     "sweep": _Kind("sweeps/*.toml", "spinline sweep"),
     "fit": _Kind("fits/*/fit.toml", "spinline fit"),
+    "file of laydown": _Kind("laydowns/*.toml", "spinline deposit"),  # none is bundled
 }
 
 
@@ -36,6 +37,8 @@ def kind_of(data: Mapping[str, Any]) -> str | None:
         return "file of images"
     if "data" in data and "scene" in data:
         return "fit"
+    if "laydown" in data and "jet" not in data:
+        return "file of laydown"
     jet = data.get("jet")
     if not isinstance(jet, Mapping):
         return None

@@ -22,5 +22,5 @@ class MatScene(Sheet):
 
 def load_mat_scene(source: str | Path, overrides: Sequence[str] = ()) -> MatScene:
     """Read a file of ``[laydown]``, ``[collector]``, ``[jets]`` and ``[mat]``."""
-    data, text, path = read_toml(source, {}, overrides)
+    data, text, path = read_toml(source, {}, overrides, "file of laydown")
     return checked(MatScene, data, text, path.resolve().parent, path.stem)

@@ -3,10 +3,11 @@
 They stand in a scene beside its jet, or alone in a file (`MatScene`) whose fibres come from a fitted laydown.
 """
 
+import difflib
 import re
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from spinline.base.units import Measured
@@ -41,6 +42,26 @@ def angular_velocity(text: Any) -> float:
         words = {"problem": "is no rate of rotation", "allowed": "rpm, rad/s, 1/s", "remedy": 'for example "240 rpm"'}
         raise PydanticCustomError("quantity", "{problem}", words)
     return 2 * 3.141592653589793 * float(match[1]) * _PER_SECOND[match[2]]
+
+
+def _listed(names: Any) -> Any:
+    return [names] if isinstance(names, str) else names
+
+
+def _known_laws(names: list[str]) -> list[str]:
+    """Refuse a law of permeability that there is not, wherever the section is read: before hours of spinning."""
+    from spinline.deposit.permeability import LAWS  # slow to import, and few scenes name one
+
+    wrong = next((name for name in names if name not in LAWS), None)
+    if names and wrong is None:
+        return list(dict.fromkeys(names))
+    near = difflib.get_close_matches(str(wrong), LAWS, 1)
+    words = {
+        "problem": "names no law" if wrong is None else f"{wrong[:40]!r} is no law of permeability",
+        "allowed": ", ".join(LAWS),
+        "remedy": f"did you mean {near[0]!r}?" if near else "take one or several of those",
+    }
+    raise PydanticCustomError("quantity", "{problem}", words)
 
 
 class CollectorSection(Section):
@@ -92,7 +113,9 @@ class MatSection(Section):
     envelope: Literal["mean-top", "max-top", "percentile"] = "mean-top"
     voxel: Length | None = None
     flatten: Fraction = Measured(0.0, 0.0, "0")
-    permeability: list[str] = Field(default_factory=lambda: ["davies"])
+    permeability: Annotated[list[str], BeforeValidator(_listed), AfterValidator(_known_laws)] = Field(
+        default_factory=lambda: ["davies"]
+    )
     direct: bool = False
     realisations: Annotated[int, Field(ge=1, le=1000)] = 8
     polymer_density: Density = Measured(1200.0, 0.0, "1200 kg/m3")

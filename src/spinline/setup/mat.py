@@ -24,13 +24,17 @@ from spinline.setup.collector import collector_of, landings_alone
 if TYPE_CHECKING:
     import xarray as xr
 
+    from spinline.scene.file import Scene
+
 __all__ = [
     "collector_of",
+    "kept_options",
     "laid_file",
     "landings_alone",
     "landings_of",
     "lay_scene",
     "laydown_of",
+    "mat_kept",
     "options_from_text",
     "options_of",
     "options_text",
@@ -183,6 +187,20 @@ def laid_file(source: str | Path | LandingRecord) -> Segments | None:
 
     data = open_dataset(path)
     return laid_by(data) if "deposit" in data.dims else None
+
+
+def mat_kept(scene: "Scene") -> dict[str, str]:
+    """``[mat]`` of a scene that is spun, as an attribute of its jet file: `deposit` hands it on to `mat`."""
+    return {} if scene.mat is None else {"mat": options_text(options_of(scene.mat))}
+
+
+def kept_options(source: str | Path | LandingRecord) -> str:
+    """Options of a mat that a jet file has kept of its scene's ``[mat]``, as text; "" where it has none."""
+    if isinstance(source, LandingRecord) or not _netcdf(Path(source)):
+        return ""
+    from spinline.base.netcdf import open_dataset
+
+    return str(open_dataset(Path(source)).attrs.get("mat", ""))
 
 
 def landings_of(source: str | Path | LandingRecord) -> LandingRecord:

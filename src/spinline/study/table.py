@@ -46,6 +46,11 @@ def read_table(path: Path) -> Mapping[str, list[Any]]:
         raise InputError("design.path", "holds no rows", value=name, remedy="give a header of scene keys, then rows")
     mark = next((mark for mark in (",", ";", "\t") if mark in lines[0]), ",")
     header, *rows = csv_rows(lines, mark, name, skipinitialspace=True)
+    for i, row in enumerate(rows, 1):
+        if any(cell.strip() for cell in row[len(header) :]):
+            problem = f"has {len(row)} cells under {len(header)} keys"
+            remedy = "write decimals with points and nothing between thousands, or give every column its key"
+            raise InputError(f"{name}: row {i}", problem, value=mark.join(row), remedy=remedy)
     columns: dict[str, list[Any]] = {}
     for j, title in enumerate(header):
         match = _HEADER.fullmatch(title)
