@@ -216,7 +216,10 @@ def _samples(
         use &= (position >= low) & (position <= high)
     if use.sum() < _FEWEST:
         raise InputError(
-            "z", f"has fewer than {_FEWEST} samples beyond the nozzle, or in the range asked for", value=int(use.sum())
+            "z",
+            f"has fewer than {_FEWEST} samples beyond the nozzle, or in the range asked for",
+            value=int(use.sum()),
+            remedy="measure at more places, or look farther: --from, --to",
         )
     order = np.argsort(position[use], kind="stable")
     x, y = np.log(position[use][order]), np.log(r[use][order])

@@ -66,3 +66,39 @@ def test_fibres_are_not_named_as_a_table(spinline, tmp_path):
     assert ran.code == 2
     assert "is written as HDF5, and is named as .csv; allowed: .h5; name it fibres.h5" in ran.err
     assert spinline("deposit", "mat.toml", "-o", "fibres.h5").code == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "form"),
+    [
+        (("run", "peo5-water", "--no-figure", "--csv", "a.xlsx"), "CSV"),
+        (("run", "peo5-water", "--no-figure", "--report", "a.pdf"), "HTML"),
+        (("trade", "peo5-water", "--report", "a.PDF"), "HTML"),
+        (("jet", "peo5-needle", "--csv", "a.json"), "CSV"),
+        (("reduce", "peo5-images", "--no-figure", "--csv", "a.nc"), "CSV"),
+        (("window", "pan-dmf", "--no-figure", "--html", "a.png"), "HTML"),
+        (("deposit", "mat.toml", "--csv", "a.xlsx"), "CSV"),
+        (("mat", "f.h5", "--csv", "a.ods"), "CSV"),
+        (("mat", "f.h5", "--report", "a.docx"), "HTML"),
+        (("fibre", "--table", "t.csv", "-o", "a.xlsx"), "CSV"),
+    ],
+)
+def test_tables_and_pages_are_not_named_as_another_format(spinline, tmp_path, given, form):
+    """CSV had been written into a .xlsx, and HTML into a .pdf, which then no program opened."""
+    ran = spinline(*given)
+    assert ran.code == 2
+    ending = {"CSV": ".csv", "HTML": ".html"}[form]
+    assert f"is written as {form}, and is named as {Path(given[-1]).suffix}" in ran.err
+    assert f"name it a{ending}" in ran.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_keys_are_not_set_in_a_table(spinline, tmp_path):
+    """--set beside --table had been passed over without a word."""
+    (tmp_path / "t.csv").write_text(
+        "polymer,solvent,concentration_wt_percent,voltage_kV,flow_rate_mL_per_h,distance_cm\nPAN,DMF,10,15,1,15\n"
+    )
+    ran = spinline("fibre", "--table", "t.csv", "--set", "jet.voltage=20 kV")
+    assert ran.code == 2
+    assert "--set = 'jet.voltage=20 kV': changes keys of a recipe, and this is a table" in ran.err
+    assert spinline("fibre", "--table", "t.csv").code == 0

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING
 from spinline.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from spinline.jetprofile.readers.choose import BeadReader, read_beads, readers, register_reader
+    from spinline.jetprofile.readers.choose import BeadReader, holds_beads, read_beads, readers, register_reader
 
-_NAMES = {"BeadReader": "choose", "read_beads": "choose", "readers": "choose", "register_reader": "choose"}
+_NAMES = dict.fromkeys(("BeadReader", "holds_beads", "read_beads", "readers", "register_reader"), "choose")
 
-__all__ = ["BeadReader", "read_beads", "readers", "register_reader"]
+__all__ = ["BeadReader", "holds_beads", "read_beads", "readers", "register_reader"]
 
 __getattr__, __dir__ = lazily(__name__, _NAMES)

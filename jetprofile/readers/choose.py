@@ -16,7 +16,7 @@ from spinline.jetprofile.readers.table import BeadTable
 from spinline.jetprofile.readers.vtk_legacy import VtkLegacy
 from spinline.jetprofile.readers.vtp import VtkXml
 
-__all__ = ["BeadReader", "read_beads", "readers", "register_reader"]
+__all__ = ["BeadReader", "holds_beads", "read_beads", "readers", "register_reader"]
 
 _HEAD = 4096  # bytes that a reader may look at
 
@@ -94,6 +94,15 @@ def read_beads(
         known = ", ".join(one.name for one in _READERS)
         raise InputError(str(path), "is in no format that is known here", allowed=known, remedy=remedy)
     return chosen.read(file, unit=unit, initial_radius=initial_radius)
+
+
+def holds_beads(path: Path) -> bool:
+    """Whether a file holds beads in space in one of the formats, so no table of z and radius."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    return any(reader.claims(path, head) for reader in _READERS if not reader.name.startswith("table"))
 
 
 def _named(file: Path, head: bytes) -> None:

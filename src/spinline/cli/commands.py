@@ -25,7 +25,17 @@ from spinline.cli.fit import register as register_fit
 from spinline.cli.group import Commands
 from spinline.cli.images import register as register_images
 from spinline.cli.jet import register as register_jet
-from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli.options import (
+    ForceOption,
+    JsonOption,
+    ModelOption,
+    ReportOption,
+    RtolOption,
+    SceneArgument,
+    SetOption,
+    load,
+    table,
+)
 from spinline.cli.signals import stopping
 from spinline.cli.simulate import register as register_simulate
 from spinline.cli.speech import say, streams, unheard
@@ -85,8 +95,8 @@ def run(
     ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
-    report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
-    csv: Annotated[Path | None, typer.Option(help="Profile as a table.")] = None,
+    report: ReportOption = None,
+    csv: Annotated[Path | None, typer.Option(help="Profile as a table.", callback=table)] = None,
     trade: Annotated[
         bool, typer.Option("--trade", help="Measure every model on this scene as well, for the report: takes a while.")
     ] = False,
@@ -456,22 +466,13 @@ def _crossover_line(result: "NamedArrays") -> str:
     return line
 
 
-def _beads(path: Path) -> bool:
-    """Whether a file holds beads in space, so no table of z and radius."""
-    from spinline.jetprofile.readers import readers
-
-    if not path.is_file():
-        return False
-    with path.open("rb") as file:
-        head = file.read(4096)
-    return any(reader.claims(path, head) for reader in readers() if not reader.name.startswith("table"))
-
-
 def _profile(
     path: Path, along: Along, unit: str | None
 ) -> "tuple[FloatArray, FloatArray, FloatArray | None, float | None]":
     """Distance, radius, its standard deviation and r_0 from a CSV file or an imported jet."""
-    if path.suffix != ".nc" and not path.is_dir() and not _beads(path):
+    from spinline.jetprofile.readers import holds_beads, read_beads
+
+    if path.suffix != ".nc" and not path.is_dir() and not holds_beads(path):
         from spinline.jetprofile.columns import read_columns
 
         kinds = {"z": "length", "radius": "length", "radius_std": "length"}
@@ -481,8 +482,6 @@ def _profile(
     from spinline.jetprofile.lagrangian import LagrangianJet
 
     if path.suffix != ".nc":
-        from spinline.jetprofile.readers import read_beads
-
         jet = read_beads(path, unit=unit).at()
     else:
         dataset = open_dataset(path)

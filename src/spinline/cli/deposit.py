@@ -8,7 +8,7 @@ import typer
 
 from spinline.base.errors import InputError, SpinlineWarning
 from spinline.base.words import label
-from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.options import ForceOption, JsonOption, ReportOption, SetOption, table
 from spinline.cli.speech import say
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def deposit(
     speed: Annotated[str | None, typer.Option(help="Of the belt or the drum's surface.")] = None,
     radius: Annotated[str | None, typer.Option(help="Of the drum.")] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Say how much it will be, and stop.")] = False,
-    csv: Annotated[Path | None, typer.Option(help="Segments as a table.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Segments as a table.", callback=table)] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     set_: SetOption = None,
@@ -142,7 +142,7 @@ def mat(
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
     picture: Annotated[Path | None, typer.Option(help="Top view alone, as a microscope shows it.")] = None,
-    report: Annotated[Path | None, typer.Option(help="Report, one HTML file.")] = None,
+    report: ReportOption = None,
     measured: Annotated[Path | None, typer.Option(help="Measured diameters, a table, to compare with.")] = None,
     measured_unit: Annotated[
         str | None, typer.Option(help="m, mm, um, nm or px, where the table does not say.")
@@ -160,7 +160,7 @@ def mat(
     realisations: Annotated[int | None, typer.Option(help="Windows.")] = None,
     seed: Annotated[int | None, typer.Option(help="Of the windows' places.")] = None,
     plan: Annotated[bool, typer.Option("--plan", help="Say how much it will be, and stop.")] = False,
-    csv: Annotated[Path | None, typer.Option(help="Scalars as a table.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Scalars as a table.", callback=table)] = None,
     json: JsonOption = False,
     force: ForceOption = False,
 ) -> None:

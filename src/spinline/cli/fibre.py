@@ -7,6 +7,7 @@ import typer
 
 from spinline.base.errors import InputError
 from spinline.cli.options import ForceOption, JsonOption, SetOption, bundled
+from spinline.cli.options import table as named_table
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
 
@@ -29,7 +30,9 @@ def fibre(
         ),
     ] = None,
     table: Annotated[Path | None, typer.Option(help="CSV table of experiments instead, one row each.")] = None,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Table with the predictions, CSV.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Table with the predictions, CSV.", callback=named_table)
+    ] = None,
     rung: Annotated[
         str, typer.Option(help="race, terminal, envelope, or lagrangian (bead by bead; a minute).")
     ] = "race",
@@ -43,6 +46,9 @@ def fibre(
             "RECIPE", "is needed, or --table; not both", remedy="`spinline scenes` lists the bundled recipes"
         )
     if table is not None:
+        if set_:
+            remedy = "change the table, or give one recipe"
+            raise InputError("--set", "changes keys of a recipe, and this is a table", value=set_[0], remedy=remedy)
         _table(table, out, rung, json, force)
         return
     if out is not None:

@@ -10,7 +10,7 @@ import typer
 
 from spinline.base.errors import InputError
 from spinline.base.progress import report, silent
-from spinline.cli.options import ForceOption, JsonOption, SetOption
+from spinline.cli.options import ForceOption, JsonOption, SetOption, table
 from spinline.cli.speech import say
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def reduce(
     ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
-    csv: Annotated[Path | None, typer.Option(help="One line a block, as a table.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="One line a block, as a table.", callback=table)] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     method: MethodOption = None,

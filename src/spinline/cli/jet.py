@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from spinline.cli.options import ForceOption, JsonOption, SceneArgument, SetOption, load
+from spinline.cli.options import ForceOption, JsonOption, SceneArgument, SetOption, load, table
 from spinline.cli.speech import say
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def register(app: typer.Typer) -> None:
 def jet(
     scene: SceneArgument,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg).")] = None,
-    csv: Annotated[Path | None, typer.Option(help="The jet as a table.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="The jet as a table.", callback=table)] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     set_: SetOption = None,

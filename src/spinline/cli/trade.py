@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load
+from spinline.cli.options import ForceOption, JsonOption, ModelOption, RtolOption, SceneArgument, SetOption, load, page
 from spinline.cli.speech import say
 
 if TYPE_CHECKING:
@@ -44,7 +44,8 @@ def trade(
     quick: Annotated[bool, typer.Option("--quick", help="Only the rung next to the affine network.")] = False,
     figure: Annotated[Path | None, typer.Option(help="Error against cost (.png, .pdf, .svg).")] = None,
     report: Annotated[
-        Path | None, typer.Option(help="Report of a run of the scene with this trade in it, one HTML file.")
+        Path | None,
+        typer.Option(help="Report of a run of the scene with this trade in it, one HTML file.", callback=page),
     ] = None,
     json: JsonOption = False,
     force: ForceOption = False,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from spinline.base.errors import InputError
-from spinline.cli.options import ForceOption, JsonOption, SetOption, bundled
+from spinline.cli.options import ForceOption, JsonOption, SetOption, bundled, page
 from spinline.cli.progress import progress_of
 from spinline.cli.speech import say
 
@@ -51,7 +51,9 @@ def window(
     ] = None,
     figure: Annotated[Path | None, typer.Option(help="Figure (.png, .pdf, .svg). Default: beside OUT.")] = None,
     no_figure: Annotated[bool, typer.Option("--no-figure", help="Make no figure.")] = False,
-    html: Annotated[Path | None, typer.Option(help="Page with sliders and values, opens offline (.html).")] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="Page with sliders and values, opens offline (.html).", callback=page)
+    ] = None,
     json: JsonOption = False,
     force: ForceOption = False,
     set_: SetOption = None,

@@ -80,7 +80,7 @@ def read_map(
             file,
             "is not a reduced map: it has no dimension row",
             value=list(map(str, dataset.dims)),
-            remedy="make one with `spinline reduce`, or give a CSV table",
+            remedy="make one with `spinline reduce`",
         )
     chosen = list(dict.fromkeys(use))
     chords = dataset.attrs.get("method") == "chord"
