@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["TOO_THICK", "Laid", "laid", "settings_of"]
 
 #: Times by which such chains lay published fibres too thick, median (`benchmarks/spindb_rungs.py`, "by beads").
-TOO_THICK = 22
+TOO_THICK = 9.6
 
 _TROUTON = 30.0  # before the springs harden: the median of the prior of `Calibrated.trouton`, which has what they add in it
 _ELEMENT, _LONGEST = 4.0, 2e-3  # radii at the start; m in flight
