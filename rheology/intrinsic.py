@@ -2,9 +2,9 @@
 
 Constants of the handbook near 25 to 30 degC, for the ranges of molar mass in it; a factor of 1.3 between samples is
 usual (tacticity, polydispersity, which average M is). What is not in the table is estimated from the chain: Flory and
-Fox, ``[eta] = Phi <R^2>^(3/2)/M``, unperturbed, times the swelling of a good solvent, which only blobs see:
+Fox, ``[eta] = Phi <R^2>^(3/2)/M``, unperturbed, times the swelling in a good solvent of coils larger than a thermal blob:
 
-    [eta]/[eta]_theta = (N/N_T)^(3 nu - 3/2)      N > N_T, Kuhn segments in a thermal blob
+    [eta]/[eta]_theta = (N/N_T)^(3 nu - 3/2)      N > N_T, the Kuhn segments in a blob
 
 ``N_T = 18`` has the table's polymers right in the mean. Single ones depart from it by 0.5 (standard deviation of the
 logarithm: stiffness, associations), solvents of one polymer among themselves by 0.25. So a polymer that the table has in

@@ -76,6 +76,22 @@ def test_a_chain_that_cannot_be_is_refused_by_name():
         beads.laid(believe(replace(PAN, gap=1e-4))[0])
 
 
+def test_a_chain_whose_tick_never_ends_is_given_up(monkeypatch):
+    """One of many short elements computed for ten minutes within a tick, and looked at no clock."""
+    from spinline.jetprofile.spun import SpunRun
+
+    began = SpunRun.start(beads.settings_of(believe(PAN)[0])[0])
+
+    def endless(end, progress):
+        for _ in range(10_000_000):
+            progress(0.0)
+
+    monkeypatch.setattr(began.chain, "march", endless)
+    monkeypatch.setattr(SpunRun, "start", lambda settings: began)
+    with pytest.raises(InputError, match=r"does not reach the collector within 0\.2 s"):
+        beads.laid(believe(PAN)[0], seconds=0.2)
+
+
 def test_the_interval_stands_about_what_the_chain_laid(monkeypatch):
     chain = beads.Laid(1e-6, 0.1, 5e-3, 0.3, 4.0, 0.1, 100, 1.0)
     monkeypatch.setattr(beads, "laid", lambda believed: chain)

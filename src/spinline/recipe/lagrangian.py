@@ -63,6 +63,10 @@ class Laid:
     cpu_seconds: float
 
 
+class _Late(Exception):
+    """The time of computing is over within a tick of the chain's own."""
+
+
 def settings_of(believed: Believed, constants: Calibrated = CONSTANTS) -> tuple["SpunSettings", float]:
     """Settings of the chain of a recipe's medians, and the share of the recipe's current that its charge is.
 
@@ -154,10 +158,17 @@ def laid(believed: Believed, constants: Calibrated = CONSTANTS, *, seconds: floa
 
     settings, carried = settings_of(believed, constants)
     run, began = SpunRun.start(settings), time.process_time()
-    tick, first, most = settings.loads.gap / 3000.0, 0.0, 0  # short, so that the time is looked at
+    tick, first, most = settings.loads.gap / 3000.0, 0.0, 0
+
+    def look(_: float) -> None:
+        if time.process_time() - began > seconds:
+            raise _Late
+
     while True:
         try:
-            run.chain.march(run.chain.time + tick)
+            run.chain.march(run.chain.time + tick, look)
+        except _Late:
+            pass  # said below
         except InputError as error:
             raise _refused(f"its chain breaks after {1e3 * run.chain.time:.3g} ms") from error
         chain = run.chain
