@@ -100,3 +100,17 @@ def test_a_recipe_that_nobody_spins_is_said(change, words):
     said = outside_remarks(sheet.recipe())
     assert any(words in one for one in said) if words else said == ()
     assert set(said) <= set(fibre(sheet, shares=False).remarks)
+
+
+def test_what_a_spun_jet_does_not_take_is_said_by_the_check(spinline, tmp_path):
+    """Its collector and its row of jets are keys of [jet]: sections of that name had been dropped without a word."""
+    text = load_scene("pvp-spun").text
+    (tmp_path / "mine.toml").write_text(text + '\n[collector]\nkind = "plate"\ndistance = "15 cm"\n[jets]\ncount = 3\n')
+    told = spinline("check", "mine.toml", "--set", "jet.voltage=9 V").out
+    assert "[collector] is of blown jets" in told
+    assert "[jets] is of blown jets" in told
+    assert "voltage 0.009 kV is out of the usual" in told
+    (tmp_path / "plain.toml").write_text(text)
+    plain = spinline("check", "plain.toml").out
+    assert "blown jets" not in plain
+    assert "out of the usual" not in plain

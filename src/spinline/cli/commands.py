@@ -188,9 +188,10 @@ def check(scene: SceneArgument, model: ModelOption = None, rtol: RtolOption = No
 
     solution = build_solution(loaded)
     if loaded.jet.profile == "spun":  # what it is given is checked; it is not spun for that
+        from spinline.plan.odd_settings import odd_spinning
         from spinline.setup.spun import spun_remarks
 
-        for remark in spun_remarks(loaded.jet, solution, loaded):
+        for remark in (*odd_spinning(loaded, loaded.jet), *spun_remarks(loaded.jet, solution, loaded)):
             say(f"remark: {remark}")
         say(f"{loaded.name}: can be spun; phi = {solution.volume_fraction:.6g}")
         return

@@ -152,7 +152,7 @@ def _nozzles(scene: "Scene | None", flow_rate: Text, law: Text) -> "FloatArray":
         )
     from spinline.plan.odd_settings import odd_spinning
 
-    for odd in odd_spinning(scene.jet, scene.solution):
+    for odd in odd_spinning(scene, scene.jet):
         warnings.warn(odd, SpinlineWarning, stacklevel=1)
     return spun_nozzles(scene.jet)
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from spinline.base.units import Measured
 from spinline.plan.plausible import Usual, said
 from spinline.scene.mat_file import MatScene
-from spinline.scene.sections import SolutionSection
+from spinline.scene.sections import Scene
 from spinline.scene.spun import SpunJet
 
 __all__ = ["odd_laydown", "odd_spinning"]
@@ -23,13 +23,14 @@ _LAID: Mapping[str, Usual] = {
 }
 
 
-def odd_spinning(jet: SpunJet, solution: SolutionSection) -> list[str]:
-    """What of a jet's settings is unlike any spinning line.
+def odd_spinning(scene: Scene, jet: SpunJet) -> list[str]:
+    """What of a jet's settings is unlike any spinning line, and what its scene says that no spun jet takes.
 
     Parameters
     ----------
+    scene : Scene
     jet : SpunJet
-    solution : SolutionSection
+        Of the scene.
 
     Returns
     -------
@@ -41,8 +42,8 @@ def odd_spinning(jet: SpunJet, solution: SolutionSection) -> list[str]:
         "voltage": jet.voltage,
         "gap": jet.gap,
         "conductivity": jet.conductivity,
-        "viscosity": solution.viscosity,
-        "relaxation time": solution.relaxation_time,
+        "viscosity": scene.solution.viscosity,
+        "relaxation time": scene.solution.relaxation_time,
     }
     words = [said(name, one.value) for name, one in given.items() if isinstance(one, Measured)]
     if jet.element_length is not None and jet.element_length.value > _COARSE * jet.gap.value:
@@ -50,6 +51,9 @@ def odd_spinning(jet: SpunJet, solution: SolutionSection) -> list[str]:
             f"elements of {1e3 * jet.element_length.value:.3g} mm are long for a gap of {1e2 * jet.gap.value:.3g} cm: a jet "
             "bends within a millimetre, and numbers want elements of 0.2 mm or less (jet.element_length)"
         )
+    for name, place in (("collector", "jet.gap, jet.collector"), ("jets", "jet.jets, jet.jet_spacing")):
+        if getattr(scene, name) is not None:
+            words.append(f"[{name}] is of blown jets and of laydowns, and not used: a spun jet has {place}")
     return [one for one in words if one]
 
 
