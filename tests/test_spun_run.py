@@ -78,6 +78,23 @@ def test_everything_that_came_is_flying_or_has_landed(landed):
     assert (rows[:, c.D_TIME] >= rows[:, c.D_FRONT]).all()
 
 
+@pytest.mark.parametrize("law", ["explicit", "implicit"])
+def test_a_bead_that_a_split_put_behind_the_plate_is_held(law):
+    """Its touch is always before the next step: steps had shrunk to nothing, for ever, and no signal ended that."""
+    s = _short_gap()
+    if law == "implicit":
+        s = replace(s, law=replace(s.law, name="oldroyd-b", solvent_viscosity=1e-3))
+    assert s.implicit == (law == "implicit")
+    run = SpunRun.start(s)
+    run.chain.march(12e-3)
+    chain, gap = run.chain, s.loads.gap
+    bead = next(i for i in range(chain.n) if chain.held[i] == 0)
+    chain.state[bead, c.X] = gap * (1 + 1e-4)
+    chain.march(12.2e-3)
+    assert chain.time == 12.2e-3
+    assert chain.state[: chain.n, c.X].max() <= gap * (1 + 1e-9)
+
+
 def test_resumed_run_is_the_same_to_the_last_bit(landed):
     times = moments(16e-3, 4)
     run = SpunRun.start(_short_gap())

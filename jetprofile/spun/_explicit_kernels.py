@@ -125,6 +125,7 @@ def march_explicit(
         if fixed > 0.0 and step > 0.999 * (stop - t):
             step = stop - t
         cut = False
+        soonest = 1e-9 * step  # who touches before lies there already, and is held
         while True:
             good = _try(t, step, n, held, y, p, k, tables, w, f, d, trial, new)
             ratio = _error(n, step, y, new, d, tol, reach) if good else math.inf
@@ -132,9 +133,9 @@ def march_explicit(
                 ratio = 0.5
             if ratio <= 1.0:
                 who, when = first_touch(n, step, y, new, held, p, k)
-                if who < 0 or when > step * (1.0 - 1e-9):
+                if who < 0 or when > step * (1.0 - 1e-9) or step <= soonest:
                     break
-                step, cut = max(when, 1e-9 * step), True
+                step, cut = max(when, soonest), True
                 continue
             clock[6] += 1
             step *= max(0.2, 0.9 * ratio**-0.2) if ratio < 1e300 else 0.2

@@ -295,6 +295,7 @@ def march_implicit(
             return STALLED, t, n, h
         step = (stop - t) / max(math.ceil((stop - t) / step), 1)  # equal steps to the stop, so that none is a splinter
         who, least = -1, SPLINTER * step
+        soonest = 1e-9 * step  # who touches before lies there already, and is held
         while True:
             if not _step(t, step, n, clock, y, held, p, k, tables, w, f, d, mid, new, push, flow):
                 step *= 0.25
@@ -304,9 +305,9 @@ def march_implicit(
                     return STALLED, t, n, h
                 continue
             who, when = first_touch(n, step, y, new, held, p, k)
-            if who < 0 or when > step * (1.0 - 1e-9):
+            if who < 0 or when > step * (1.0 - 1e-9) or step <= soonest:
                 break
-            step = max(when, 1e-9 * step)
+            step = max(when, soonest)
         clock[5] += 1
         clock[13] = max(clock[13] - 0.5, 0.0)
         if k[BALANCE] != FROZEN:
