@@ -133,7 +133,9 @@ def test_a_trade_is_asked_for_and_goes_with_the_result(spinline, tmp_path):
     ran = spinline("run", "peo5-water", "--trade", "--quick", "--report", "r.html", "--no-figure")
     assert ran.code == 0, ran.err
     assert "measuring manifold" in ran.err
-    assert "Measured: affine" in ran.out
+    assert re.search(
+        "Measured: (affine|manifold)", ran.out
+    )  # the faster of two that take milliseconds, as this machine has it
     result = open_result(tmp_path / "peo5-water.nc")
     measured = Trade.from_json(result.attrs["trade"])
     assert json.loads(measured.json()) == json.loads(result.attrs["trade"])

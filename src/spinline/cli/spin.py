@@ -88,14 +88,7 @@ def spin(
     done = [alone and resume and not force and name.exists() for name in names]
     fresh = [name for name, there in zip(names, done, strict=True) if not there]
     outputs(*fresh, figure, movie, vtk, xyz, force=force, result=target)
-    if figure is not None:
-        from spinline.report.style import check_format
-
-        check_format(figure)
-    if movie is not None:
-        from spinline.report.spun_figure import check_animation
-
-        check_animation(movie)
+    _check_pictures(figure, movie)
     first = next((name for name, there in zip(names, done, strict=True) if not there), names[0]) if alone else target
     with claimed(_kept_in(first)):  # at once: a straight jet may be solved before the first step
         settings, end, notes, title = _settings(source, scene, flow_rate, law, quick, time)
@@ -118,6 +111,17 @@ def _check_counts(seeds: int, frames: int) -> None:
     for name, count, most in (("--seeds", seeds, 10_000), ("--frames", frames, 1_000_000)):
         if not 1 <= count <= most:
             raise InputError(name, "is out of range", value=count, allowed=f"1 to {most:,}")
+
+
+def _check_pictures(figure: Path | None, movie: Path | None) -> None:
+    if figure is not None:
+        from spinline.report.style import check_format
+
+        check_format(figure)
+    if movie is not None:
+        from spinline.report.spun_figure import check_animation
+
+        check_animation(movie)
 
 
 def _is_input(source: str) -> bool:
