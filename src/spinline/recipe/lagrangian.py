@@ -29,9 +29,8 @@ __all__ = ["TOO_THICK", "Laid", "laid", "settings_of"]
 #: Times by which such chains lay published fibres too thick, median (`benchmarks/spindb_rungs.py`, "by beads").
 TOO_THICK = 9.6
 
-_TROUTON = (
-    30.0  # before the springs harden: the median of the prior of `Calibrated.trouton`, which has what they add in it
-)
+# Before the springs harden: the median of the prior of `Calibrated.trouton`, which has what they add in it.
+_TROUTON = 30.0
 _ELEMENT, _LONGEST = 4.0, 2e-3  # radii at the start; m in flight
 _CIRCLE = 0.2  # of the radius: what bends has something to grow from
 

@@ -23,8 +23,8 @@ class Prior:
 # kg/mol, weight average
 #: What is usual of a polymer, kg/mol.
 MOLAR_MASS: Mapping[str, Prior] = {
-    "PEO": Prior(600.0, 1, _GRADES),
-    "PMMA": Prior(350.0, 1, _GRADES),
+    "PEO": Prior(600.0, 1.0, _GRADES),
+    "PMMA": Prior(350.0, 1.0, _GRADES),
     "PCL": Prior(80.0, 0.45, _GRADES),
     "PVP": Prior(1300.0, 0.75, _GRADES),
     "PAN": Prior(150.0, 0.6, _GRADES),
