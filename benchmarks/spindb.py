@@ -102,7 +102,7 @@ def elasticities(rows, y, predicted, paper):
     return found
 
 
-def one_known(mats_only, everything, folds, draws=512, overs=("rows", "mats", "settings")):
+def one_known(mats_only, everything, folds, draws=8192, overs=("rows", "mats", "settings")):
     """Errors of the others when one experiment of a paper is known, each in turn; beside it, the others said equal to it.
 
     Per paper the median over the known ones of the median error of the others (`factor`, the measure of the published

@@ -11,7 +11,7 @@ Model: ln d of an experiment is the chain's mean over its unknowns, plus normal 
   its answers to concentration, voltage, flow rate and gap beyond the laws;
 * within one setting: what the laws miss there; for each mat: the repeat; both larger in some laboratories than in others.
 
-Looked for are five numbers of the chain (`PRIORS`: where their priors come from is said there) and the standard
+Looked for are four numbers of the chain (`PRIORS`: where their priors come from is said there) and the standard
 deviations of the last two kinds (`SPREADS`), by turns: Gauss and Newton for the numbers, quasi-Newton on the marginal
 likelihood for the spreads. The form of the chain is not part of it: variants of it were compared on the same papers before.
 """
@@ -44,8 +44,6 @@ PRIORS = {
     "viscosity_power": (False, 14 / 3, 0.7),
     # viscous jet 1/2; straight jets from a needle 0.38; measured 0.4
     "current_conductivity": (False, 0.5, 0.1),
-    # nothing, if the laws held all that the concentration does
-    "concentration_beyond": (False, 0.0, 0.5),
 }
 SPREADS = ("laboratory", "setting", "repeat", *RESPONSES, "unevenness")
 _SCATTER = [1, 2]  # of them a laboratory has a scale of its own
@@ -205,7 +203,7 @@ def calibrate(data, turns=3, count=16, rung="race"):
 
     Returns
     -------
-    Calibrated, and the posterior standard deviations of the five (of the logarithm where that is normal)
+    Calibrated, and the posterior standard deviations of the four (of the logarithm where that is normal)
     """
     names = list(PRIORS)
     middle = np.array([np.log(m) if log else m for log, m, _ in PRIORS.values()])

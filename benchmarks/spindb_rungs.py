@@ -4,7 +4,7 @@
 
 `terminal`, `race` and `envelope` on every setting, `lagrangian` beside them on those that `spindb_lagrangian.py` has spun; all
 share the constants of `spindb.json`, which were calibrated with `race`. `offset`: the factor after one more number a rung, the
-median of the other papers' biases. And what other papers would give where one fibre of a paper is known. Two minutes.
+median of the other papers' biases. Two minutes.
 """
 
 import json
@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from spindb import QUANTILES, one_known, over_papers, scored
+from spindb import QUANTILES, over_papers, scored
 from spindb_calibrate import command, load
 
 from spinline.recipe.believe import believe
@@ -88,7 +88,6 @@ def judge(path):
         .round(3)
         .tolist(),
         "by beads": by_beads(data, y, found),
-        "one known": one_known(data, load(path, twice=True), folds, overs=("rows",))["rows"],
         "cpu_seconds": round(time.process_time() - began, 1),
     }
 

@@ -194,7 +194,7 @@ class SpindbText(Generated):
         shares = sorted(found["variance shares"].items(), key=lambda item: -item[1])[:5]
         least, most = found["rungs"]["race"]["factor_68"]
         side = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb_rungs.json").read_text(encoding="utf-8"))
-        one, ratio = side["one known"], side["envelope over race, 5 25 50 75 95 %"]
+        one, ratio = found["one known"]["rows"], side["envelope over race, 5 25 50 75 95 %"]
         known = one["over papers, 68 and 95 %"]
         under = json.loads((Path(__file__).parents[2] / "benchmarks" / "spindb_floor.json").read_text(encoding="utf-8"))
         own, ideal = under["measured"]["a fit of its own"], under["drawn from the model"]

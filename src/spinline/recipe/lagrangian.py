@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["TOO_THICK", "Laid", "laid", "settings_of"]
 
 #: Times by which such chains lay published fibres too thick, median (`benchmarks/spindb_rungs.py`, "by beads").
-TOO_THICK = 9.6
+TOO_THICK = 15.8
 
 # Before the springs harden: the median of the prior of `Calibrated.trouton`, which has what they add in it.
 _TROUTON = 30.0

@@ -1,6 +1,6 @@
 """From a recipe and draws of what it does not say to fibres: the whole chain on arrays, one entry a draw.
 
-    c/c_e, mu_s -> mu -> eta_E = Tr mu ;  V, Q, K, mu -> I -> q = I/Q ;  solvent, air -> k_ev (with heat)
+    c/c_e, mu_s -> mu -> eta_E = Tr mu ;  V, H, Q, K -> I -> q = I/Q ;  solvent, air -> k_ev (with heat)
     q, gamma, eta_E, k_ev, phi_0, flight time -> thinning (`spinline.jetprofile.whipping`) -> d = 2 a phi_0^(1/2)
 
 or, by rung, the terminal law, or the thread of its envelope (`spinline.jetprofile.envelope`) in place of the thinning.
@@ -212,7 +212,6 @@ def spun(
         (_field(believed.voltage, believed.gap, believed.needle_radius) / _USUAL_FIELD) ** TAKEN.current_voltage
         * (believed.flow_rate / _USUAL_FLOW) ** TAKEN.current_flow
         * (believed.conductivity * factor("conductivity") / 1e-3) ** constants.current_conductivity
-        * viscosity**TAKEN.current_viscosity
     )
     current = np.where(np.isnan(believed.current), level, believed.current) * factor("current")
     q = current / believed.flow_rate
@@ -241,7 +240,6 @@ def spun(
         )
     dry = 2 * np.sqrt(believed.volume_fraction)
     log_d = np.log(dry * (terminal if rung == "terminal" else found.radius))
-    log_d = log_d + constants.concentration_beyond * believed.away.get("concentration_response", 0.0)
     for name in RESPONSES:
         log_d = log_d + believed.sd.get(name, 0.0) * believed.away.get(name, 0.0) * z[name]
     log_d = log_d + believed.sd.get("laboratory", 0.0) * z["laboratory"]
