@@ -88,7 +88,7 @@ if TYPE_CHECKING:
     from spinline.rheology.evaporant import Evaporant
     from spinline.rheology.evaporation import Evaporation, evaporate, power_law_loss, sherwood
     from spinline.rheology.heat import HeatedJet, dry_with_heat
-    from spinline.rheology.intrinsic import Intrinsic, intrinsic_viscosity
+    from spinline.rheology.intrinsic import Intrinsic, intrinsic_viscosity, mixture_intrinsic_viscosity
     from spinline.rheology.prior import Estimate, estimated_relaxation_time, estimated_viscosity, specific_viscosity
     from spinline.rheology.transfer import transfer_number
     from spinline.rheology.volatile import Volatile
@@ -110,6 +110,7 @@ _NAMES = {
     "estimated_relaxation_time": "prior",
     "estimated_viscosity": "prior",
     "intrinsic_viscosity": "intrinsic",
+    "mixture_intrinsic_viscosity": "intrinsic",
     "specific_viscosity": "prior",
     "ElementPath": "element_path",
     "Evaporation": "evaporation",
@@ -175,6 +176,7 @@ __all__ = [
     "mass_fraction_from_molar",
     "maxwell_startup",
     "mixture_density",
+    "mixture_intrinsic_viscosity",
     "mixture_surface_tension",
     "mixture_viscosity",
     "modulus",

@@ -30,7 +30,7 @@ from spinline.base.checks import FloatArray, computable, number, positive, real
 from spinline.base.errors import InputError
 from spinline.rheology.concentration_laws import scaling_exponents
 from spinline.rheology.entanglement import Quality
-from spinline.rheology.intrinsic import Intrinsic, intrinsic_viscosity
+from spinline.rheology.intrinsic import Intrinsic, mixture_intrinsic_viscosity
 
 if TYPE_CHECKING:
     from spinline.rheology.solution import Solution
@@ -150,10 +150,7 @@ def estimated_relaxation_time(solution: "Solution", solvent_quality: Quality = "
 
 
 def _intrinsic(solution: "Solution", solvent_quality: Quality) -> Intrinsic:
-    """[eta]: of the solvent there is most of; in a mixture the factor is 2 at least."""
-    main = max(solution.solvent, key=lambda name: solution.solvent[name])
     chain = solution.require("molar_mass")
-    found = intrinsic_viscosity(solution.polymer, main, chain, solvent_quality, None)
-    if len(solution.solvent) > 1:
-        return Intrinsic(found.value, max(found.factor, 2.0), f"{found.source}, as in {main} alone")
-    return found
+    return mixture_intrinsic_viscosity(
+        solution.polymer, solution.solvent, chain, solvent_quality, temperature=solution.temperature
+    )

@@ -215,6 +215,13 @@ def solvent_molar_mass(name: str, field: str = "solvent") -> float:
     return float(molecular_weight(atoms)) * 1e-3
 
 
+def volume_shares(shares: Mapping[str, float], temperature: float) -> dict[str, float]:
+    """Volume fractions of solvents given by mass fraction, at a temperature, K; volumes additive."""
+    volumes = {name: share / solvent_density(name, temperature) for name, share in shares.items() if share > 0}
+    total = sum(volumes.values())
+    return {name: volume / total for name, volume in volumes.items()}
+
+
 def mixture_density(shares: Mapping[str, float], temperature: float, field: str = "solvent") -> float:
     """Density of a solvent mixture in kg/m3, volumes additive: a few percent low where water meets another solvent.
 

@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from spinline.base.errors import InputError
 from spinline.recipe.believe import _OVERLAPS
 from spinline.rheology import POLYMERS, SOLVENTS, Solution
-from spinline.rheology.intrinsic import MARK_HOUWINK, intrinsic_viscosity
+from spinline.rheology.intrinsic import MARK_HOUWINK, intrinsic_viscosity, mixture_intrinsic_viscosity
 from spinline.rheology.names import ALIASES, known_as
 from spinline.rheology.prior import VISCOSITY_FACTOR, estimated_relaxation_time, estimated_viscosity, specific_viscosity
+from spinline.rheology.solvents import volume_shares
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
@@ -132,6 +133,28 @@ def test_what_is_missing_is_named() -> None:
             specific_viscosity(bad)
     mixed = Solution.build("PVP", {"ethanol": 0.8, "water": 0.2}, mass_fraction=0.05, molar_mass=1300.0)
     assert estimated_viscosity(mixed).factor > VISCOSITY_FACTOR
+
+
+def test_a_mixture_lies_between_its_solvents_without_a_jump() -> None:
+    def in_water(share: float) -> tuple[float, float]:
+        shares = {name: part for name, part in (("water", share), ("methanol", 1 - share)) if part > 0}
+        found = mixture_intrinsic_viscosity("PVP", shares, 360.0)
+        return np.log(found.value), np.log(found.factor)
+
+    (methanol, water), half = (in_water(0.0), in_water(1.0)), in_water(0.5)
+    by_volume = volume_shares({"water": 0.5, "methanol": 0.5}, 298.15)
+    assert by_volume["methanol"] == pytest.approx(997.0 / (997.0 + 786.6), rel=3e-3)
+    assert half[0] == pytest.approx(by_volume["water"] * water[0] + by_volume["methanol"] * methanol[0])
+    assert half[1] == pytest.approx(np.log(1.3))  # both tabulated
+    for share in (0.0, 0.5, 1.0):
+        near = [in_water(float(np.clip(share + step, 0.0, 1.0))) for step in (-1e-6, 1e-6)]
+        assert near[0] == pytest.approx(near[1], abs=1e-5)
+    alone = mixture_intrinsic_viscosity("PVP", {"water": 1.0, "methanol": 0.0}, 360.0)
+    assert alone == intrinsic_viscosity("PVP", "water", 360.0)
+    own = mixture_intrinsic_viscosity("PVP", {"water": 0.25, "a solvent of my own": 0.75}, 360.0)
+    parts = [np.log(intrinsic_viscosity("PVP", name, 360.0).value) for name in ("water", "a solvent of my own")]
+    assert np.log(own.value) == pytest.approx(0.25 * parts[0] + 0.75 * parts[1])
+    assert "by mass" in own.source
 
 
 def test_other_names() -> None:

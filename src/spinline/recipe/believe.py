@@ -12,7 +12,7 @@ from spinline.recipe import library
 from spinline.recipe.constants import CONSTANTS, TAKEN, Calibrated
 from spinline.recipe.model import Believed
 from spinline.rheology.evaporant import Evaporant
-from spinline.rheology.intrinsic import intrinsic_viscosity
+from spinline.rheology.intrinsic import mixture_intrinsic_viscosity
 from spinline.rheology.materials import POLYMERS, polymer
 from spinline.rheology.solvents import (
     SOLVENTS,
@@ -20,12 +20,13 @@ from spinline.rheology.solvents import (
     mixture_surface_tension,
     mixture_viscosity,
     solvent_density,
+    volume_shares,
 )
 from spinline.rheology.thermal import saturation_pressure
 from spinline.rheology.vapour import molar_mass, vapour_diffusivity
 from spinline.rheology.wet_bulb import wet_bulb
 
-__all__ = ["DAMPEST", "USUAL_TEMPERATURE", "Recipe", "believe", "evaporation_rate", "volume_shares"]
+__all__ = ["DAMPEST", "USUAL_TEMPERATURE", "Recipe", "believe", "evaporation_rate"]
 
 _GAS = 8.31446261815324
 # c_e [eta], c_e where the specific viscosity is `TAKEN.viscosity_at_entanglement` and grows with the power of 5: PEO 6.2,
@@ -216,33 +217,18 @@ def _entangled(recipe: Recipe, sd: dict[str, float], borrowed: dict[str, str]) -
 
 
 def _entanglement(recipe: Recipe, chain: float) -> tuple[float, float]:
-    """Ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation.
-
-    Between solvents ln [eta] and the variance go by volume: what two do together to a chain that each dissolves badly, or
-    well (cosolvency, preferential solvation), is left out.
-    """
+    """Ln of the mass fraction of entanglement of chains of a molar mass (kg/mol), and its standard deviation."""
     if recipe.polymer not in POLYMERS:
         return float(np.log(0.06)), 0.8
-    log_eta = variance = 0.0
-    for name, share in volume_shares(recipe.solvent, USUAL_TEMPERATURE).items():
-        found = intrinsic_viscosity(polymer(recipe.polymer), name, chain)
-        log_eta += share * np.log(found.value)
-        variance += share * (0.5 * np.log(found.factor)) ** 2
+    eta = mixture_intrinsic_viscosity(recipe.polymer, recipe.solvent, chain, temperature=USUAL_TEMPERATURE)
     density = mixture_density(recipe.solvent, USUAL_TEMPERATURE)
-    return float(np.log(_OVERLAPS / density) - log_eta), float(np.sqrt(_ENTANGLED_SD**2 + variance))
+    return float(np.log(_OVERLAPS / density / eta.value)), float(np.hypot(_ENTANGLED_SD, 0.5 * np.log(eta.factor)))
 
 
 def evaporation_rate(solvent: Mapping[str, float], temperature: float, relative_humidity: float) -> float:
     """k_ev, m2/s, at the wet bulb: cross-section over pi that a second dries, over the time until all solvents are gone."""
     shares, rates = _side_by_side(solvent, temperature, relative_humidity)
     return 1.0 / sum(share / rate for share, rate in zip(shares, rates, strict=True))
-
-
-def volume_shares(solvent: Mapping[str, float], temperature: float) -> dict[str, float]:
-    """Volume fractions of solvents given by mass fraction, at a temperature, K."""
-    volumes = {name: share / solvent_density(name, temperature) for name, share in solvent.items() if share > 0}
-    total = sum(volumes.values())
-    return {name: volume / total for name, volume in volumes.items()}
 
 
 def _side_by_side(
