@@ -102,3 +102,12 @@ def test_keys_are_not_set_in_a_table(spinline, tmp_path):
     assert ran.code == 2
     assert "--set = 'jet.voltage=20 kV': changes keys of a recipe, and this is a table" in ran.err
     assert spinline("fibre", "--table", "t.csv").code == 0
+
+
+@pytest.mark.parametrize("command", ["run", "spin", "check", "crossover"])
+def test_the_folder_of_a_jetspin_run_is_no_scene_and_is_told_where_it_goes(spinline, command):
+    folder = Path(__file__).parent / "data" / "jetspin" / "ex2_1d_insert"
+    ran = spinline(command, folder)
+    assert ran.code == 2
+    assert f"spinline import-jet {folder}" in ran.err
+    assert f"spinline spin {folder / 'input.dat'}" in ran.err

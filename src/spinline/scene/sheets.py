@@ -42,6 +42,9 @@ def read_toml(
         bundled_elsewhere(str(source), noun)
     near = difflib.get_close_matches(str(source)[:200], bundled, n=1)
     some = f"bundled: {', '.join(bundled)}" if 0 < len(bundled) <= _FEW else "`spinline scenes` lists the bundled ones"
+    if _there(path / "input.dat"):
+        own = path / "input.dat"
+        near, some = [], f"of a JETSPIN run: `spinline import-jet {path}` reads its jet, `spinline spin {own}` spins it"
     data, text = read_toml_text(path, noun, LONGEST, f"did you mean the bundled {near[0]!r}?" if near else some)
     is_meant(data, noun, str(source))
     for override in overrides:
