@@ -2,7 +2,7 @@
 
     python benchmarks/spindb.py ../shared/data/spindb/experiments.csv
 
-For every paper the chain is calibrated on the others (`spindb_calibrate.py`; three to eight minutes in all), and every figure
+For every paper the chain is calibrated on the others (`spindb_calibrate.py`; twenty minutes in all), and every figure
 is of papers that their constants have not seen. Beside it, on the same rows and leaving out the same papers: one number for
 all, ridge regression in logarithms, and a random forest (where scikit-learn is installed). Factor:
 ``exp(median over papers of the paper's median |ln(predicted/measured)|)`` over distinct settings; `mean` is the same

@@ -4,7 +4,7 @@
 
 `terminal`, `race` and `envelope` on every setting, `lagrangian` beside them on those that `spindb_lagrangian.py` has spun; all
 share the constants of `spindb.json`, which were calibrated with `race`. `offset`: the factor after one more number a rung, the
-median of the other papers' biases. Two minutes.
+median of the other papers' biases. A minute or two.
 """
 
 import json

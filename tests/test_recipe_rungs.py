@@ -102,7 +102,7 @@ def test_the_interval_stands_about_what_the_chain_laid(monkeypatch):
     assert found.fibre_diameter == pytest.approx(1e-6, rel=0.2)
     assert any("bead by bead" in words and f"{beads.TOO_THICK} times too thick" in words for words in found.remarks)
     known = predict(PAN, [Measurement(PAN, 5e-7, 0.02)], rung="lagrangian", shares=False)
-    # what is measured outweighs a chain that may be ten times too thick: as the race says of it
+    # what is measured outweighs a chain that may be 16 times too thick: as the race says of it
     alone = predict(PAN, [Measurement(PAN, 5e-7, 0.02)], shares=False)
     assert known.fibre_diameter == pytest.approx(alone.fibre_diameter, rel=0.1)
     assert known.fibre_diameter < 0.6 * found.fibre_diameter

@@ -8,10 +8,7 @@ equations `cone_jet_current`        ``2.6 (gamma K Q)^(1/2)``, an electrospray's
 Measured on polymer jets: about ``E Q^0.5 K^0.4`` (Bhattacharjee et al., J. Appl. Polym. Sci. 117, 1210, 2010; part of it
 a secondary spray); the boundary-value problem gives ``V^1.0 Q^0.37 K^0.38`` for the PEO jet of Fig. 35, and at 61 published
 settings ``V^0.95 Q^0.38 K^0.49 mu^-0.03`` (medians, Newtonian; ``benchmarks/current_exponents.py``).
-
-Where a field falls as ``z^-m`` about the place at which the charge is handed over, ``z_t^(3 - 2m) ~ mu Q/V^2`` and
-``I^2 ~ V^2 K Q z_t^(1 - 2m)``, so ``I ~ K^(1/2) V^(1 - 2e) Q^(1/2 + e) mu^e`` with ``e = (1 - 2m)/(6 - 4m)``: 1/6 in a uniform
-field, nothing at m = 1/2, where it is what was measured.
+The closed form's ``mu^(1/6)`` is neither measured nor of these jets: it wants a uniform field and no surface tension.
 """
 
 import numpy as np

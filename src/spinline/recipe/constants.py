@@ -4,7 +4,7 @@ Calibrated are those of `Calibrated`, by the procedure of `benchmarks/spindb_cal
 every paper that is left out): the largest posterior density of the published fibres under the chain, with the priors listed
 there. `Taken` are not fitted, but they were not chosen blindly either: concentration at which people spin, Sherwood
 number, speed of flight and solid fraction were first picked with these papers in view, and the chain's form was settled
-after some 50 variants had been scored on them (medians 1.54 to 1.71, each with papers left out).
+after some 50 variants had been scored on them (medians 1.54 to 1.73, each with papers left out).
 """
 
 from dataclasses import dataclass, field
@@ -20,9 +20,9 @@ class Taken:
     ----------
     current_voltage, current_flow : float
         Exponents of the current of a viscous jet, `spinline.jetprofile.ehd.current.viscous_current`; as voltage counts
-        ``V/ln(1 + 4 H/r)``, the field near a needle. Of that law's viscosity to the 1/6 nothing is left in a needle's field,
-        which falls where the charge is handed over: measured currents do not follow the viscosity, straight jets at published
-        settings do with -0.03 (Newtonian) to -0.16 (`benchmarks/current_exponents.py`).
+        ``V/ln(1 + 4 H/r)``, the field near a needle. They suit the fibres; measured currents and straight jets from a needle
+        have V to about 1 and Q to 0.4. That law's viscosity to the 1/6 is left out: measured currents do not follow the
+        viscosity, and straight jets at published settings hardly do (`benchmarks/current_exponents.py`).
     spun_at, spun_at_sd : float
         Concentration over that of entanglement at which people spin, and the sd of its logarithm: 2.6 is the mean over 39
         pairs of paper and solution, whose sd, molar masses unknown, is 0.4, and 0.3 within those of one polymer.
