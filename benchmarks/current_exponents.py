@@ -5,7 +5,7 @@
 d ln I/d ln (voltage, flow rate, conductivity, viscosity) of two settings of each paper (drawn by chance), the rest of the
 needle being the medians of the recipe's chain: a Newtonian liquid, FENE-P whose relaxation time is that of the recipe's
 strands and follows its viscosity, and FENE-P of a hundredth of a second. The closed form of a viscous jet, which has neither
-a needle nor surface tension, has the viscosity to the 1/6. A quarter of an hour on two cores.
+a needle nor surface tension, has the viscosity to the 1/6. Ten minutes on two cores.
 """
 
 import time

@@ -42,7 +42,7 @@ PRIORS = {
     "current_level": (True, 3e-7, 0.8),
     # 14/3 in theta solvents; 3.9 in good ones; measured to 5.5 and more at high concentrations
     "viscosity_power": (False, 14 / 3, 0.7),
-    # viscous jet 1/2; straight jets from a needle 0.46 to 0.50; measured 0.4
+    # viscous jet 1/2; straight jets from a needle 0.46 to 0.49; measured 0.4
     "current_conductivity": (False, 0.5, 0.1),
 }
 SPREADS = ("laboratory", "setting", "repeat", *RESPONSES, "unevenness")

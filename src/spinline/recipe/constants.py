@@ -22,7 +22,7 @@ class Taken:
         Exponents of the current of a viscous jet, `spinline.jetprofile.ehd.current.viscous_current`; as voltage counts
         ``V/ln(1 + 4 H/r)``, the field near a needle. They suit the fibres; measured currents and straight jets from a needle
         have V to about 1 and Q to 0.4. That law's viscosity to the 1/6 is left out: measured currents do not follow the
-        viscosity, and straight jets at published settings hardly do (`benchmarks/current_exponents.py`).
+        viscosity, and straight jets at published settings have it to -0.03 to -0.17 (`benchmarks/current_exponents.py`).
     spun_at, spun_at_sd : float
         Concentration over that of entanglement at which people spin, and the sd of its logarithm: 2.6 is the mean over 39
         pairs of paper and solution, whose sd, molar masses unknown, is 0.4, and 0.3 within those of one polymer.
