@@ -150,18 +150,16 @@ def mixture_intrinsic_viscosity(
     *,
     temperature: float = 298.15,
 ) -> Intrinsic:
-    """``[eta]`` of a polymer in a mixture: its logarithm, and that of its doubt squared, between the solvents' by volume.
+    """``[eta]`` of a polymer in a mixture: its logarithm and the variance of that lie between the solvents' by volume.
 
     What two solvents do together to a chain that each dissolves badly, or well, is left out (cosolvency, one that the coil
     prefers).
 
     Parameters
     ----------
-    data : Polymer or str
-        Data, or a built-in name.
     solvent : mapping
         Mass fractions by name; with one that the library does not have, between them by mass.
-    molar_mass, solvent_quality
+    data, molar_mass, solvent_quality
         As of `intrinsic_viscosity`.
     temperature : float
         K, of the densities.
