@@ -21,7 +21,7 @@ from spinline.base.checks import positive
 from spinline.base.errors import InputError
 from spinline.rheology.materials import BOND_PROJECTION, Polymer, polymer, polymer_property
 from spinline.rheology.names import known_as
-from spinline.rheology.solvents import SOLVENTS, volume_shares
+from spinline.rheology.solvents import SOLVENTS, mass_shares, volume_shares
 
 __all__ = ["MARK_HOUWINK", "Intrinsic", "intrinsic_viscosity", "mixture_intrinsic_viscosity"]
 
@@ -155,43 +155,30 @@ def mixture_intrinsic_viscosity(
     What two solvents do together to a chain that each dissolves badly, or well, is left out (cosolvency, one that the coil
     prefers).
 
+    Parameters and errors are those of `intrinsic_viscosity`, but for
+
     Parameters
     ----------
     solvent : mapping
-        Mass fractions by name; with one that the library does not have, between them by mass.
-    data, molar_mass, solvent_quality
-        As of `intrinsic_viscosity`.
+        Mass fractions by name, > 0 of sum 1; where one is not in the library, by mass instead.
     temperature : float
         K, of the densities.
-
-    Returns
-    -------
-    Intrinsic
-
-    Raises
-    ------
-    InputError
-        As `intrinsic_viscosity`.
 
     Examples
     --------
     >>> round(1e3 * mixture_intrinsic_viscosity("PVP", {"water": 0.5, "methanol": 0.5}, 360.0).value)  # mL/g; 75, 94 alone
     85
     """
-    there = [name for name, share in solvent.items() if share > 0]
-    if len(there) == 1:
-        return intrinsic_viscosity(data, there[0], molar_mass, solvent_quality)
-    listed = all(known_as(name, SOLVENTS) for name in there)
-    parts = volume_shares(solvent, temperature) if listed else {name: solvent[name] for name in there}
-    found = [intrinsic_viscosity(data, name, molar_mass, solvent_quality) for name in parts]
-    shares = np.array(list(parts.values())) / sum(parts.values())
+    by_mass = mass_shares(solvent, "solvent")
+    if len(solvent) == 1:
+        return intrinsic_viscosity(data, next(iter(solvent)), molar_mass, solvent_quality)
+    found = [intrinsic_viscosity(data, name, molar_mass, solvent_quality) for name in solvent]
+    listed = all(known_as(name, SOLVENTS) for name in solvent)
+    shares = np.array(list(volume_shares(solvent, temperature).values())) if listed else by_mass
     mean = float(np.exp(shares @ np.log([one.value for one in found])))
     factor = float(np.exp(np.sqrt(shares @ np.square(np.log([one.factor for one in found])))))
-    return Intrinsic(
-        mean,
-        factor,
-        f"between {' and '.join(parts)} by {'volume' if listed else 'mass'}, within a factor of {factor:.2g}",
-    )
+    by = "volume" if listed else "mass"
+    return Intrinsic(mean, factor, f"between {' and '.join(solvent)} by {by}, within a factor of {factor:.2g}")
 
 
 def _of_chain(data: Polymer, molar_mass: float, solvent_quality: str, kuhn_length: float | None) -> float:

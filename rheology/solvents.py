@@ -215,11 +215,10 @@ def solvent_molar_mass(name: str, field: str = "solvent") -> float:
     return float(molecular_weight(atoms)) * 1e-3
 
 
-def volume_shares(shares: Mapping[str, float], temperature: float) -> dict[str, float]:
-    """Volume fractions of solvents given by mass fraction, at a temperature, K; volumes additive."""
-    volumes = {name: share / solvent_density(name, temperature) for name, share in shares.items() if share > 0}
-    total = sum(volumes.values())
-    return {name: volume / total for name, volume in volumes.items()}
+def volume_shares(shares: Mapping[str, float], temperature: float, field: str = "solvent") -> dict[str, float]:
+    """Volume fractions of solvents given by mass fraction; parameters and errors as for `mixture_density`."""
+    volumes = mass_shares(shares, field) / np.array([solvent_density(name, temperature, field) for name in shares])
+    return dict(zip(shares, (volumes / volumes.sum()).tolist(), strict=True))
 
 
 def mixture_density(shares: Mapping[str, float], temperature: float, field: str = "solvent") -> float:
@@ -261,10 +260,9 @@ def mixture_surface_tension(shares: Mapping[str, float], temperature: float, fie
 
     ``(sum_i V_i sqrt(sigma_i))^2`` with volume fractions V: too high by up to a half for a little of anything in water.
     """
-    part = mass_shares(shares, field)
-    volume = part / np.array([solvent_density(name, temperature, field) for name in shares])
+    volume = np.array(list(volume_shares(shares, temperature, field).values()))
     roots = np.sqrt([solvent_surface_tension(name, temperature, field) for name in shares])
-    return float((volume @ roots / volume.sum()) ** 2)
+    return float((volume @ roots) ** 2)
 
 
 def mass_shares(shares: Mapping[str, float], field: str) -> FloatArray:

@@ -265,7 +265,7 @@ def test_the_table_of_laws_times_and_speeds():
         )
         assert said[1] == written[1]
         if written[0]:  # where the last iterate crosses: it did not converge, so processors differ in the fourth digit
-            assert float(said[0]) == pytest.approx(float(written[0]), rel=1e-2)
+            assert float(said[0]) == pytest.approx(float(written[0]), rel=1e-3)
         if jet.z.size:
             assert jet.tension[0] * 1e6 == pytest.approx(row["force_uN"], rel=1e-6)
             assert jet.velocity[-1] == pytest.approx(row["end_m_s"], rel=1e-6)

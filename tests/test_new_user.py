@@ -111,3 +111,9 @@ def test_the_folder_of_a_jetspin_run_is_no_scene_and_is_told_where_it_goes(spinl
     assert ran.code == 2
     assert f"spinline import-jet {folder}" in ran.err
     assert f"spinline spin {folder / 'input.dat'}" in ran.err
+
+
+def test_a_folder_of_two_words_is_written_so_that_a_shell_takes_it(spinline, tmp_path):
+    (tmp_path / "my run").mkdir()
+    (tmp_path / "my run" / "input.dat").touch()
+    assert "`spinline import-jet 'my run'`" in spinline("run", "my run").err

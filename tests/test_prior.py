@@ -149,12 +149,37 @@ def test_a_mixture_lies_between_its_solvents_without_a_jump() -> None:
     for share in (0.0, 0.5, 1.0):
         near = [in_water(float(np.clip(share + step, 0.0, 1.0))) for step in (-1e-6, 1e-6)]
         assert near[0] == pytest.approx(near[1], abs=1e-5)
-    alone = mixture_intrinsic_viscosity("PVP", {"water": 1.0, "methanol": 0.0}, 360.0)
+    alone = mixture_intrinsic_viscosity("PVP", {"water": 1.0}, 360.0)
     assert alone == intrinsic_viscosity("PVP", "water", 360.0)
     own = mixture_intrinsic_viscosity("PVP", {"water": 0.25, "a solvent of my own": 0.75}, 360.0)
     parts = [np.log(intrinsic_viscosity("PVP", name, 360.0).value) for name in ("water", "a solvent of my own")]
     assert np.log(own.value) == pytest.approx(0.25 * parts[0] + 0.75 * parts[1])
     assert "by mass" in own.source
+
+
+@pytest.mark.parametrize(
+    "shares",
+    [
+        *({}, {"DMF": 0.0}, {"DMF": np.nan, "water": 0.5}, {"DMF": np.inf, "water": 0.5}, {"DMF": -0.5, "water": 1.5}),
+        *({"DMF": 5, "water": 5}, {"DMF": 1.0, "water": 0.0}, {"DMF": "x", "water": 1}, "DMF", None, {1: 1.0}),
+    ],
+)
+def test_shares_that_no_mixture_has_are_refused(shares: object) -> None:
+    """Nothing of no solvent had been 1 m3/kg, and a share that is no number had been left out."""
+    for wrong in (lambda: mixture_intrinsic_viscosity("PAN", shares, 150.0), lambda: volume_shares(shares, 298.15)):  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="solvent"):
+            wrong()
+
+
+def test_extreme_mixtures_and_chains_are_right_or_refused() -> None:
+    trace = mixture_intrinsic_viscosity("PVP", {"methanol": 1e-12, "water": 1 - 1e-12}, 360.0)
+    assert trace.value == pytest.approx(intrinsic_viscosity("PVP", "water", 360.0).value)
+    for wrong in (0.0, -1.0, np.nan, 1e4, "x"):
+        with pytest.raises(InputError, match="temperature"):
+            mixture_intrinsic_viscosity("PVP", {"methanol": 0.5, "water": 0.5}, 360.0, temperature=wrong)  # type: ignore[arg-type]
+    for wrong in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(InputError, match="molar_mass"):
+            mixture_intrinsic_viscosity("PVP", {"methanol": 0.5, "water": 0.5}, wrong)
 
 
 def test_other_names() -> None:

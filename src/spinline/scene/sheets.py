@@ -1,6 +1,7 @@
 """Any TOML file of a user's: found, read, overrides applied, checked against its model."""
 
 import difflib
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -43,8 +44,11 @@ def read_toml(
     near = difflib.get_close_matches(str(source)[:200], bundled, n=1)
     some = f"bundled: {', '.join(bundled)}" if 0 < len(bundled) <= _FEW else "`spinline scenes` lists the bundled ones"
     if _there(path / "input.dat"):
-        own = path / "input.dat"
-        near, some = [], f"of a JETSPIN run: `spinline import-jet {path}` reads its jet, `spinline spin {own}` spins it"
+        folder, own = (shlex.quote(str(name)) for name in (path, path / "input.dat"))
+        near, some = (
+            [],
+            f"of a JETSPIN run: `spinline import-jet {folder}` reads its jet, `spinline spin {own}` spins it",
+        )
     data, text = read_toml_text(path, noun, LONGEST, f"did you mean the bundled {near[0]!r}?" if near else some)
     is_meant(data, noun, str(source))
     for override in overrides:
