@@ -1,4 +1,4 @@
-"""From a recipe to the fibre: answers, intervals, what moves them, bad recipes, tables, and the committed judgement."""
+"""From a recipe to the fibre: answers, intervals, what moves them, bad recipes, tables."""
 
 import csv
 import io
